@@ -101,10 +101,8 @@ struct ContactQuery::State {
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
                                make_room(contacts.contacts);
                                Contact& contact = contacts.contacts.emplace_back();
-                               describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
+                               describe(trees, node_a, node_b, contact);
                                contact.pair = i;
-                               contact.node_a = node_a;
-                               contact.node_b = node_b;
                                contact.finished = true;
                              }).tests;
       contacts.achieved_level.push_back(trees.depth());
@@ -122,12 +120,31 @@ struct ContactQuery::State {
     walk.front.pairs.clear();
   }
 
-  ContactStatus done(ObjectCall<State>& own) {
+  /// A call: work() where the bodies, and then fits(), say that it may be done.
+  template <class Fits, class Work>
+  ContactStatus call_of(CallKind kind, const Fits& fits, const Work& work) {
+    const StandardFloats standard;
+    ObjectCall own(*this, kind);
+    if (!own.status()) return {own.status()};
+    if (const Status status = usable(); !status) return {status};
+    if (const Status status = fits(); !status) return {status};
+    begin_reading();
+    work();
     const Status status = unmoved();
     own.finish(status);
     if (!status) return {status};
     front_from_outside = lacks_contacts = false;
     return {{}, contacts.finished, contacts.pair_tests};
+  }
+  template <class Work>
+  ContactStatus fresh(const Work& work) {
+    return call_of(
+        CallKind::begins, [] { return Status{}; }, work);
+  }
+  template <class Work>
+  ContactStatus from_front(bool same_frame, const Work& work) {
+    return call_of(
+        CallKind::goes_on, [&] { return fits(same_frame); }, work);
   }
 };
 
@@ -169,28 +186,19 @@ const CollideOptions& ContactQuery::options() const {
 }
 
 ContactStatus ContactQuery::run(Workers& workers) {
-  const StandardFloats standard;
   State& s = *state_;
-  ObjectCall own(s, CallKind::begins);
-  if (!own.status()) return {own.status()};
-  if (const Status status = s.usable(); !status) return {status};
-  s.begin_reading();
-  s.run(s.options, workers);
-  return s.done(own);
+  return s.fresh([&] { s.run(s.options, workers); });
 }
 
 Status ContactQuery::warm_up(Workers& workers) {
-  const StandardFloats standard;
   State& s = *state_;
-  ObjectCall own(s, CallKind::begins);
-  if (!own.status()) return own.status();
-  if (const Status status = s.usable(); !status) return status;
-  CollideOptions all = s.options;
-  all.budget = {};
-  s.begin_reading();
-  s.run(all, workers);
-  s.walk.start(all, true, workers, s.contacts);
-  if (const ContactStatus status = s.done(own); !status) return status;
+  const ContactStatus status = s.fresh([&] {
+    CollideOptions all = s.options;
+    all.budget = {};
+    s.run(all, workers);
+    s.walk.start(all, true, workers, s.contacts);
+  });
+  if (!status) return status;
   s.walk.front.pairs.clear();
   s.contacts.contacts.clear();
   s.contacts.surfaces.clear();
@@ -201,40 +209,22 @@ Status ContactQuery::warm_up(Workers& workers) {
 }
 
 ContactStatus ContactQuery::start(Workers& workers) {
-  const StandardFloats standard;
   State& s = *state_;
-  ObjectCall own(s, CallKind::begins);
-  if (!own.status()) return {own.status()};
-  if (const Status status = s.usable(); !status) return {status};
-  s.begin_reading();
-  s.walk.start(s.options, true, workers, s.contacts);
-  return s.done(own);
+  return s.fresh([&] { s.walk.start(s.options, true, workers, s.contacts); });
 }
 
 ContactStatus ContactQuery::resume(Workers& workers) {
-  const StandardFloats standard;
   State& s = *state_;
-  ObjectCall own(s, CallKind::goes_on);
-  if (!own.status()) return {own.status()};
-  if (const Status status = s.usable(); !status) return {status};
-  if (const Status status = s.fits(true); !status) return {status};
-  s.begin_reading();
-  // mutant contacts-taken-away: `s.front_from_outside || s.lacks_contacts` -> `s.front_from_outside`
-  if (s.front_from_outside || s.lacks_contacts) s.walk.list_finished(s.options, s.contacts);
-  s.walk.resume(s.options, workers, s.contacts);
-  return s.done(own);
+  return s.from_front(true, [&] {
+    // mutant contacts-taken-away: `s.front_from_outside || s.lacks_contacts` -> `s.front_from_outside`
+    if (s.front_from_outside || s.lacks_contacts) s.walk.list_finished(s.options, s.contacts);
+    s.walk.resume(s.options, workers, s.contacts);
+  });
 }
 
 ContactStatus ContactQuery::carry(Workers& workers) {
-  const StandardFloats standard;
   State& s = *state_;
-  ObjectCall own(s, CallKind::goes_on);
-  if (!own.status()) return {own.status()};
-  if (const Status status = s.usable(); !status) return {status};
-  if (const Status status = s.fits(false); !status) return {status};
-  s.begin_reading();
-  s.walk.carry(s.options, workers, s.contacts);
-  return s.done(own);
+  return s.from_front(false, [&] { s.walk.carry(s.options, workers, s.contacts); });
 }
 
 const Contacts& ContactQuery::contacts() const {

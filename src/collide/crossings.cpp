@@ -2,22 +2,197 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <morula/collide/collider.hpp>
 #include <morula/collide/crossings.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "collide/facets/node_facets.hpp"
+#include "collide/facets/box_kernels.hpp"
+#include "collide/facets/corner_reader.hpp"
 #include "collide/pairs/descent.hpp"
-#include "collide/pairs/pair_set.hpp"
 #include "collide/require.hpp"
 #include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
 #include "query/triangle_pairs.hpp"
+#include "simd/float4.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
+
+/// A set of pairs of indices that is filled, asked and emptied; its memory stays.
+class PairSet {
+ public:
+  /// True when the key was not there. Not 2^64 - 1.
+  bool insert(std::uint64_t key) {
+    if (2 * size_ >= slots_.size()) grow();
+    if (!put(key)) return false;
+    ++size_;
+    return true;
+  }
+  std::size_t size() const { return size_; }
+  void clear() {
+    std::fill(slots_.begin(), slots_.end(), nothing);
+    size_ = 0;
+  }
+
+ private:
+  static constexpr std::uint64_t nothing = ~std::uint64_t{0};
+
+  bool put(std::uint64_t key) {
+    const std::size_t mask = slots_.size() - 1;
+    const int shift = 64 - std::countr_zero(slots_.size());
+    for (std::size_t i = (key * 0x9e3779b97f4a7c15u) >> shift;; i = (i + 1) & mask) {
+      if (slots_[i] == key) return false;
+      if (slots_[i] != nothing) continue;
+      slots_[i] = key;
+      return true;
+    }
+  }
+  void grow() {
+    std::vector<std::uint64_t> before(std::max<std::size_t>(1024, 4 * slots_.size()), nothing);
+    before.swap(slots_);
+    for (const std::uint64_t key : before)
+      if (key != nothing) put(key);
+  }
+
+  std::vector<std::uint64_t> slots_;  // a power of two of them
+  std::size_t size_ = 0;
+};
+
+/// The facets of the nodes that one query looks at, each node's read once: boxes, and corners in the world.
+class NodeFacets {
+ public:
+  /// Forgets all facets, not the memory. origin: what boxes are about.
+  void start(const Collider& collider, const Vec3& origin);
+
+  struct Range {
+    std::uint32_t begin = 0, size = 0;  ///< of slots; their number without filling
+    FloatBox box;                       ///< of them all
+  };
+  /// A node's facets, read if they have not been. The reference is good until the next call.
+  const Range& read(std::uint32_t node);
+
+  /// Boxes of a range, filled up. Good until the next read.
+  BoxList boxes(const Range& range) const {
+    BoxList list;
+    for (std::size_t k = 0; k < 6; ++k) list.column[k] = bounds_[k].data() + range.begin;
+    list.count = filled(range.size);
+    return list;
+  }
+  std::uint32_t facet(std::uint32_t slot) const { return facet_[slot]; }
+  /// Corners in the world: few are asked for, so they are placed when they are. Good until the next call.
+  const Triangle& triangle(std::uint32_t slot) {
+    std::uint32_t& place = triangle_of_[slot];
+    if (place == unread) {
+      place = static_cast<std::uint32_t>(triangles_.size());
+      triangles_.push_back(collider_->triangle(facet_[slot]));
+    }
+    return triangles_[place];
+  }
+  std::size_t facets_read() const { return facets_read_; }
+
+  static std::size_t filled(std::size_t count) { return (count + box_list_step - 1) / box_list_step * box_list_step; }
+
+ private:
+  const Collider* collider_ = nullptr;
+  Vec3 origin_;
+  // Of a node: in which query it was read last, and what was found.
+  std::vector<std::uint32_t> stamp_;
+  std::vector<Range> range_;
+  std::uint32_t now_ = 0;
+  // Of a slot.
+  std::vector<float> bounds_[6];
+  std::vector<std::uint32_t> facet_;
+  static constexpr std::uint32_t unread = 0xffffffffu;
+  std::vector<std::uint32_t> triangle_of_;  // in triangles_
+  std::vector<Triangle> triangles_;
+  std::size_t used_ = 0, facets_read_ = 0;
+};
+
+/// x and y in one register, z twice in another.
+struct Registers {
+  Double2 xy, z;
+};
+Registers registers(const Vec3& p) {
+  return {Double2{p.x, p.y}, Double2(p.z)};
+}
+
+/// RigidTransform's own operations in its own order, so the same bits, two coordinates at a time.
+class Placement {
+ public:
+  explicit Placement(const RigidTransform& t)
+      : columns_{registers({t.rows[0].x, t.rows[1].x, t.rows[2].x}), registers({t.rows[0].y, t.rows[1].y, t.rows[2].y}),
+                 registers({t.rows[0].z, t.rows[1].z, t.rows[2].z})},
+        translation_(registers(t.translation)) {}
+  Registers operator()(const Vec3& p) const {
+    const Double2 x = Double2(p.x), y = Double2(p.y), z = Double2(p.z);
+    return {columns_[0].xy * x + columns_[1].xy * y + columns_[2].xy * z + translation_.xy,
+            columns_[0].z * x + columns_[1].z * y + columns_[2].z * z + translation_.z};
+  }
+
+ private:
+  Registers columns_[3], translation_;
+};
+
+void NodeFacets::start(const Collider& collider, const Vec3& origin) {
+  collider_ = &collider;
+  origin_ = origin;
+  used_ = facets_read_ = 0;
+  triangles_.clear();
+  const std::size_t nodes = collider.tree().node_count();
+  if (stamp_.size() < nodes) stamp_.resize(nodes, now_), range_.resize(nodes);
+  if (++now_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0);
+    now_ = 1;
+  }
+}
+
+const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
+  Range& range = range_[node];
+  if (stamp_[node] == now_) return range;
+  stamp_[node] = now_;
+  const std::span<const std::uint32_t> facets = collider_->facets(node);
+  range = {static_cast<std::uint32_t>(used_), static_cast<std::uint32_t>(facets.size()), {}};
+  facets_read_ += facets.size();
+  const std::size_t end = used_ + filled(facets.size());
+  if (facet_.size() < end) {
+    const std::size_t room = std::max(end, 2 * facet_.size());
+    facet_.resize(room);
+    triangle_of_.resize(room);
+    for (std::vector<float>& bounds : bounds_) bounds.resize(room);
+  }
+  // Boxes are in float, yet need no pads: "minus the origin, rounded to double, rounded to float" keeps the order of
+  // coordinates, as equals at worst. Where intervals of doubles have a common number, so have these.
+  const CornerReader corners(*collider_);
+  const Placement placement(collider_->placement());
+  const Registers origin = registers(origin_);
+  for (const std::uint32_t facet : facets) {
+    const Triangle t = corners(facet);
+    const Registers p = placement(t[0]), q = placement(t[1]), r = placement(t[2]);
+    const Double2 lower_xy = min(min(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 upper_xy = max(max(p.xy, q.xy), r.xy) - origin.xy;
+    const Double2 lower_z = min(min(p.z, q.z), r.z) - origin.z;
+    const Double2 upper_z = max(max(p.z, q.z), r.z) - origin.z;
+    const FloatBox box{{static_cast<float>(lower_xy[0]), static_cast<float>(lower_xy[1]),
+                        static_cast<float>(lower_z[0]), static_cast<float>(upper_xy[0]),
+                        static_cast<float>(upper_xy[1]), static_cast<float>(upper_z[0])}};
+    range.box.add(box);
+    facet_[used_] = facet;
+    triangle_of_[used_] = unread;
+    for (std::size_t k = 0; k < 6; ++k) bounds_[k][used_] = box.bound[k];
+    ++used_;
+  }
+  constexpr FloatBox empty;
+  for (; used_ < end; ++used_)
+    for (std::size_t k = 0; k < 6; ++k) bounds_[k][used_] = empty.bound[k];
+  return range;
+}
 
 /// Some boxes of a node, copied next to each other.
 class Selection {

@@ -8,6 +8,7 @@
 #include <morula/geometry/box.hpp>
 #include <numbers>
 
+#include "collide/pairs/meter.hpp"
 #include "collide/require.hpp"
 #include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
@@ -187,62 +188,38 @@ struct PenetrationQuery::State {
     return verdict;
   }
 
-  Penetration go_on(const PenetrationOptions& options) {
-    Penetration result;
-    result.status = usable(options);
-    if (!result.status) return result;
-    const auto now = [&] {
-      return options.clock ? options.clock() : std::chrono::steady_clock::now().time_since_epoch();
-    };
-    const std::chrono::nanoseconds begin = options.budget.is_time() ? now() : std::chrono::nanoseconds{};
-    const auto is_spent = [&] {
-      if (options.budget.is_tests())  // a cell's eight parts take two each at the most
-        return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
-      return options.budget.is_time() && now() - begin >= options.budget.time();
-    };
-    const auto is_narrow = [&] {
-      lower = std::max(lower, sure + open_inside);
-      upper = std::min(upper, sure + open_all);
-      return upper - lower <= std::max(options.tolerance * upper, options.volume_tolerance);
-    };
-    while (!(result.finished = is_narrow()) && !is_spent()) {
-      if (next == cells.size()) {
-        if (parts.empty() || parts.front().level >= most_levels) break;
-        cells.swap(parts), shares.swap(part_shares);
-        parts.clear(), part_shares.clear();
-        next = 0;
-        continue;
-      }
-      ask_to_go_on();
-      const Cell cell = cells[next];
-      const std::uint32_t level = cell.level + 1;
-      const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));
-      const double part_volume = volume_of(level);
-      std::array<Cell, 8> below;
-      std::array<Verdict, 8> verdicts;
-      for (std::size_t k = 0; k < 8; ++k) {
-        below[k] = {cell.center + Vec3{k & 1 ? quarter.x : -quarter.x, k & 2 ? quarter.y : -quarter.y,
-                                       k & 4 ? quarter.z : -quarter.z},
-                    level, cell.in_a, cell.in_b};
-        verdicts[k] = look(below[k]);
-        result.probes += verdicts[k].probes;
-        if (!verdicts[k].status) {
-          result.status = verdicts[k].status;
-          return result;
-        }
-      }
-      open_inside -= shares[next].inside;
-      open_all -= volume_of(cell.level) - shares[next].outside;
-      ++next;
-      for (std::size_t k = 0; k < 8; ++k) {
-        if (verdicts[k].what == Verdict::inside) sure += part_volume, sure_moment += below[k].center * part_volume;
-        if (verdicts[k].what != Verdict::undecided) continue;
-        parts.push_back(below[k]);
-        part_shares.push_back(verdicts[k].share);
-        open_inside += verdicts[k].share.inside;
-        open_all += part_volume - verdicts[k].share.outside;
-      }
+  /// Puts its undecided parts in the place of the next cell.
+  Status divide_next(std::size_t& probes) {
+    const Cell cell = cells[next];
+    const std::uint32_t level = cell.level + 1;
+    const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));
+    const double part_volume = volume_of(level);
+    std::array<Cell, 8> below;
+    std::array<Verdict, 8> verdicts;
+    for (std::size_t k = 0; k < 8; ++k) {
+      below[k] = {cell.center + Vec3{k & 1 ? quarter.x : -quarter.x, k & 2 ? quarter.y : -quarter.y,
+                                     k & 4 ? quarter.z : -quarter.z},
+                  level, cell.in_a, cell.in_b};
+      verdicts[k] = look(below[k]);
+      probes += verdicts[k].probes;
+      if (!verdicts[k].status) return verdicts[k].status;
     }
+    open_inside -= shares[next].inside;
+    open_all -= volume_of(cell.level) - shares[next].outside;
+    ++next;
+    for (std::size_t k = 0; k < 8; ++k) {
+      if (verdicts[k].what == Verdict::inside) sure += part_volume, sure_moment += below[k].center * part_volume;
+      if (verdicts[k].what != Verdict::undecided) continue;
+      parts.push_back(below[k]);
+      part_shares.push_back(verdicts[k].share);
+      open_inside += verdicts[k].share.inside;
+      open_all += part_volume - verdicts[k].share.outside;
+    }
+    return {};
+  }
+
+  /// Bounds and centre, as far as is known.
+  void sum_up(Penetration& result) const {
     double guess = sure;
     Vec3 moment = sure_moment;
     const auto add = [&](const Cell& cell, const Share& share) {
@@ -261,6 +238,35 @@ struct PenetrationQuery::State {
     result.upper = is_empty ? 0.0 : upper + rounding;
     result.estimate = std::clamp(guess, result.lower, result.upper);
     result.certified = body[0]->pose().covers && body[1]->pose().covers;
+  }
+
+  Penetration go_on(const PenetrationOptions& options) {
+    Penetration result;
+    result.status = usable(options);
+    if (!result.status) return result;
+    const std::chrono::nanoseconds begin = options.budget.is_time() ? now(options.clock) : std::chrono::nanoseconds{};
+    const auto is_spent = [&] {
+      if (options.budget.is_tests())  // a cell's eight parts take two each at the most
+        return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
+      return options.budget.is_time() && now(options.clock) - begin >= options.budget.time();
+    };
+    const auto is_narrow = [&] {
+      lower = std::max(lower, sure + open_inside);
+      upper = std::min(upper, sure + open_all);
+      return upper - lower <= std::max(options.tolerance * upper, options.volume_tolerance);
+    };
+    while (!(result.finished = is_narrow()) && !is_spent()) {
+      if (next == cells.size()) {
+        if (parts.empty() || parts.front().level >= most_levels) break;
+        cells.swap(parts), shares.swap(part_shares);
+        parts.clear(), part_shares.clear();
+        next = 0;
+        continue;
+      }
+      ask_to_go_on();
+      if (result.status = divide_next(result.probes); !result.status) return result;
+    }
+    sum_up(result);
     return result;
   }
 };

@@ -50,7 +50,7 @@ void PairFront::look(const SceneOptions& options) {
   roots_overlap_ = trees.overlaps(0, 0);
   if (!roots_overlap_) return;
   overlap_share_ = detail::overlap_share(trees.placed(), trees.sphere_a(0), trees.sphere_b(0));
-  describe(trees.placed(), trees.sphere_a(0), trees.sphere_b(0), coarse_);
+  describe(trees, 0, 0, coarse_);
 }
 
 void PairFront::part() {
@@ -86,9 +86,7 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
       trees,
       [&](std::uint32_t node_a, std::uint32_t node_b) {
         Contact& contact = descended_.emplace_back();
-        describe(trees.placed(), trees.sphere_a(node_a), trees.sphere_b(node_b), contact);
-        contact.node_a = node_a;
-        contact.node_b = node_b;
+        describe(trees, node_a, node_b, contact);
         contact.finished = true;
       },
       most_tests);

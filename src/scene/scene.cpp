@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collide/pairs/placed_spheres.hpp"
 #include "collide/require.hpp"
 #include "parallel/float_environment.hpp"
 #include "scene/scene_state.hpp"
@@ -27,6 +28,30 @@ void require_masks(std::uint32_t of) {
 }
 
 }  // namespace
+
+BodyStamp detail::stamp_of(const Collider& collider) {
+  const PosedTree& pose = collider.pose();
+  return {pose.ownership, pose.frame, pose.origin, collider.placement()};
+}
+
+// A pair test counts r_a as (1 + 2^-20) r_a, r_b as (1 + 2^-19) r_b, and adds 2^-20 (|c_b|_1 + U) + 2^-46 A + 2^-60 and
+// the margin (placed_pair.hpp). U, the distance of both origins along an axis, is at most |c_a| + |c_b| + r_a + r_b and
+// the margin where the test says that they overlap. So each side's share is below 2^-18 (|c|_1 + r) + 2^-46 A + 2^-60
+// and half the margin with 2^-19 of it; here is twice that, which pays for rounding, the kernel's included.
+Sphere detail::ball_around(const Collider& collider, double margin) {
+  const Sphere root = PlacedSpheres(collider)(0);
+  const Spheref& local = collider.pose().spheres[0];
+  const double size = static_cast<double>(std::abs(local.center.x) + std::abs(local.center.y) +
+                                          std::abs(local.center.z) + local.radius);
+  const double far = max_norm(collider.pose().origin) + max_norm(collider.placement().translation);
+  const double half = root.radius + 0x1p-17 * size + 0x1p-45 * far + 0x1p-59 + 0.5 * margin * (1 + 0x1p-18);
+  return {root.center, half};
+}
+
+Box detail::box_around(const Sphere& ball) {
+  const Vec3 half{ball.radius, ball.radius, ball.radius};
+  return {ball.center - half, ball.center + half};
+}
 
 std::string message(const SceneStatus& status) {
   if (status.code == Status::Code::other_frame && status.offender)
@@ -100,7 +125,7 @@ void Scene::replace(BodyId id, const Collider& collider) {
   for (SceneState::Near& pair : s.near)
     if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {
       pair.front->unbind();
-      pair.is_bound = false;
+      pair.generation_a = 0;
     }
   std::erase_if(s.parted_fronts, [&](PairFront* front) {
     // mutant scene-parted-fronts-of-replaced: `if (front->id_a() != id && front->id_b() != id) return` -> `return`
@@ -191,27 +216,6 @@ Status detail::SceneState::usable(const Collider& collider) const {
   return {};
 }
 
-SceneRayHit Scene::first_hit(const Ray& ray) const {
-  const StandardFloats standard;
-  return state_->idle("first_hit").first_hit(ray);
-}
-
-SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  return state_->idle("touch").touch(shape, options);
-}
-SceneStatus Scene::touch(const Sphere& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  return state_->idle("touch").touch(shape, options);
-}
-SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  return state_->idle("touch").touch(shape, options);
-}
-SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  return state_->idle("touch").touch(shape, options);
-}
 std::span<const SceneTouch> Scene::touches() const {
   return state_->idle("touches").touches;
 }

@@ -5,20 +5,13 @@
 #include <cmath>
 #include <morula/geometry/scale.hpp>
 
+#include "collide/shapes/placed_shapes.hpp"
+#include "parallel/float_environment.hpp"
 #include "scene/scene_state.hpp"
 
-namespace morula::detail {
+namespace morula {
+using namespace detail;
 namespace {
-
-SceneStatus refusal(const Status& status, std::optional<BodyId> offender = {}) {
-  SceneStatus refused{status};
-  refused.offender = offender;
-  return refused;
-}
-
-bool is_finite(const Vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 Box grown(Box box, double by) {
   // What rounding takes from it, and what the tests of shapes allow.
@@ -27,9 +20,38 @@ Box grown(Box box, double by) {
   return box;
 }
 
+/// find(margin): the bodies that the shape may come so near, in s.found.
+template <class Shape, class Find>
+SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const TouchOptions& options, const Find& find) {
+  const StandardFloats standard;
+  if (SceneStatus status = s.current(); !status) return status;
+  if (!std::isfinite(options.margin) || options.nearest) return refusal({Status::Code::bad_option});
+  if (!is_usable(shape) || !is_near) return refusal({Status::Code::bad_shape});
+  find(std::max(0.0, options.margin));
+  for (const std::uint32_t place : s.found)
+    if (const Collider& collider = *s.bodies[place].collider; collider.has_surface())
+      if (const Status status = askable(collider); !status) return refusal(status, s.id_of(place));
+  s.touches.clear();
+  try {
+    for (const std::uint32_t place : s.found) {
+      const Collider& collider = *s.bodies[place].collider;
+      if (!collider.has_surface()) continue;
+      if (s.touches.size() == s.touch_queries.size()) s.touch_queries.push_back(std::make_unique<TouchQuery>());
+      const Touch& touch = s.touch_queries[s.touches.size()]->run(collider, shape, options);
+      if (!touch.status) return refusal(touch.status, s.id_of(place));
+      if (!touch.clear) s.touches.push_back({s.id_of(place), &touch});
+    }
+  } catch (...) {
+    // Some of them would look like all, and a query may be half made.
+    s.touches.clear(), s.touch_queries.clear();
+    throw;
+  }
+  return {};
+}
+
 }  // namespace
 
-SceneStatus SceneState::current() const {
+SceneStatus detail::SceneState::current() const {
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     const SceneBody& body = bodies[place];
     if (body.collider == nullptr) continue;
@@ -39,92 +61,64 @@ SceneStatus SceneState::current() const {
   return {};
 }
 
-SceneRayHit SceneState::first_hit(const Ray& ray) const {
-  SceneRayHit hit{.status = current()};
+SceneRayHit Scene::first_hit(const Ray& ray) const {
+  const StandardFloats standard;
+  const SceneState& s = state_->idle("first_hit");
+  SceneRayHit hit{.status = s.current()};
   if (!hit.status) return hit;
   if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3{} || !(ray.t_end >= 0)) {
     hit.status.code = Status::Code::bad_shape;
     return hit;
   }
-  broad.find_along(ray.origin, ray.direction, ray.t_end, found);
+  s.broad.find_along(ray.origin, ray.direction, ray.t_end, s.found);
   hit.certified = true;
   Ray rest = ray;
   const RayQuery query;
-  for (const std::uint32_t place : found) {
-    const Collider& collider = *bodies[place].collider;
+  for (const std::uint32_t place : s.found) {
+    const Collider& collider = *s.bodies[place].collider;
     if (!collider.has_surface()) continue;
     const RayHit here = query.run(collider, rest);
-    if (!here.status) return {.status = refusal(here.status, id_of(place))};
+    if (!here.status) return {.status = refusal(here.status, s.id_of(place))};
     hit.certified = hit.certified && here.certified;
     if (!here.first || (hit.first && !(here.first->t < hit.first->t))) continue;
     hit.first = here.first;
-    hit.body = id_of(place);
+    hit.body = s.id_of(place);
     rest.t_end = here.first->t;
   }
   // Bodies that the ray does not come near could stick out of their boxes.
-  for (const SceneBody& body : bodies)
+  for (const SceneBody& body : s.bodies)
     hit.certified = hit.certified && (body.collider == nullptr || body.collider->pose().covers);
   return hit;
 }
 
-template <class Shape>
-SceneStatus SceneState::touch_found(const Shape& shape, const TouchOptions& touch_options) {
-  for (const std::uint32_t place : found)
-    if (const Collider& collider = *bodies[place].collider; collider.has_surface())
-      if (const Status status = askable(collider); !status) return refusal(status, id_of(place));
-  touches.clear();
-  try {
-    for (const std::uint32_t place : found) {
-      const Collider& collider = *bodies[place].collider;
-      if (!collider.has_surface()) continue;
-      if (touches.size() == touch_queries.size()) touch_queries.push_back(std::make_unique<TouchQuery>());
-      const Touch& touch = touch_queries[touches.size()]->run(collider, shape, touch_options);
-      if (!touch.status) return refusal(touch.status, id_of(place));
-      if (!touch.clear) touches.push_back({id_of(place), &touch});
-    }
-  } catch (...) {
-    // Some of them would look like all, and a query may be half made.
-    touches.clear(), touch_queries.clear();
-    throw;
-  }
-  return {};
+SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
+  SceneState& s = state_->idle("touch");
+  return touch_all(s, shape, true, options, [&](double margin) {
+    const double offset = shape.offset + margin * scaled_length(shape.normal);
+    s.broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), s.found);
+  });
 }
 
-SceneStatus SceneState::touch(const HalfSpace& shape, const TouchOptions& touch_options) {
-  if (SceneStatus status = current(); !status) return status;
-  if (!std::isfinite(touch_options.margin) || touch_options.nearest) return refusal({Status::Code::bad_option});
-  if (!is_finite(shape.normal) || !std::isfinite(shape.offset) || shape.normal == Vec3{} ||
-      !(max_norm(shape.normal) < 0x1p200 && std::abs(shape.offset) < 0x1p400))
-    return refusal({Status::Code::bad_shape});
-  const double offset = shape.offset + std::max(0.0, touch_options.margin) * scaled_length(shape.normal);
-  broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), found);
-  return touch_found(shape, touch_options);
+SceneStatus Scene::touch(const Sphere& shape, const TouchOptions& options) {
+  return touch(Capsule{shape.center, shape.center, shape.radius}, options);
 }
 
-SceneStatus SceneState::touch(const Sphere& shape, const TouchOptions& touch_options) {
-  return touch(Capsule{shape.center, shape.center, shape.radius}, touch_options);
+SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options) {
+  SceneState& s = state_->idle("touch");
+  return touch_all(s, shape, options.margin < 0x1p200, options, [&](double margin) {
+    Box box;
+    box.add(shape.p), box.add(shape.q);
+    s.broad.find(grown(box, shape.radius + margin), s.found);
+  });
 }
 
-SceneStatus SceneState::touch(const Capsule& shape, const TouchOptions& touch_options) {
-  if (SceneStatus status = current(); !status) return status;
-  if (!std::isfinite(touch_options.margin) || touch_options.nearest) return refusal({Status::Code::bad_option});
-  if (!is_finite(shape.p) || !is_finite(shape.q) || !std::isfinite(shape.radius) || shape.radius < 0 ||
-      !(std::max({max_norm(shape.p), max_norm(shape.q), shape.radius, touch_options.margin}) < 0x1p200))
-    return refusal({Status::Code::bad_shape});
-  Box box;
-  box.add(shape.p), box.add(shape.q);
-  broad.find(grown(box, shape.radius + std::max(0.0, touch_options.margin)), found);
-  return touch_found(shape, touch_options);
+SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options) {
+  SceneState& s = state_->idle("touch");
+  return touch_all(s, shape, options.margin < 0x1p200, options, [&](double margin) {
+    Box box;
+    for (const Vec3& p : shape.vertices()) box.add(p);
+    s.broad.find(grown(box, margin), s.found);
+  });
 }
 
-SceneStatus SceneState::touch(const ConvexHull& shape, const TouchOptions& touch_options) {
-  if (SceneStatus status = current(); !status) return status;
-  if (!std::isfinite(touch_options.margin) || touch_options.nearest) return refusal({Status::Code::bad_option});
-  if (shape.vertices().empty() || !(touch_options.margin < 0x1p200)) return refusal({Status::Code::bad_shape});
-  Box box;
-  for (const Vec3& p : shape.vertices()) box.add(p);
-  broad.find(grown(box, std::max(0.0, touch_options.margin)), found);
-  return touch_found(shape, touch_options);
-}
-
-}  // namespace morula::detail
+}  // namespace morula

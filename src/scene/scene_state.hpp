@@ -16,22 +16,71 @@
 #include <morula/scene/scene.hpp>
 #include <string_view>
 
+#include "collide/facets/leaf_surfaces.hpp"
 #include "collide/require.hpp"
-#include "scene/pair_extras.hpp"
 #include "scene/pair_front.hpp"
-#include "scene/scene_body.hpp"
 
 namespace morula::detail {
 
+/// What tells whether a body has moved.
+struct BodyStamp {
+  std::uint64_t ownership = 0, frame = 0;
+  Vec3 origin{};
+  RigidTransform placement{};
+  bool operator==(const BodyStamp&) const = default;
+};
+
+/// A body of a scene: its collider, what was read of it, and the box that it lies in.
+struct SceneBody {
+  const Collider* collider = nullptr;  ///< none: there is no such body
+  std::uint32_t generation = 0;
+  SceneBodyOptions options{};
+  bool is_asleep = false;
+  bool is_falling_asleep = false;  ///< looked at once more in the next update: its last move may have come just before
+  bool is_to_be_read = false;      ///< in the next update, though it is static or asleep; counts as moved then
+  bool has_moved = false;          ///< in this update
+  BodyStamp stamp{};
+  Sphere around{};       ///< the ball that the box is around
+  FacetShares shares{};  ///< of the collider, once surfaces were asked for
+
+  bool is_looked_at() const {
+    return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
+  }
+};
+
+/// What an update finds of a body, before it is known whether all can be used.
+struct BodyRead {
+  Status status{};
+  bool has_moved = false;
+  BodyStamp stamp{};
+  Sphere around{};
+};
+
+BodyStamp stamp_of(const Collider& collider);
+/// Two such balls have a point in common wherever the pair test of both roots says that they overlap or are no farther
+/// apart than the margin.
+Sphere ball_around(const Collider& collider, double margin);
+Box box_around(const Sphere& ball);
+
+inline SceneStatus refusal(const Status& status, std::optional<BodyId> offender = {}) {
+  SceneStatus refused{status};
+  refused.offender = offender;
+  return refused;
+}
+
 struct SceneState {
-  /// Two bodies whose boxes overlap, by place. Without a front: unwanted, or the roots have not overlapped yet.
+  /// Two bodies whose boxes overlap, by place.
   struct Near {
+    enum class Stage : std::uint8_t {
+      unasked,    ///< new: the masks and the filter come next
+      unwanted,   ///< by them; there is no front
+      roots_due,  ///< wanted, and the roots are to be looked at
+      looked_at,
+    };
     std::uint32_t a = 0, b = 0;
-    PairFront* front = nullptr;
-    bool is_wanted = false;
-    bool is_new = false;    ///< asks the filter, and looks at the roots
-    bool is_bound = false;  ///< the front is of these bodies, of these generations
-    std::uint32_t generation_a = 0, generation_b = 0;
+    PairFront* front = nullptr;  ///< of a pair that is wanted
+    Stage stage = Stage::unasked;
+    std::uint32_t generation_a = 0, generation_b = 0;  ///< of these bodies the front is; 0: of others
   };
 
   SceneOptions options;
@@ -71,15 +120,8 @@ struct SceneState {
   SceneStatus current() const;
 
   SceneStatus update(Workers& workers);
-  SceneRayHit first_hit(const Ray& ray) const;
-  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options);
-  SceneStatus touch(const Sphere& shape, const TouchOptions& options);
-  SceneStatus touch(const Capsule& shape, const TouchOptions& options);
-  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options);
 
  private:
-  template <class Shape>
-  SceneStatus touch_found(const Shape& shape, const TouchOptions& options);
   SceneStatus read_bodies(Workers& workers);
   /// May an update call functions of the caller's? To look after bodies that they might move takes as long as to look
   /// for bodies that have moved.

@@ -8,11 +8,14 @@
 #include <functional>
 #include <utility>
 
+#include "collide/pairs/meter.hpp"
 #include "parallel/interruption.hpp"
 #include "scene/scene_state.hpp"
 
 namespace morula::detail {
 namespace {
+
+using Stage = SceneState::Near::Stage;
 
 // A pair gets no fewer tests than this at a time, so that a large budget is dealt out in a few rounds.
 constexpr std::size_t quantum = 512;
@@ -33,7 +36,7 @@ bool is_earlier(const PairFront* x, const PairFront* y) {
 }  // namespace
 
 std::chrono::nanoseconds SceneState::now() const {
-  return options.clock ? options.clock() : std::chrono::steady_clock::now().time_since_epoch();
+  return detail::now(options.clock);
 }
 
 // Bodies are read side by side, since their memory is cold; then all is taken over, or nothing.
@@ -58,12 +61,8 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
       if (read.has_moved) read.around = ball_around(*body.collider, options.margin);
     }
   });
-  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
-    if (read_[place].status) continue;
-    SceneStatus refused{read_[place].status};
-    refused.offender = id_of(place);
-    return refused;
-  }
+  for (std::uint32_t place = 0; place < bodies.size(); ++place)
+    if (!read_[place].status) return refusal(read_[place].status, id_of(place));
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     SceneBody& body = bodies[place];
     const BodyRead& read = read_[place];
@@ -84,12 +83,9 @@ bool SceneState::has_callbacks(const Workers& workers) const {
 }
 
 SceneStatus SceneState::unmoved() const {
-  for (std::uint32_t place = 0; place < bodies.size(); ++place) {
-    if (bodies[place].collider == nullptr || !as_read_[place].has_moved()) continue;
-    SceneStatus moved{{.code = Status::Code::changed_during_call}};
-    moved.offender = id_of(place);
-    return moved;
-  }
+  for (std::uint32_t place = 0; place < bodies.size(); ++place)
+    if (bodies[place].collider != nullptr && as_read_[place].has_moved())
+      return refusal({.code = Status::Code::changed_during_call}, id_of(place));
   return {};
 }
 
@@ -142,7 +138,7 @@ void SceneState::list_near() {
     if (old != near.end() && old->a == pair.a && old->b == pair.b) {
       next_near.push_back(*old++);
     } else {
-      next_near.push_back({.a = pair.a, .b = pair.b, .is_new = true});
+      next_near.push_back({.a = pair.a, .b = pair.b});
     }
   }
   for (; old != near.end(); ++old) end(*old);
@@ -150,29 +146,24 @@ void SceneState::list_near() {
 
   for (Near& pair : near) {
     const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
-    if (pair.is_new || filter_anew) {
-      const bool was_wanted = pair.is_wanted;
+    if (pair.stage == Stage::unasked || filter_anew) {
       // mutant scene-mask-of-one-side: `(a.options.of & b.options.with) != 0` -> `true`
       // mutant scene-mask-of-other-side: `(b.options.of & a.options.with) != 0` -> `true`
-      pair.is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
-                       (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
-      if (was_wanted && !pair.is_wanted) end(std::exchange(pair, {.a = pair.a, .b = pair.b}));
-      // Who is not wanted has been asked, and has no roots to look at.
-      pair.is_new = pair.is_wanted && (pair.is_new || !was_wanted);
+      const bool is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
+                             (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
+      if (!is_wanted)
+        end(std::exchange(pair, {.a = pair.a, .b = pair.b, .stage = Stage::unwanted}));
+      else if (pair.front == nullptr)
+        pair.stage = Stage::roots_due;
     }
-    if (pair.is_wanted && pair.front == nullptr) {
-      pair.front = front_of(id_of(pair.a), id_of(pair.b));
-      pair.is_new = true;
-      pair.is_bound = false;
-    }
+    if (pair.stage == Stage::unwanted) continue;
+    if (pair.front == nullptr) pair.front = front_of(id_of(pair.a), id_of(pair.b));
     // Asked of the pair alone: its front is elsewhere in memory.
-    if (pair.front == nullptr) continue;
-    if (pair.is_bound && pair.generation_a == a.generation && pair.generation_b == b.generation) continue;
+    if (pair.generation_a == a.generation && pair.generation_b == b.generation) continue;
     if (!pair.front->is_of(id_of(pair.a), id_of(pair.b))) {
       pair.front->bind(id_of(pair.a), *a.collider, id_of(pair.b), *b.collider);
-      pair.is_new = true;
+      pair.stage = Stage::roots_due;
     }
-    pair.is_bound = true;
     pair.generation_a = a.generation, pair.generation_b = b.generation;
   }
 }
@@ -180,7 +171,8 @@ void SceneState::list_near() {
 void SceneState::look_at_roots(Workers& workers) {
   looked_at_.clear();
   for (std::size_t i = 0; i < near.size(); ++i)
-    if (near[i].front != nullptr && (near[i].is_new || bodies[near[i].a].has_moved || bodies[near[i].b].has_moved))
+    if (near[i].front != nullptr &&
+        (near[i].stage == Stage::roots_due || bodies[near[i].a].has_moved || bodies[near[i].b].has_moved))
       looked_at_.push_back(i);
   parallel_for(workers, looked_at_.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -193,7 +185,7 @@ void SceneState::look_at_roots(Workers& workers) {
       } else {
         pair.front->look(options);
       }
-      pair.is_new = false;
+      pair.stage = Stage::looked_at;
     }
   });
   work_.clear();

@@ -14,7 +14,7 @@
 #include "parallel/float_environment.hpp"
 #include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
-#include "surface/pairs/feature_distance.hpp"
+#include "surface/pairs/feature_filter.hpp"
 
 namespace morula {
 using namespace detail;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <morula/surface/proximity.hpp>
 
-#include "geometry/object_call.hpp"
-#include "surface/pairs/feature_distance.hpp"
 #include "surface/pairs/feature_query.hpp"
 
 namespace morula {
@@ -39,18 +37,17 @@ struct ProximityQuery::State {
   }
   template <class Ask>
   SurfaceQueryStatus ask(CallKind kind, const Ask& how) {
-    ObjectCall own(*this, kind);
-    if (!own.status()) return {own.status()};
-    const double distance = options.distance;
-    const SurfaceQueryStatus status =
-        how(one_by_one([distance](const SurfaceTreeState& a, const SurfaceTreeState& b, const FeaturePair& pair) {
-          const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
-                                                     FeaturePoints(b, feature_b(pair.kind), pair.b));
-          return found.distance <= distance ? std::optional(found) : std::nullopt;
-        }));
-    if (status && options.nearest_features_once) keep_nearest_features_once();
-    own.finish(status);
-    return status;
+    const auto nearest = [distance = options.distance](const SurfaceTreeState& a, const SurfaceTreeState& b,
+                                                       const FeaturePair& pair) {
+      const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
+                                                 FeaturePoints(b, feature_b(pair.kind), pair.b));
+      return found.distance <= distance ? std::optional(found) : std::nullopt;
+    };
+    return call_of(*this, kind, [&] {
+      const SurfaceQueryStatus status = how(one_by_one(nearest));
+      if (status && options.nearest_features_once) keep_nearest_features_once();
+      return status;
+    });
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
     return ask(CallKind::begins, [&](const auto& narrow) {
@@ -105,10 +102,10 @@ const ProximityOptions& ProximityQuery::options() const {
 }
 
 SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), surface.state(), workers);
+  return state_->run(state_of(surface), state_of(surface), workers);
 }
 SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), b.state(), workers);
+  return state_->run(state_of(a), state_of(b), workers);
 }
 SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
   const ProximityOptions& options = state_->options;

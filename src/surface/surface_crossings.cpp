@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/surface/surface_crossings.hpp>
 
-#include "geometry/object_call.hpp"
 #include "query/triangle_pairs.hpp"
 #include "surface/pairs/feature_query.hpp"
 
@@ -30,18 +29,11 @@ struct SurfaceCrossingQuery::State {
 
   void forget() noexcept { query.forget(); }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
-    ObjectCall own(*this, CallKind::begins);
-    if (!own.status()) return {own.status()};
-    const SurfaceQueryStatus status = query.run(a, b, {.features = Features::facets}, options, workers, find_crossings);
-    own.finish(status);
-    return status;
+    return call_of(*this, CallKind::begins,
+                   [&] { return query.run(a, b, {.features = Features::facets}, options, workers, find_crossings); });
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    ObjectCall own(*this, CallKind::goes_on);
-    if (!own.status()) return {own.status()};
-    const SurfaceQueryStatus status = query.resume(0, options, workers, find_crossings);
-    own.finish(status);
-    return status;
+    return call_of(*this, CallKind::goes_on, [&] { return query.resume(0, options, workers, find_crossings); });
   }
 };
 
@@ -63,10 +55,10 @@ const SurfaceCrossingOptions& SurfaceCrossingQuery::options() const {
 }
 
 SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), surface.state(), workers);
+  return state_->run(state_of(surface), state_of(surface), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), b.state(), workers);
+  return state_->run(state_of(a), state_of(b), workers);
 }
 SurfaceQueryStatus SurfaceCrossingQuery::resume(Workers& workers) {
   return state_->resume(workers);

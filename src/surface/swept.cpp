@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <morula/surface/swept.hpp>
 
-#include "geometry/object_call.hpp"
 #include "surface/pairs/feature_query.hpp"
 
 namespace morula {
@@ -45,28 +44,24 @@ struct SweptQuery::State {
     has_candidates = false;
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
-    ObjectCall own(*this, CallKind::begins);
-    if (!own.status()) return {own.status()};
-    const SurfaceQueryStatus status =
-        options.candidates_only
-            ? candidates.run(a, b, {.reach = options.distance, .sorted = false, .by_spheres = false}, options, workers,
-                             take_candidates)
-            : query.run(a, b, {.reach = options.distance, .by_spheres = false}, options, workers,
-                        one_by_one(Impact{options.distance}));
-    if (status) has_candidates = options.candidates_only;
-    own.finish(status);
-    return status;
+    return call_of(*this, CallKind::begins, [&] {
+      const double reach = options.distance;
+      const SurfaceQueryStatus status =
+          options.candidates_only
+              ? candidates.run(a, b, {.reach = reach, .sorted = false, .by_spheres = false}, options, workers,
+                               take_candidates)
+              : query.run(a, b, {.reach = reach, .by_spheres = false}, options, workers, one_by_one(Impact{reach}));
+      if (status) has_candidates = options.candidates_only;
+      return status;
+    });
   }
   SurfaceQueryStatus resume(Workers& workers) {
-    ObjectCall own(*this, CallKind::goes_on);
-    if (!own.status()) return {own.status()};
-    const bool is_started = query.search().is_started() || candidates.search().is_started();
-    if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
-    const SurfaceQueryStatus status =
-        has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
-                       : query.resume(options.distance, options, workers, one_by_one(Impact{options.distance}));
-    own.finish(status);
-    return status;
+    return call_of(*this, CallKind::goes_on, [&]() -> SurfaceQueryStatus {
+      const bool is_started = query.search().is_started() || candidates.search().is_started();
+      if (is_started && options.candidates_only != has_candidates) return {{.code = Status::Code::other_options}};
+      return has_candidates ? candidates.resume(options.distance, options, workers, take_candidates)
+                            : query.resume(options.distance, options, workers, one_by_one(Impact{options.distance}));
+    });
   }
 };
 
@@ -89,10 +84,10 @@ const SweptOptions& SweptQuery::options() const {
 }
 
 SurfaceQueryStatus SweptQuery::run(const SurfaceTree& surface, Workers& workers) {
-  return state_->run(surface.state(), surface.state(), workers);
+  return state_->run(state_of(surface), state_of(surface), workers);
 }
 SurfaceQueryStatus SweptQuery::run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers) {
-  return state_->run(a.state(), b.state(), workers);
+  return state_->run(state_of(a), state_of(b), workers);
 }
 SurfaceQueryStatus SweptQuery::resume(Workers& workers) {
   return state_->resume(workers);

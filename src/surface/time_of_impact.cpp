@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
-#include "surface/pairs/feature_distance.hpp"
+#include "surface/pairs/feature_filter.hpp"
 
 namespace morula {
 using namespace detail;

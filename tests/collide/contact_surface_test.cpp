@@ -47,6 +47,21 @@ void expect_same(const SurfacePoint& found, const SurfacePoint& expected) {
   ASSERT_EQ(found.point, expected.point);
 }
 
+/// All facets of the node, looked at one by one in the body's own coordinates.
+SurfacePoint by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point) {
+  const RigidTransform& placement = collider.placement();
+  const Vec3 p = placement.turn_back(point - placement.translation);
+  TrianglePoint nearest{{}, {}, std::numeric_limits<double>::infinity()};
+  std::uint32_t nearest_one = 0;
+  for (const std::uint32_t facet : collider.facets(node)) {
+    const TrianglePoint found = closest_point(collider.surface().corners(facet), p);
+    if (found.squared_distance > nearest.squared_distance) continue;
+    if (found.squared_distance == nearest.squared_distance && facet > nearest_one) continue;
+    nearest = found, nearest_one = facet;
+  }
+  return {nearest_one, nearest.barycentric, placement(nearest.point)};
+}
+
 TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
   SurfaceScratch scratch;
   for (const test::NamedMesh& named : test::all_meshes()) {
@@ -65,8 +80,8 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
         if (round % 5 == 1) p = t[0] * 0.25 + t[1] * 0.75;
         if (round % 5 == 2) p = t[2];
         if (round % 10 == 3) p = p + (p - t[0]) * std::pow(10.0, random.uniform(0, 12));
-        ASSERT_NO_FATAL_FAILURE(expect_same(nearest_facet(one.collider, node, p, scratch),
-                                            nearest_facet_by_brute_force(one.collider, node, p)))
+        ASSERT_NO_FATAL_FAILURE(
+            expect_same(nearest_facet(one.collider, node, p, scratch), by_brute_force(one.collider, node, p)))
             << named.name << " node " << node;
       }
     }
@@ -82,7 +97,7 @@ TEST(NearestFacet, of_equals_is_the_lowest) {
   scratch.start(collider, collider);
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{0, 0, 2}, Vec3{0, 0, -1}, Vec3{1e9, 0, 0}}) {
     const SurfacePoint found = nearest_facet(collider, 0, p, scratch);
-    ASSERT_NO_FATAL_FAILURE(expect_same(found, nearest_facet_by_brute_force(collider, 0, p)));
+    ASSERT_NO_FATAL_FAILURE(expect_same(found, by_brute_force(collider, 0, p)));
     for (std::uint32_t f = 0; f < found.facet; ++f)
       ASSERT_GT(closest_point(ball.corners(f), p).squared_distance,
                 closest_point(ball.corners(found.facet), p).squared_distance);
@@ -173,8 +188,8 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
         ASSERT_GE(s.depth, 0);
         ASSERT_LE(s.depth, c.depth);
         ASSERT_NEAR(length(s.normal), 1, 1e-12);
-        expect_same(s.on_a, nearest_facet_by_brute_force(one.collider, i, c.point));
-        expect_same(s.on_b, nearest_facet_by_brute_force(two.collider, j, c.point));
+        expect_same(s.on_a, by_brute_force(one.collider, i, c.point));
+        expect_same(s.on_b, by_brute_force(two.collider, j, c.point));
         if (s.depth > 0)
           close.push_back({i, j});
         else

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have travelled.
-#include "collide/front/front_travel.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "collide/front/front_walk.hpp"
 #include "specimens.hpp"
 
 namespace morula {

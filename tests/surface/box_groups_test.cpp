@@ -10,7 +10,6 @@
 #include <morula/geometry/random.hpp>
 
 #include "simd/processors.hpp"
-#include "surface/boxes/vertex_boxes.hpp"
 
 namespace morula::detail {
 namespace {

@@ -22,7 +22,7 @@
 #include <thread>
 #include <type_traits>
 
-#include "surface/pairs/feature_distance.hpp"
+#include "surface/pairs/feature_filter.hpp"
 #include "surfaces.hpp"
 
 namespace morula {
@@ -225,7 +225,7 @@ TEST(ExcludedPairs, are_those_that_their_own_distance_excludes_however_coarse_co
     const double far = round % 4 == 0 ? 0 : std::ldexp(1.0, 51 + round % 2);
     for (Vec3& p : mesh.positions) p = p + Vec3{far, far, -far};
     const SurfaceTree tree(mesh);
-    const detail::SurfaceTreeState& s = tree.state();
+    const detail::SurfaceTreeState& s = detail::state_of(tree);
     for (const double r : {0.5, 1.0, 1.5, 2.0, 2.5, 3.5}) {
       const ExcludedPairs facets(s, {0, r, Features::facets}, serial_workers());
       const ExcludedPairs features(s, {0, r, Features::all}, serial_workers());
@@ -343,7 +343,8 @@ TEST(ExcludedPairs, are_found_one_by_one_where_a_table_would_be_too_large) {
     SurfaceTree tree(m.mesh);
     ASSERT_TRUE(tree.update(m.to));
     const PairFilter filter{.rings = 57};
-    ASSERT_FALSE(ExcludedPairs(tree.state(), {filter.rings, 0, Features::facets}, serial_workers()).is_kept());
+    ASSERT_FALSE(
+        ExcludedPairs(detail::state_of(tree), {filter.rings, 0, Features::facets}, serial_workers()).is_kept());
     SurfaceCrossingQuery all, query({.filter = filter});
     ASSERT_TRUE(all.run(tree) && query.run(tree));
     Judge judge(m.mesh);
@@ -367,7 +368,8 @@ TEST(ExcludedPairs, are_found_one_by_one_where_a_table_would_be_too_large) {
     moved.push_back(mesh.positions[v] + Vec3{0, 0, v % 2 == 0 ? 1.0 : -1.0});
   ASSERT_TRUE(tree.update(moved));
   const PairFilter filter{.rest_distance = 0.3234};
-  ASSERT_FALSE(ExcludedPairs(tree.state(), {0, filter.rest_distance, Features::all}, serial_workers()).is_kept());
+  ASSERT_FALSE(
+      ExcludedPairs(detail::state_of(tree), {0, filter.rest_distance, Features::all}, serial_workers()).is_kept());
   ProximityQuery all({.distance = 0.004}), query({.distance = 0.004, .filter = filter});
   ASSERT_TRUE(all.run(tree) && query.run(tree));
   Judge judge(mesh);
@@ -386,7 +388,7 @@ TEST(ExcludedPairs, take_no_more_than_the_memory_that_is_allowed_for_them) {
     for (const ExclusionRule& rule :
          {ExclusionRule{1, 0, features}, ExclusionRule{8, 0, features}, ExclusionRule{0, 0.03 * diagonal, features},
           ExclusionRule{0, 0.3 * diagonal, features}, ExclusionRule{0, 2 * diagonal, features}}) {
-      const ExcludedPairs table(tree.state(), rule, serial_workers());
+      const ExcludedPairs table(detail::state_of(tree), rule, serial_workers());
       EXPECT_LE(table.bytes(), (ExcludedPairs::most_bytes_per_facet + 1) * limb.facet_count());
       kept += table.is_kept() ? 1 : 0;
       // What excludes every pair takes next to nothing.

@@ -458,14 +458,15 @@ TEST(HeightFields, of_a_surface_that_follows_a_placed_body_are_those_of_where_it
       collider.place(RigidTransform::from_axis(axis, angle, {3, 2, 1}));
       ASSERT_TRUE(surface.follow(collider));
       detail::QueryBoxes boxes;
-      boxes.start(surface.state(), surface.state(), 0, false, serial_workers());
+      boxes.start(detail::state_of(surface), detail::state_of(surface), 0, false, serial_workers());
       HeightFields fields;
-      fields.start(surface.state(), boxes.a());
+      fields.start(detail::state_of(surface), boxes.a());
       fields.find_all(serial_workers());
-      EXPECT_TRUE(fields.is_one(surface.state().boxes.levels.size(), 0)) << axis.x << axis.y << axis.z << ' ' << angle;
+      EXPECT_TRUE(fields.is_one(detail::state_of(surface).boxes.levels.size(), 0))
+          << axis.x << axis.y << axis.z << ' ' << angle;
       // Looked at one by one, as a query with a budget does.
       HeightFields alone;
-      alone.start(surface.state(), boxes.a());
+      alone.start(detail::state_of(surface), boxes.a());
       alone.find(1, 0);
       EXPECT_TRUE(alone.is_one(1, 0)) << axis.x << axis.y << axis.z << ' ' << angle;
     }

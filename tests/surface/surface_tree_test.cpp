@@ -22,7 +22,7 @@ namespace {
 
 /// Every vertex of every facet of a block, at both ends, lies in all boxes above it.
 void expect_boxes_hold(const SurfaceTree& tree) {
-  const detail::SurfaceTreeState& s = tree.state();
+  const detail::SurfaceTreeState& s = detail::state_of(tree);
   std::size_t looked_at = 0;
   for (std::size_t i = 0; i < s.order.size(); ++i)
     for (const std::uint32_t v : s.facets[s.order[i]])
@@ -63,7 +63,7 @@ TEST(SurfaceTree, boxes_hold_every_vertex_at_both_ends) {
 TEST(SurfaceTree, every_vertex_and_edge_has_one_owner_and_blocks_have_eight_facets) {
   for (const test::NamedMesh& body : test::aligned_bodies()) {
     const SurfaceTree tree(body.mesh);
-    const detail::SurfaceTreeState& s = tree.state();
+    const detail::SurfaceTreeState& s = detail::state_of(tree);
     std::vector<int> facets(body.mesh.facets.size()), edges(tree.edges().size());
     for (const std::uint32_t f : s.order) ++facets[f];
     for (const std::uint32_t e : s.own_edges) ++edges[e];
@@ -201,7 +201,7 @@ void expect_outlives_surfaces(const Options& options, bool with_itself, bool by_
   ASSERT_FALSE(ask(query).finished);
   const Stand before = stand_of(query);
   ASSERT_FALSE(before.open.empty());
-  const std::weak_ptr<const detail::SurfaceTreeState> left = a->state().weak_from_this();
+  const std::weak_ptr<const detail::SurfaceTreeState> left = detail::state_of(*a).weak_from_this();
   if (by_assignment) {
     *a = SurfaceTree(other), *b = SurfaceTree(other);
   } else {
@@ -246,7 +246,7 @@ TEST(SurfaceQueries, of_obstacles_outlive_surfaces_that_end_or_become_others) {
     const auto open = open_now();
     const std::size_t found = query.contacts().size();
     ASSERT_FALSE(open.empty());
-    const std::weak_ptr<const detail::SurfaceTreeState> left = surface->state().weak_from_this();
+    const std::weak_ptr<const detail::SurfaceTreeState> left = detail::state_of(*surface).weak_from_this();
     if (by_assignment)
       *surface = SurfaceTree(other);
     else

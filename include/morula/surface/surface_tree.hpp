@@ -16,10 +16,12 @@
 namespace morula {
 
 class Collider;
+class SurfaceTree;
 
 namespace detail {
 struct SurfaceTreeState;
-}
+const SurfaceTreeState& state_of(const SurfaceTree& surface);
+}  // namespace detail
 
 /// A hierarchy of boxes, eight to a node, over whole facets, eight to a bottom node. It needs no sphere tree. Queries
 /// of features ask it: ProximityQuery, SweptQuery, SurfaceCrossingQuery.
@@ -75,9 +77,9 @@ class SurfaceTree {
 
   /// 64-bit FNV-1a over the boxes of all nodes. Throws std::invalid_argument where a body that it follows has moved.
   std::uint64_t hash() const;
-  const detail::SurfaceTreeState& state() const { return *state_; }
 
  private:
+  friend const detail::SurfaceTreeState& detail::state_of(const SurfaceTree& surface);
   std::shared_ptr<detail::SurfaceTreeState> state_;
 };
 

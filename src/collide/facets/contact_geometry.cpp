@@ -14,7 +14,10 @@ namespace morula::detail {
 // on that side of the centre, points of a cap grow farther towards its rim. With x the rim's distance from a's centre
 // along the axis, |rim - p|^2 = R_a^2 - 2 x s + s^2 = delta^2 / 4 + s delta (R_b + D - R_a) / D.
 // One inside the other: p is the middle of the smaller, nothing is farther than its radius.
-void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact) {
+void describe(const TreePair& trees, std::uint32_t node_a, std::uint32_t node_b, Contact& contact) {
+  const PlacedPair& placed = trees.placed();
+  const Spheref &a = trees.sphere_a(node_a), &b = trees.sphere_b(node_b);
+  contact.node_a = node_a, contact.node_b = node_b;
   const auto turned = [](const std::array<Vec3, 3>& rows, const Vec3f& center) {
     const Vec3 c(center);
     return Vec3{dot(rows[0], c), dot(rows[1], c), dot(rows[2], c)};

@@ -5,12 +5,12 @@
 
 #include <morula/collide/contacts.hpp>
 
-#include "collide/pairs/placed_pair.hpp"
+#include "collide/pairs/tree_pair.hpp"
 
 namespace morula::detail {
 
-/// Writes all but Contact::bodies, the nodes and `finished`. [hubbard1996; dingliana2000]
-void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact);
+/// Writes all but Contact::pair and `finished`. [hubbard1996; dingliana2000]
+void describe(const TreePair& trees, std::uint32_t node_a, std::uint32_t node_b, Contact& contact);
 
 /// (r_a + r_b + margin - distance) over r_a + r_b + margin: above 0 where spheres overlap, 1 where centres coincide.
 float overlap_share(const PlacedPair& placed, const Spheref& a, const Spheref& b);

@@ -133,14 +133,6 @@ SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const V
   return placed(collider, nearest);
 }
 
-SurfacePoint nearest_facet_by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point) {
-  const CornerReader corners(collider);
-  Nearest nearest;
-  for (const std::uint32_t facet : collider.facets(node))
-    nearest.look_at(corners, facet, in_coordinates_of(collider, point));
-  return placed(collider, nearest);
-}
-
 Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch) {
   Vec3 area_vector;
   double area = 0;

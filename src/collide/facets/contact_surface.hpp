@@ -37,9 +37,6 @@ class SurfaceScratch {
 /// 16 ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
 
-/// All facets of the node looked at.
-SurfacePoint nearest_facet_by_brute_force(const Collider& collider, std::uint32_t node, const Vec3& point);
-
 /// Mean normal of what a node owns, in the world, by area, at the current positions: the shorter the less its facets
 /// agree; zero for a whole closed surface.
 Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& scratch);

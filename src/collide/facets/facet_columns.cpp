@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/facets/facet_columns.hpp"
-
 #include <cstdint>
 #include <limits>
 
+#include "collide/facets/leaf_surfaces.hpp"
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/front/front_travel.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "collide/front/front_walk.hpp"
 
 namespace morula::detail {
 namespace {

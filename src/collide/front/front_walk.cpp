@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "collide/facets/contact_geometry.hpp"
-#include "collide/front/front_travel.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
@@ -103,13 +102,10 @@ bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting&
 }
 
 void FrontWalk::report(const Front::Waiting& pair, bool finished, Contacts& result) const {
-  const TreePair& trees = trees_[pair.pair];
   make_room(result.contacts);
   Contact& contact = result.contacts.emplace_back();
-  describe(trees.placed(), trees.sphere_a(pair.a), trees.sphere_b(pair.b), contact);
+  describe(trees_[pair.pair], pair.a, pair.b, contact);
   contact.pair = pair.pair;
-  contact.node_a = pair.a;
-  contact.node_b = pair.b;
   contact.finished = finished;
 }
 

@@ -6,13 +6,63 @@
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/front.hpp>
 #include <morula/parallel/workers.hpp>
+#include <optional>
 #include <vector>
 
-#include "collide/facets/contact_extras.hpp"
+#include "collide/facets/contact_surface.hpp"
 #include "collide/pairs/meter.hpp"
+#include "collide/pairs/placed_pair.hpp"
 #include "collide/pairs/tree_pair.hpp"
 
 namespace morula::detail {
+
+struct ColliderPair {
+  const Collider *a, *b;
+  double weight;
+};
+
+/// Extras of contacts, added when asked for, and the memory for them: surfaces, facet pairs, containment. Tests of
+/// inside are made when first asked for, and kept for the same pairs.
+class ContactExtras {
+ public:
+  /// Other colliders come, or an exception: what was made before is of no use.
+  void forget() noexcept {
+    inside_.clear();
+    surfaces_.clear();
+    nodes_.clear();
+  }
+  /// Fills what the options ask for, and clears what they do not. The pairs have current positions then. What is asked
+  /// for and not all there leaves the result unfinished. Surfaces that are there are those of the first contacts: the
+  /// search goes on behind them.
+  /// meter: ends surfaces when its time is over; none: no budget.
+  void add(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
+  /// The surface of one contact, finished or not.
+  ContactSurface surface_of(std::span<const ColliderPair> pairs, const Contact& contact);
+
+ private:
+  struct Inside {
+    std::optional<InsideQuery> a, b;  // none: an open surface
+    std::vector<std::uint32_t> components_a, components_b;
+  };
+  void add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter, Contacts& result);
+  void add_crossings(std::span<const ColliderPair> pairs, Contacts& result);
+  void add_containment(std::span<const ColliderPair> pairs, Contacts& result);
+
+  std::vector<SurfaceScratch> surfaces_;  // one per pair
+  std::vector<NodePair> nodes_;
+  CrossingQuery crossings_;
+  std::vector<Inside> inside_;
+};
+
+/// Stamps of the present frame; with_spheres: also what follow_travel() compares the next one with.
+void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                  bool with_spheres);
+
+/// Adds to `travelled` what the bodies have moved since, against each other, and takes over the present frame. Nodes
+/// that kept every bit, in a frame that did, travel nothing. Travel is measured in a's coordinates without its
+/// placement, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
+void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
+                   std::vector<double>& scratch);
 
 class FrontWalk {
  public:

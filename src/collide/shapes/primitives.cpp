@@ -19,6 +19,17 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+void sort_lists(Touch& result) {
+  std::sort(result.leaves.begin(), result.leaves.end());
+  std::sort(result.facets.begin(), result.facets.end(),
+            [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet < b.point.facet; });
+  // A facet with parts in several leaves was looked at in each, with one answer.
+  result.facets.erase(
+      std::unique(result.facets.begin(), result.facets.end(),
+                  [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet == b.point.facet; }),
+      result.facets.end());
+}
+
 template <class Shape>
 void search(const Collider& body, const Shape& shape, const TouchOptions& options, Touch& result) {
   const PlacedSpheres spheres(body);
@@ -74,14 +85,7 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
         return true;
       });
   result.clear = !result.touches && result.lower > margin;
-  std::sort(result.leaves.begin(), result.leaves.end());
-  std::sort(result.facets.begin(), result.facets.end(),
-            [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet < b.point.facet; });
-  // A facet with parts in several leaves was looked at in each, with one answer.
-  result.facets.erase(
-      std::unique(result.facets.begin(), result.facets.end(),
-                  [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet == b.point.facet; }),
-      result.facets.end());
+  sort_lists(result);
   result.status = {};
 }
 
@@ -103,8 +107,17 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   return true;
 }
 
+template <class Shape, class Place>
+const Touch& touch_placed(const Collider& body, const Shape& shape, const TouchOptions& options, Touch& result,
+                          const Place& placed) {
+  const StandardFloats standard;
+  if (begin(body, is_usable(shape), options, result)) search(body, placed(), options, result);
+  return result;
+}
+
 template <class Shape>
 Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOptions& options) {
+  const StandardFloats standard;
   TouchQuery query;
   require_good(query.run(body, shape, options).status);
   return query.result();
@@ -113,51 +126,29 @@ Touch touch_or_throw(const Collider& body, const Shape& shape, const TouchOption
 }  // namespace
 
 const Touch& TouchQuery::run(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  Touch& result = result_;
-  if (!begin(body, is_usable(shape), options, result)) return result;
-  search(body, PlacedHalfSpace(shape), options, result);
-  return result;
+  return touch_placed(body, shape, options, result_, [&] { return PlacedHalfSpace(shape); });
 }
-
 const Touch& TouchQuery::run(const Collider& body, const Sphere& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  Touch& result = result_;
-  if (!begin(body, is_usable(shape), options, result)) return result;
-  search(body, PlacedCapsule(shape.center, shape.center, shape.radius), options, result);
-  return result;
+  return touch_placed(body, shape, options, result_,
+                      [&] { return PlacedCapsule(shape.center, shape.center, shape.radius); });
 }
-
 const Touch& TouchQuery::run(const Collider& body, const Capsule& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  Touch& result = result_;
-  if (!begin(body, is_usable(shape), options, result)) return result;
-  search(body, PlacedCapsule(shape.p, shape.q, shape.radius), options, result);
-  return result;
+  return touch_placed(body, shape, options, result_, [&] { return PlacedCapsule(shape.p, shape.q, shape.radius); });
 }
-
 const Touch& TouchQuery::run(const Collider& body, const ConvexHull& shape, const TouchOptions& options) {
-  const StandardFloats standard;
-  Touch& result = result_;
-  if (!begin(body, is_usable(shape), options, result)) return result;
-  search(body, PlacedHull(shape), options, result);
-  return result;
+  return touch_placed(body, shape, options, result_, [&] { return PlacedHull(shape); });
 }
 
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options) {
-  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options) {
-  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options) {
-  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 Touch touch(const Collider& body, const ConvexHull& shape, const TouchOptions& options) {
-  const StandardFloats standard;
   return touch_or_throw(body, shape, options);
 }
 

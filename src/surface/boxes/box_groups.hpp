@@ -1,17 +1,36 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Eight boxes side by side, and the kernel that tests eight against eight.
+// Boxes in floats, and two kernels: one makes those of vertices, one tests eight against eight.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <morula/geometry/vector.hpp>
 #include <span>
 
 namespace morula::detail {
 
-/// Bounds in columns: lower x, y, z, then upper. Closed. Places that are not used hold an empty box, which meets
-/// nothing.
+/// Lower x, y, z, nothing, and the upper ones negated, so that one box holds others by eight minima.
+struct alignas(32) MinBox {
+  static constexpr float none = std::numeric_limits<float>::infinity();
+  float bound[8] = {none, none, none, none, none, none, none, none};
+
+  void add(const MinBox& b) {
+    for (int k = 0; k < 8; ++k) bound[k] = b.bound[k] < bound[k] ? b.bound[k] : bound[k];
+  }
+};
+
+/// The box of each vertex: from lower[i] to upper[i], each number rounded to the largest float that is not above it, or
+/// the least that is not below it; sizes below 2^103. One more double may be read behind each array.
+using MakeVertexBoxes = void (*)(const Vec3* lower, const Vec3* upper, std::size_t count, MinBox* boxes);
+/// Narrowest first; what this processor runs. All give the same bits.
+std::span<const MakeVertexBoxes> all_make_vertex_boxes();
+/// The widest.
+MakeVertexBoxes make_vertex_boxes();
+
+/// Eight boxes side by side. Bounds in columns: lower x, y, z, then upper. Closed. Places that are not used hold an
+/// empty box, which meets nothing.
 struct alignas(64) BoxGroup {
   static constexpr float none = std::numeric_limits<float>::infinity();
   float bound[6][8];

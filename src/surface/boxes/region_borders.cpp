@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/boxes/region_borders.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
+#include "surface/boxes/tree_state.hpp"
 
 namespace morula::detail {
 namespace {

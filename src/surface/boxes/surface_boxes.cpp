@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/boxes/surface_boxes.hpp"
-
 #include <algorithm>
 
 #include "simd/float4.hpp"

@@ -113,6 +113,10 @@ Status SurfaceTreeState::move(Workers& workers) {
   return {};
 }
 
+const SurfaceTreeState& detail::state_of(const SurfaceTree& surface) {
+  return *surface.state_;
+}
+
 SurfaceTree::SurfaceTree(const MeshView& rest) {
   const StandardFloats standard;
   state_ = std::make_shared<SurfaceTreeState>(make_surface_tree(rest));

@@ -8,20 +8,108 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <morula/collide/collider.hpp>
+#include <morula/geometry/mesh.hpp>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/surface/surface_tree.hpp>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/object_call.hpp"
-#include "surface/boxes/followed_body.hpp"
-#include "surface/boxes/region_borders.hpp"
-#include "surface/boxes/surface_boxes.hpp"
+#include "surface/boxes/box_groups.hpp"
 
 namespace morula::detail {
+
+struct SurfaceTreeState;
+
+/// Boxes of the vertices, blocks and groups of a surface tree in one pose or step. A block without a box holds an empty
+/// one, which meets nothing.
+struct SurfaceBoxes {
+  std::vector<MinBox> vertices;               // by slot
+  std::vector<std::vector<BoxGroup>> levels;  // the lowest first
+  double extent = 0;                          // no box reaches farther from the origin along an axis
+
+  /// Levels for so many blocks, all of them empty.
+  void make_levels(std::size_t blocks);
+  /// The box of a block, from those of its vertices.
+  void join_block(const SurfaceTreeState& s, std::size_t block);
+  /// Group g of a level above the lowest, from the groups below.
+  void join_group(std::size_t level, std::size_t g);
+  /// Sets `extent` by the highest level.
+  void measure();
+};
+
+inline void put(BoxGroup& group, std::size_t place, const MinBox& box) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    group.bound[k][place] = box.bound[k];
+    group.bound[k + 3][place] = -box.bound[k + 4];
+  }
+}
+
+/// The corners of a block are a multiple of so many, the last one repeated: nearly all blocks have as many, which
+/// processors foresee.
+inline constexpr std::uint32_t corners_step = 4;
+
+/// What workers take at once, and vertices that are read before their boxes are made.
+inline constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256, vertices_together = 128;
+
+/// Boxes are made only of vertices that are near the origin of their surface.
+inline constexpr double farthest_vertex = 0x1p102;
+inline bool is_near(const Vec3& p) {
+  // Without branches.
+  const auto is_far = [](double x) { return static_cast<unsigned>(!(std::abs(x) <= farthest_vertex)); };
+  return is_far(p.x) + is_far(p.y) + is_far(p.z) == 0;
+}
+
+/// The body that a surface follows: its spheres say which blocks of the surface can be near another body's.
+struct FollowedBody {
+  Collider spheres;         // the pose and where it is placed; no surface, so nothing of the caller's collider is kept
+  std::uint64_t frame = 0;  // of the pose
+  bool is_placed = false;   // other than where its coordinates are
+
+  /// Where it was, and with all of its spheres there.
+  bool is_current() const {
+    const PosedTree& pose = spheres.pose();
+    // mutant follow-moved: `pose.frame` -> `frame`
+    return pose.frame == frame && pose.current && pose.complete;
+  }
+  bool covers() const { return spheres.pose().covers; }
+};
+
+/// Which blocks have a facet of which a leaf owns a part; leaves by their nodes.
+struct BlocksOfLeaves {
+  std::uint64_t ownership = 0;
+  std::vector<std::uint32_t> begin, blocks;
+
+  std::span<const std::uint32_t> operator[](std::uint32_t node) const {
+    return std::span(blocks).subspan(begin[node], begin[node + 1] - begin[node]);
+  }
+};
+
+/// Borders of the regions of one level, where the facets below a box end; made once, with the tree.
+///
+/// Region r has the 8^(level + 1) facets from r 8^(level + 1) on, in the order of the tree.
+///
+/// An edge is inside of a region when two facets of the surface have it, one in each direction, and both are in the
+/// region. All other edges of the region's facets are its border, each in the direction of its facet. They make loops,
+/// closed, the region on the left of each: where one edge comes to a vertex, the next is the other side of the same
+/// fan, which is the facets of the region about the vertex that are joined by inner edges. So a loop is at a vertex
+/// once for each fan there, and so are loops together. A region without a border has none, nor has one whose border is
+/// out of proportion to its facets, such as that of many separate ones.
+struct RegionBorders {
+  std::vector<std::uint32_t> loops_begin;  // region r has loops [loops_begin[r], loops_begin[r + 1])
+  std::vector<std::uint32_t> slots_begin;  // loop k has the vertices in slots [slots_begin[k], slots_begin[k + 1])
+  std::vector<std::uint32_t> slots;
+
+  std::span<const std::uint32_t> loop(std::size_t k) const {
+    return std::span(slots).subspan(slots_begin[k], slots_begin[k + 1] - slots_begin[k]);
+  }
+};
 
 class ExcludedPairs;
 
@@ -84,6 +172,9 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   Status move(Workers& workers);
 };
 
+/// Of levels 1 to `levels`, of which the last has one region; level 0 stays empty. facets: in the order of the tree.
+std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::span<const std::uint32_t> slot_of_vertex,
+                                          std::size_t levels);
 /// Sorts and links everything; positions are those at rest.
 SurfaceTreeState make_surface_tree(const MeshView& rest);
 

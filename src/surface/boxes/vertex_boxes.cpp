@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "surface/boxes/vertex_boxes.hpp"
-
 #include <bit>
 #include <cstdint>
 
 #include "simd/float4.hpp"
 #include "simd/processors.hpp"
+#include "surface/boxes/box_groups.hpp"
 
 namespace morula::detail {
 namespace {

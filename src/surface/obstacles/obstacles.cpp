@@ -127,10 +127,10 @@ SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return {own.status()};
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
-  if (const Status status = surface.state().askable(0); !status) return {status};
+  if (const Status status = state_of(surface).askable(0); !status) return {status};
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
-  state_->search.start(surface.state(), workers);
+  state_->search.start(state_of(surface), workers);
   const SurfaceQueryStatus status = state_->go_on(workers);
   own.finish(status);
   return status;
@@ -218,12 +218,12 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return {own.status()};
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
-  if (const Status status = surface.state().askable(0); !status) return {status};
+  if (const Status status = state_of(surface).askable(0); !status) return {status};
   if (!is_finite(motion) || !(max_norm(motion) < greatest_usable_scale)) return {{.code = Status::Code::bad_option}};
   state_->obstacle = &obstacle;
   state_->asked = Asked(state_->options);
   state_->motion = motion;
-  state_->search.start(surface.state(), workers);
+  state_->search.start(state_of(surface), workers);
   const SurfaceQueryStatus status = state_->go_on(workers);
   own.finish(status);
   return status;

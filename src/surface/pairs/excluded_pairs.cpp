@@ -12,7 +12,6 @@
 
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
-#include "surface/pairs/feature_distance.hpp"
 #include "surface/pairs/feature_filter.hpp"
 
 namespace morula::detail {

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A PairFilter made ready for the surfaces that are asked, and the points of features.
+// A PairFilter made ready for the surfaces that are asked, and the points of features: all, and the nearest of two.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <morula/surface/feature_pairs.hpp>
+#include <morula/surface/proximity.hpp>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,12 @@ class FeatureVertices {
   std::array<std::uint32_t, 3> vertex_{};
   std::size_t size_ = 0;
 };
+
+/// Of a pair of vertex and facet, either way round, or of two edges. points: 1 and 3, 3 and 1, or 2 and 2.
+ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, std::span<const Vec3> b);
+/// Are two features of one surface within a distance at rest? Of two facets, that of their vertices, edges and facets
+/// counts which is least: 0 where they cross.
+bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance);
 
 class FeatureFilter {
  public:

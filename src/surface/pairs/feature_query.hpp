@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
@@ -57,6 +58,16 @@ auto one_by_one(const Look& look) {
       if (const auto one = look(a, b, pair)) found.push_back(*one);
     }
   };
+}
+
+/// A call of a query whose state is `state`, where it is not refused: ask() begins it or goes on.
+template <class State, class Ask>
+SurfaceQueryStatus call_of(State& state, CallKind kind, const Ask& ask) {
+  ObjectCall own(state, kind);
+  if (!own.status()) return {own.status()};
+  const SurfaceQueryStatus status = ask();
+  own.finish(status);
+  return status;
 }
 
 template <class Found>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Height fields: regions of a surface that cannot cross themselves, because along an axis they lie over a plane once.
 //
-// Claim: let all facets of a region with a border (region_borders.hpp) run counter-clockwise when one coordinate is
+// Claim: let all facets of a region with a border (tree_state.hpp) run counter-clockwise when one coordinate is
 // dropped, all of them strictly; let no two edges of the border touch there but at a vertex that they share; where
 // loops are at a vertex more than once, let the sectors on their left have no direction in common; and let no loop that
 // runs counter-clockwise lie within another that does. Then no two facets of the region that share no vertex have a

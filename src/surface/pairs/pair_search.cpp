@@ -67,11 +67,7 @@ BoxReach box_reach(double reach, const Vec3& shift, double extents) {
 
 SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests)
     : budget_(budget), clock_(&clock), tests_(tests) {
-  if (budget_.is_time()) start_ = now();
-}
-
-std::chrono::nanoseconds SurfaceMeter::now() const {
-  return *clock_ ? (*clock_)() : std::chrono::steady_clock::now().time_since_epoch();
+  if (budget_.is_time()) start_ = now(clock);
 }
 
 bool SurfaceMeter::takes(std::size_t groups) {
@@ -84,7 +80,7 @@ bool SurfaceMeter::takes(std::size_t groups) {
                         : budget_.tests() < static_cast<std::int64_t>(tests_ * (groups_tested + groups));
   // Reading a clock takes about as long as a test.
   if (budget_.is_time() && calls_ % 8 == 0)
-    is_over_ = is_first ? budget_.time().count() <= 0 : now() - start_ >= budget_.time();
+    is_over_ = is_first ? budget_.time().count() <= 0 : now(*clock_) - start_ >= budget_.time();
   ++calls_;
   if (!is_over_) groups_tested += groups;
   return !is_over_;

@@ -17,6 +17,7 @@
 #include <morula/surface/feature_pairs.hpp>
 #include <vector>
 
+#include "collide/pairs/meter.hpp"
 #include "parallel/float_environment.hpp"
 #include "surface/boxes/box_node.hpp"
 #include "surface/boxes/feature_boxes.hpp"
@@ -38,7 +39,6 @@ class SurfaceMeter {
   std::size_t groups_tested = 0;
 
  private:
-  std::chrono::nanoseconds now() const;
   Budget budget_;
   const Clock* clock_;
   std::size_t tests_;

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "collide/facets/contact_extras.hpp"
-
 #include <stdexcept>
 
+#include "collide/front/front_walk.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
