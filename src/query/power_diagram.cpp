@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "query/owner_by_power.hpp"
+#include "query/stack_memory.hpp"
 
 namespace morula {
 namespace {
@@ -234,8 +235,7 @@ class Cutter {
   const FacetGeometry& facet_;
   std::span<const Sphere> spheres_;
   CutFacet& result_;
-  alignas(std::max_align_t) std::array<std::byte, 8192> few_;
-  std::pmr::monotonic_buffer_resource scratch_{few_.data(), few_.size()};
+  detail::StackMemory<8192> scratch_;
 };
 
 }  // namespace
