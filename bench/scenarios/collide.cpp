@@ -49,11 +49,11 @@ bool agrees_with_doubles(const Collider& a, const Collider& b, const Keys& found
   const SphereTree& tree = a.tree();
   std::vector<Sphere> spheres_a, spheres_b;
   for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-    spheres_a.push_back(a.pose().sphere(i));
-    spheres_b.push_back(b.pose().sphere(i));
+    spheres_a.push_back(a.sphere_state().sphere(i));
+    spheres_b.push_back(b.sphere_state().sphere(i));
   }
-  for (Sphere& s : spheres_a) s.center = a.placement()(s.center);
-  for (Sphere& s : spheres_b) s.center = b.placement()(s.center);
+  for (Sphere& s : spheres_a) s.center = a.transform()(s.center);
+  for (Sphere& s : spheres_b) s.center = b.transform()(s.center);
   const auto reached = [&](std::uint32_t i, std::uint32_t j, double allowance) {
     for (;;) {
       const Sphere &s = spheres_a[i], &t = spheres_b[j];
@@ -208,15 +208,15 @@ Result carried(std::string item, const Input& input, Body& body, Collider& a, co
 
 std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   std::vector<Result> results;
-  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
-  Body body_a(input.mesh, built), body_b(input.mesh, built);
+  const CoveredTree model = build(input.mesh, tree_options(settings), *settings.workers);
+  Body body_a(input.mesh, model), body_b(input.mesh, model);
   Collider a(input.mesh, body_a), b(input.mesh, body_b);
   const Box box = bounding_box(input.mesh);
-  RigidTransform placement = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi);
-  const Vec3 aligned = box.center() - placement(box.center());
+  RigidTransform transform = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi);
+  const Vec3 aligned = box.center() - transform(box.center());
   const auto shift = [&](double share) {
-    placement.translation = aligned + share * Vec3{box.extent().x, 0, 0};
-    b.place(placement);
+    transform.translation = aligned + share * Vec3{box.extent().x, 0, 0};
+    b.set_transform(transform);
   };
   ContactQuery query;
   query.add(a, b);
@@ -225,7 +225,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   double moderate = deep;
   for (shift(moderate); moderate < 2; shift(moderate += 0.01)) {
     query.run();
-    if (contacts.contacts.size() <= built.tree.leaf_count()) break;
+    if (contacts.contacts.size() <= model.tree.leaf_count()) break;
   }
 
   const auto all_leaves = [&](std::string item) {
@@ -235,7 +235,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
     leaves.figures = {{"us", 1e6 * median(leaves.seconds)},
                       {"contacts", static_cast<double>(contacts.contacts.size())},
                       {"pair tests", static_cast<double>(contacts.pair_tests)},
-                      {"leaves", static_cast<double>(built.tree.leaf_count())}};
+                      {"leaves", static_cast<double>(model.tree.leaf_count())}};
     results.push_back(std::move(leaves));
   };
   shift(deep);

@@ -39,7 +39,7 @@ double triangle_less_sector(const Vec2& a, const Vec2& b, double radius) {
 /// Area of a convex polygon (counter-clockwise) outside the disc about the origin. Error: a few ulps of the triangles
 /// between the origin and those parts of the border that lie outside the disc; what lies inside cancels exactly.
 double area_outside_disc(std::span<const Vec2> polygon, double radius) {
-  // Green's theorem about the disc's centre: a piece of border inside the disc adds a triangle to the polygon's area
+  // Green's theorem about the disc's center: a piece of border inside the disc adds a triangle to the polygon's area
   // and the same triangle to the area covered, so only pieces outside remain.
   double sum = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -86,7 +86,7 @@ FacetPlane::FacetPlane(const Triangle& facet) {
 /// sphere. scratch: anything.
 double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygon, const Sphere& sphere,
                            std::vector<Vec2>& scratch) {
-  // From the sphere's centre, so that far from the origin nothing cancels. A corner's own height differs from the
+  // From the sphere's center, so that far from the origin nothing cancels. A corner's own height differs from the
   // plane's by rounding alone; the first will do.
   const double height = morula::dot(polygon[0] - sphere.center, plane.normal);
   scratch.clear();
@@ -248,7 +248,7 @@ class FacetRange {
   }
 
   double area = 0;
-  double bare_area = 0;
+  double uncovered_area = 0;
   LargestGap gap;
   bool all_contained = true;
 
@@ -268,7 +268,7 @@ class FacetRange {
     all_contained = false;
     gap.add(points_, facet, upper);
     if (morula::area(corners) > 0)
-      bare_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
+      uncovered_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
   }
 
   MeshView mesh_;
@@ -300,12 +300,12 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
     for (std::size_t f = begin; f < end; ++f) range.look_at(static_cast<std::uint32_t>(f));
   });
 
-  double area = 0, bare_area = 0;
+  double area = 0, uncovered_area = 0;
   LargestGap gap(diagram, result.tolerance);
   result.covered = true;
   for (const FacetRange& range : ranges) {
     area += range.area;
-    bare_area += range.bare_area;
+    uncovered_area += range.uncovered_area;
     result.covered = result.covered && range.all_contained;
     gap.add(range.gap);
   }
@@ -317,9 +317,9 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
     result.covered = true;
     return result;
   }
-  result.bare_area = area > 0 ? std::min(1.0, bare_area / area) : 0.0;
-  result.gap = std::max(0.0, gap.lower());
-  result.gap_upper = gap.upper() + result.tolerance;
+  result.uncovered_area = area > 0 ? std::min(1.0, uncovered_area / area) : 0.0;
+  result.uncovered_distance = std::max(0.0, gap.lower());
+  result.uncovered_distance_upper = gap.upper() + result.tolerance;
   result.worst_facet = gap.facet();
   return result;
 }

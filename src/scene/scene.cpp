@@ -30,8 +30,8 @@ void require_masks(std::uint32_t of) {
 }  // namespace
 
 BodyStamp detail::stamp_of(const Collider& collider) {
-  const PosedTree& pose = collider.pose();
-  return {pose.ownership, pose.frame, pose.origin, collider.placement()};
+  const SphereState& pose = collider.sphere_state();
+  return {pose.cover_id, pose.frame, pose.origin, collider.transform()};
 }
 
 // A pair test counts r_a as (1 + 2^-20) r_a, r_b as (1 + 2^-19) r_b, and adds 2^-20 (|c_b|_1 + U) + 2^-46 A + 2^-60 and
@@ -40,10 +40,10 @@ BodyStamp detail::stamp_of(const Collider& collider) {
 // and half the margin with 2^-19 of it; here is twice that, which pays for rounding, the kernel's included.
 Sphere detail::ball_around(const Collider& collider, double margin) {
   const Sphere root = PlacedSpheres(collider)(0);
-  const Spheref& local = collider.pose().spheres[0];
+  const Spheref& local = collider.sphere_state().spheres[0];
   const double size = static_cast<double>(std::abs(local.center.x) + std::abs(local.center.y) +
                                           std::abs(local.center.z) + local.radius);
-  const double far = max_norm(collider.pose().origin) + max_norm(collider.placement().translation);
+  const double far = max_norm(collider.sphere_state().origin) + max_norm(collider.transform().translation);
   const double half = root.radius + 0x1p-17 * size + 0x1p-45 * far + 0x1p-59 + 0.5 * margin * (1 + 0x1p-18);
   return {root.center, half};
 }
@@ -76,8 +76,9 @@ void Scene::set_options(SceneOptions options) {
   SceneState& s = state_->idle("set_options");
   require_good_options(options);
   s.everything_anew = s.everything_anew || options.level != s.options.level || options.margin != s.options.margin;
-  s.filter_anew = s.filter_anew || options.keeps || s.options.keeps;
-  s.extras_anew = s.extras_anew || options.surfaces != s.options.surfaces || options.exact != s.options.exact;
+  s.filter_anew = s.filter_anew || options.accepts || s.options.accepts;
+  s.extras_anew =
+      s.extras_anew || options.surfaces != s.options.surfaces || options.find_crossings != s.options.find_crossings;
   s.options = std::move(options);
 }
 
@@ -88,7 +89,7 @@ const SceneOptions& Scene::options() const {
 BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
   const StandardFloats standard;
   SceneState& s = state_->idle("add");
-  require_masks(options.of);
+  require_masks(options.category);
   if (!(std::isfinite(options.weight) && options.weight >= 0))
     throw std::invalid_argument("the weight of a body is " + std::to_string(options.weight) +
                                 ": it must be finite and not negative");
@@ -148,11 +149,11 @@ void Scene::wake(BodyId id) {
   body.is_to_be_read = true;
 }
 
-void Scene::set_masks(BodyId id, std::uint32_t of, std::uint32_t with) {
+void Scene::set_masks(BodyId id, std::uint32_t category, std::uint32_t mask) {
   SceneState& s = state_->idle("set_masks");
   SceneBody& body = s.known(id);
-  require_masks(of);
-  body.options.of = of, body.options.with = with;
+  require_masks(category);
+  body.options.category = category, body.options.mask = mask;
   s.filter_anew = true;
 }
 
@@ -209,10 +210,10 @@ SceneBody& detail::SceneState::known(BodyId id) {
 
 Status detail::SceneState::usable(const Collider& collider) const {
   if (const Status status =
-          status_of(collider, 0, {.all_spheres = true, .positions = options.surfaces || options.exact});
+          status_of(collider, 0, {.all_spheres = true, .positions = options.surfaces || options.find_crossings});
       !status)
     return status;
-  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far};
+  if (!(max_norm(collider.transform().translation) < 0x1p200)) return {Status::Code::transform_too_far};
   return {};
 }
 

@@ -39,7 +39,7 @@ SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const Tou
       if (s.touches.size() == s.touch_queries.size()) s.touch_queries.push_back(std::make_unique<TouchQuery>());
       const Touch& touch = s.touch_queries[s.touches.size()]->run(collider, shape, options);
       if (!touch.status) return refusal(touch.status, s.id_of(place));
-      if (!touch.clear) s.touches.push_back({s.id_of(place), &touch});
+      if (!touch.proven_clear) s.touches.push_back({s.id_of(place), &touch});
     }
   } catch (...) {
     // Some of them would look like all, and a query may be half made.
@@ -87,7 +87,7 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
   }
   // Bodies that the ray does not come near could stick out of their boxes.
   for (const SceneBody& body : s.bodies)
-    hit.certified = hit.certified && (body.collider == nullptr || body.collider->pose().covers);
+    hit.certified = hit.certified && (body.collider == nullptr || body.collider->sphere_state().covers);
   return hit;
 }
 

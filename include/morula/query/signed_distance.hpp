@@ -13,7 +13,7 @@ namespace morula {
 enum class SignMethod {
   pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes
                    ///< [baerentzen2005]
-  winding_number,  ///< generalised winding number above ½: a sensible answer on open, non-manifold or overlapping
+  winding_number,  ///< generalized winding number above ½: a sensible answer on open, non-manifold or overlapping
                    ///< meshes
 };
 
@@ -21,7 +21,7 @@ class SignedDistance {
  public:
   /// Chooses pseudo_normal when the mesh is closed, oriented and manifold, and at a thousand facets spread over it one
   /// side is inside and the other outside (shells that overlap, or nest without turning, fail here); else
-  /// winding_number. An inside-out closed mesh is recognised by its negative volume and read the right way round.
+  /// winding_number. An inside-out closed mesh is recognized by its negative volume and read the right way round.
   /// Copies what it needs; the mesh may go. Cost: that of the index and of inspect().
   explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
   SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());
@@ -68,10 +68,10 @@ class SignedDistance {
   double orientation_ = 1.0;
 };
 
-/// Volume of ball ∩ object by summing, over the facets that meet the ball, the signed volume of ball ∩ cone(centre,
+/// Volume of ball ∩ object by summing, over the facets that meet the ball, the signed volume of ball ∩ cone(center,
 /// facet) in closed form; the far facets count through their total solid angle.
 ///
-/// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the centre lies,
+/// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the center lies,
 /// on edges and vertices too, and as long as the ball is not smaller than the spacing of its coordinates. Of an open
 /// mesh it is the integral of the winding number, to about a percent of the ball. Where layers overlap, each counts,
 /// up to the whole ball. Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F), k facets

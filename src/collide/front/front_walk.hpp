@@ -58,9 +58,9 @@ class ContactExtras {
 void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                   bool with_spheres);
 
-/// Adds to `travelled` what the bodies have moved since, against each other, and takes over the present frame. Nodes
+/// Adds to `path_length` what the bodies have moved since, against each other, and takes over the present frame. Nodes
 /// that kept every bit, in a frame that did, travel nothing. Travel is measured in a's coordinates without its
-/// placement, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
+/// transform, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
 void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch);
 
@@ -71,7 +71,7 @@ class FrontWalk {
   ContactExtras extras;
 
   /// Arguments have been checked. keeps: the front is to be carried into the next frame, which costs a little.
-  void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
+  void start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result);
   void resume(const CollideOptions& options, Workers& workers, Contacts& result);
   void carry(const CollideOptions& options, Workers& workers, Contacts& result);
   /// A front from outside. Before anything else is done with it, it has to be of these pairs, and well formed: with no
@@ -109,7 +109,7 @@ class FrontWalk {
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
   /// How far both nodes have come since a pair was opened in an earlier frame.
-  double travelled_since(const Front::Opened& before) const;
+  double traveled_since(const Front::Opened& before) const;
   void test_roots(Run& run);
   void fill_round(Run& run);
   void test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const;

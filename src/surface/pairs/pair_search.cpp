@@ -70,7 +70,7 @@ SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t
   if (budget_.is_time()) start_ = now(clock);
 }
 
-bool SurfaceMeter::takes(std::size_t groups) {
+bool SurfaceMeter::try_spend(std::size_t groups) {
   ask_to_go_on();
   if (is_over_) return false;
   // The first piece of work is done whatever it costs, so that whoever resumes again and again comes to the end.
