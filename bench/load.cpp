@@ -201,7 +201,7 @@ std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const S
   const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 2}));
   std::vector<std::unique_ptr<Swaying>> bodies;
   for (std::size_t i = 0; i < body_count; ++i) bodies.push_back(std::make_unique<Swaying>(mesh, built, i));
-  // Neighbours in rows touch now and then: fronts come, shrink and go.
+  // Neighbors in rows touch now and then: fronts come, shrink and go.
   ContactQuery query({.budget = 4000});
   for (std::size_t i = 0; i + 1 < body_count; i += 10) query.add(bodies[i]->collider(), bodies[i + 1]->collider());
 

@@ -75,7 +75,7 @@ Result exact_result(const std::string& mesh_name, const Mesh& mesh, Body& body, 
 
 std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered, const Settings& settings) {
   const CoveredTree as_built = build(unordered, tree_options(settings), *settings.workers);
-  // Neighbours lie together in memory, which helps everybody.
+  // Neighbors lie together in memory, which helps everybody.
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Mesh mesh = renumbered(unordered, order);
   const CoveredTree built = renumbered(as_built, mesh, order);

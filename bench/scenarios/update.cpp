@@ -15,7 +15,7 @@
 namespace morula::bench {
 namespace {
 
-/// Reads every coordinate and can be vectorised, which a sum of floats cannot.
+/// Reads every coordinate and can be vectorized, which a sum of floats cannot.
 std::uint32_t xor_of_coordinates(std::span<const Vec3f> vertices) {
   const std::byte* bytes = reinterpret_cast<const std::byte*>(vertices.data());
   std::uint32_t all = 0;

@@ -17,7 +17,7 @@
 namespace morula::bench {
 namespace {
 
-/// Turned about its centre and shifted: another pose of a body beside itself.
+/// Turned about its center and shifted: another pose of a body beside itself.
 Frame posed(const Frame& frame, const Vec3& axis, double degrees, const Vec3& shift) {
   Box box;
   for (const Vec3f& p : frame) box.add(Vec3(p));

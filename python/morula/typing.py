@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Union
 
 __all__ = [
     "Array", "Axis", "Budget", "ClumpFormatName", "ClumpKind", "ColliderLike", "Features", "FloatArray", "HasFaces", "InnerBoxes",
-    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimiser", "Placement", "Priority", "Quality", "RebuildEffort",
+    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimizer", "Placement", "Priority", "Quality", "RebuildEffort",
     "RebuildThread", "Reduction", "Rule", "Shape", "SignMethod", "Vector", "Weights", "WrappedCenter",
 ]
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ._morula.choices import InnerCenter as InnerCenter
     from ._morula.choices import Method as Method
     from ._morula.choices import ModalBound as ModalBound
-    from ._morula.choices import Optimiser as Optimiser
+    from ._morula.choices import Optimizer as Optimizer
     from ._morula.choices import Priority as Priority
     from ._morula.choices import Quality as Quality
     from ._morula.choices import RebuildEffort as RebuildEffort
@@ -72,5 +72,5 @@ if TYPE_CHECKING:
 else:
     Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Placement = Any
     HasFaces = object
-    Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimiser = Priority = str
+    Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimizer = Priority = str
     Quality = RebuildEffort = RebuildThread = Reduction = Rule = SignMethod = Weights = WrappedCenter = str

@@ -25,7 +25,7 @@ void bind_build(nb::module_& m) {
   m.def(
       "all_reductions", [] { return names_of(all_reductions()); }, doc::Reduction);
   m.def(
-      "all_optimisers", [] { return names_of(all_optimisers()); }, "Names of the optimisers.");
+      "all_optimizers", [] { return names_of(all_optimizers()); }, "Names of the optimizers.");
   m.def(
       "all_qualities", [] { return names_of(all_qualities()); }, doc::Quality);
   m.def("automatic_depth", nb::overload_cast<std::size_t, int>(&automatic_depth), nb::arg("facet_count"),
@@ -47,7 +47,7 @@ void bind_build(nb::module_& m) {
       "build",
       [](MeshGiven given, MethodName method, int branching, std::optional<int> depth, std::size_t spheres,
          double max_protrusion, bool nested, std::uint64_t seed, const std::vector<std::string>& reducers,
-         OptimiserName optimiser, double balance_excess, QualityName quality, double time_limit_seconds,
+         OptimizerName optimizer, double balance_excess, QualityName quality, double time_limit_seconds,
          nb::object progress, Threads* workers) {
         BuildOptions options;
         options.method = method_of(method);
@@ -60,7 +60,7 @@ void bind_build(nb::module_& m) {
         for (const std::string& reducer : reducers) {
           options.reducers.push_back(choice<Reduction>(reducer, "reducers", reduction_from_name, all_reductions()));
         }
-        options.optimiser = choice<Optimiser>(optimiser, "optimiser", optimiser_from_name, all_optimisers());
+        options.optimizer = choice<Optimizer>(optimizer, "optimizer", optimizer_from_name, all_optimizers());
         options.balance_excess = balance_excess;
         options.quality = quality_of(quality);
         options.time_limit_seconds = time_limit_seconds;
@@ -70,14 +70,14 @@ void bind_build(nb::module_& m) {
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("branching") = 8,
       nb::arg("depth") = nb::none(), nb::arg("spheres") = 0, nb::arg("max_protrusion") = 0.0, nb::arg("nested") = false,
-      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimiser") = "none",
+      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimizer") = "none",
       nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default", nb::arg("time_limit_seconds") = 0.0,
       nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig(
           "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'morula', branching: int = 8, "
           "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
-          "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimiser: "
-          "morula.typing.Optimiser = 'none', "
+          "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimizer: "
+          "morula.typing.Optimizer = 'none', "
           "balance_excess: float = 0.0, quality: morula.typing.Quality = 'default', time_limit_seconds: float = 0.0, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> CoveredTree"),
@@ -90,7 +90,7 @@ void bind_build(nb::module_& m) {
                        {"nested", doc::BuildOptions_nested},
                        {"seed", doc::BuildOptions_seed},
                        {"reducers", doc::BuildOptions_reducers},
-                       {"optimiser", doc::BuildOptions_optimiser},
+                       {"optimizer", doc::BuildOptions_optimizer},
                        {"balance_excess", doc::BuildOptions_balance_excess},
                        {"quality", doc::BuildOptions_quality},
                        {"time_limit_seconds", doc::BuildOptions_time_limit_seconds},

@@ -123,8 +123,8 @@ def test_edges_fans_and_borders_are_those_of_numpy(limb):
         loops = morula.border_loops(mesh)
         assert len(loops) == (1 if mesh is not limb else 0) and len(loops.sides) == (counts == 1).sum()
         side = int(inverse.ravel()[0])
-        neighbours = {int(s) // 3 for s in numpy.flatnonzero(inverse.ravel() == side)} - {0}
-        assert found.facet_across(0, 0) in neighbours | {morula.no_facet}
+        neighbors = {int(s) // 3 for s in numpy.flatnonzero(inverse.ravel() == side)} - {0}
+        assert found.facet_across(0, 0) in neighbors | {morula.no_facet}
     with pytest.raises(IndexError):
         found.facet_across(10**6, 0)
 

@@ -221,7 +221,7 @@ def test_choices_of_type_checkers_are_those_of_the_library():
     choices = morula._morula._choices
     assert choices["Method"] == morula.all_methods() and choices["Quality"] == morula.all_qualities()
     assert choices["Rule"] == morula.all_rules() and choices["Reduction"] == morula.all_reductions()
-    assert choices["Optimiser"] == morula.all_optimisers()
+    assert choices["Optimizer"] == morula.all_optimizers()
     if hasattr(morula, "clump_formats"):
         assert choices["ClumpFormatName"] == [written.name for written in morula.clump_formats()]
     assert set(choices) <= set(morula.typing.__all__)

@@ -197,7 +197,7 @@ Probe InsideQuery::probe(const Sphere& ball) {
   result.distance = result.inside ? -away : away;
   result.depth = ball.radius - result.distance;
   result.touches = result.depth >= 0;
-  // From the centre through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
+  // From the center through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
   // normal.
   if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);

@@ -76,7 +76,7 @@ struct PenetrationQuery::State {
   double volume = 0;               // of a first cell
   double first_volume = 0;         // of all of them
   double sure = 0;                 // of cells inside both
-  Vec3 sure_moment;                // times their centres
+  Vec3 sure_moment;                // times their centers
   std::vector<Cell> cells, parts;  // undecided ones of this level, those before `next` divided already, and of the next
   std::size_t next = 0;
   /// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside.
@@ -123,7 +123,7 @@ struct PenetrationQuery::State {
     const double largest = std::max(max_norm(both.lower), max_norm(both.upper));
     const double room = 0x1p-40 * largest;
     both.lower -= Vec3{room, room, room}, both.upper += Vec3{room, room, room};
-    // Centres of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
+    // Centers of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
     pad = 0x1p-44 * largest;
     const Vec3 extent = both.extent();
     const double side = std::max({extent.x, extent.y, extent.z}) / first_cells;
@@ -179,7 +179,7 @@ struct PenetrationQuery::State {
       radius_inside = std::min(radius_inside, -probe.distance - pad);
       radius_outside = std::max(radius_outside, probe.distance - pad);
     }
-    // Of the largest cube about the centre that is in the cell.
+    // Of the largest cube about the center that is in the cell.
     const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
     verdict.share.inside = ball_in_cube(radius_inside / least_half) * cube * (1 - 0x1p-40);
     verdict.share.outside = ball_in_cube(radius_outside / least_half) * cube * (1 - 0x1p-40);

@@ -55,7 +55,7 @@ struct Names {
   }
 };
 constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
-constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
+constexpr Names<Optimizer, 4> optimizer_names({"none", "refit", "simplex", "balance"});
 constexpr Names<Quality, 4> quality_names({"draft", "fast", "default", "best"});
 
 constexpr auto methods = [] {
@@ -87,14 +87,14 @@ void require_used(const BuildOptions& options) {
       throw std::invalid_argument("build: reducer " + reducer + " is listed twice");
   }
   const bool proposes = options.method != Method::octree && options.method != Method::morula;
-  if (options.optimiser != Optimiser::none && !proposes)
-    throw std::invalid_argument("build: method " + method + " has no use for optimiser " +
-                                std::string(name(options.optimiser)));
+  if (options.optimizer != Optimizer::none && !proposes)
+    throw std::invalid_argument("build: method " + method + " has no use for optimizer " +
+                                std::string(name(options.optimizer)));
   if (!(options.balance_excess >= 0) || !std::isfinite(options.balance_excess))
     throw std::invalid_argument("build: balance excess is not a number of at least 0");
-  if (options.balance_excess > 0 && options.optimiser != Optimiser::balance)
-    throw std::invalid_argument("build: a balance excess needs the optimiser balance, not " +
-                                std::string(name(options.optimiser)));
+  if (options.balance_excess > 0 && options.optimizer != Optimizer::balance)
+    throw std::invalid_argument("build: a balance excess needs the optimizer balance, not " +
+                                std::string(name(options.optimizer)));
   if (options.quality != Quality::standard && options.method != Method::morula)
     throw std::invalid_argument("build: method " + method + " has one way only; quality " +
                                 std::string(name(options.quality)) + " is for method morula");
@@ -154,14 +154,14 @@ std::span<const Reduction> all_reductions() {
   return reduction_names.values;
 }
 
-std::string_view name(Optimiser optimiser) {
-  return optimiser_names.name(optimiser, "optimiser");
+std::string_view name(Optimizer optimizer) {
+  return optimizer_names.name(optimizer, "optimizer");
 }
-std::optional<Optimiser> optimiser_from_name(std::string_view wanted) {
-  return optimiser_names.find(wanted);
+std::optional<Optimizer> optimizer_from_name(std::string_view wanted) {
+  return optimizer_names.find(wanted);
 }
-std::span<const Optimiser> all_optimisers() {
-  return optimiser_names.values;
+std::span<const Optimizer> all_optimizers() {
+  return optimizer_names.values;
 }
 
 std::string_view name(Quality quality) {

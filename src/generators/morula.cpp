@@ -166,7 +166,7 @@ class OptimizedDivider {
     return std::max(std::min(changes, least), changes * children / few_children);
   }
 
-  // Side by side on a tube: centres are much nearer to their middle than to the surface.
+  // Side by side on a tube: centers are much nearer to their middle than to the surface.
   static bool are_slabs(std::span<const Sphere> spheres, double mean_radius) {
     constexpr double much_nearer = 0.3;
     const Vec3 middle = middle_of(spheres);
@@ -174,7 +174,7 @@ class OptimizedDivider {
     for (const Sphere& s : spheres) squares += squared_distance(s.center, middle);
     return squares < much_nearer * much_nearer * mean_radius * mean_radius * static_cast<double>(spheres.size());
   }
-  // Those of a ball or a shell are so, too, but centres on a tube's axis are in one line.
+  // Those of a ball or a shell are so, too, but centers on a tube's axis are in one line.
   static bool are_in_line(std::span<const Sphere> spheres) {
     constexpr double much_nearer = 0.1;
     const Vec3 middle = middle_of(spheres);
@@ -238,7 +238,7 @@ class OptimizedDivider {
       children.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
-      // Centres on a tube's axis are where they are to be already: what counts is how far they are apart.
+      // Centers on a tube's axis are where they are to be already: what counts is how far they are apart.
       if (!balls_.empty() && !fine_slabs) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);

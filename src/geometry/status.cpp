@@ -16,7 +16,7 @@ std::string message(const Status& status) {
       return "its vertex count is not the mesh's";
     case Code::non_finite_position:
       return "vertex " + index +
-             " is not finite, or too far away for single precision: coordinates about the centre stay below 1e17";
+             " is not finite, or too far away for single precision: coordinates about the center stay below 1e17";
     case Code::bad_range:
       return "a range of changed vertices ends before it begins, or behind the last vertex";
     case Code::needs_coordinates:

@@ -42,7 +42,7 @@ double power_difference(const Sphere& a, const Sphere& b, const Vec3& x) {
   return std::abs(difference) <= pa.rounding + pb.rounding ? 0.0 : difference;
 }
 
-// A power at this distance from the centre, lowered by more than rounding can have raised it.
+// A power at this distance from the center, lowered by more than rounding can have raised it.
 double least_power(double distance, double radius) {
   // mutant power-least: `radius - 0x1p-40 * (distance * distance + radius * radius)` -> `radius`
   return distance * distance - radius * radius - 0x1p-40 * (distance * distance + radius * radius);

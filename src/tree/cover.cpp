@@ -91,7 +91,7 @@ SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions
   return result;
 }
 
-// The smaller of {same centre, larger radius} and {smallest sphere of the points}, padded against rounding.
+// The smaller of {same center, larger radius} and {smallest sphere of the points}, padded against rounding.
 Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, double pad_coordinate) {
   const auto padded = [&](const Vec3& center, double farthest) {
     // mutant cover-growth-not-padded: `rounded_up_radius ... std::max(pad_coordinate, max_norm(center)))` -> `farthest`

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the centre of
+// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the center of
 // node n to a corner that n owned before. A leaf takes over patches of a facet only where every corner that it takes
 // has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
 //   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): what is
 //               compared is what certify() computes, by the same expression, so where the tree's spheres were certified
-//               they are; and a rule that measures what nodes own finds no larger radius about the same centre at rest.
+//               they are; and a rule that measures what nodes own finds no larger radius about the same center at rest.
 //               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
 //               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no

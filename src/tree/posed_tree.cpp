@@ -18,13 +18,13 @@ void narrow_spheres(std::span<const Sphere> spheres, const Vec3& origin, std::ve
     const Vec3 center = s.center - origin;
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
-    // mutant narrowed-centre: `s.radius + scaled_length(Vec3(nearest) - center)` -> `s.radius`
+    // mutant narrowed-center: `s.radius + scaled_length(Vec3(nearest) - center)` -> `s.radius`
     narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
     if (!(is_finite(nearest) && max_norm(nearest) <= largest_local_coordinate &&
           narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale "
-                                  "mesh and tree so that coordinates about the centre stay below 1e17");
+                                  "mesh and tree so that coordinates about the center stay below 1e17");
   }
 }
 

@@ -5,12 +5,12 @@
 // polygons are cut for its children, and go from child to child. The weights of a new cut point are rounded, so the
 // point is off the segment that it cuts by up to 5 u A per coordinate, where u = 2^-53 and A is the largest
 // |coordinate|. That adds up from cut to cut, and a body whose size is a few thousand u A is no longer convex at that
-// scale: a new point can be farther from the centre than both ends of its segment. The pad of the sphere, 32 u A, holds
+// scale: a new point can be farther from the center than both ends of its segment. The pad of the sphere, 32 u A, holds
 // for a few cuts only.
 //
 // Why d (1 + 8 u) + 8 u C <= r proves it, with d the computed distance of the farthest corner and C the largest of A
-// and the centre's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up to 1:
-// it is off by at most 3 u A. Its difference to the centre adds u |x - c|. So the vector is off by at most sqrt(3) 3 u
+// and the center's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up to 1:
+// it is off by at most 3 u A. Its difference to the center adds u |x - c|. So the vector is off by at most sqrt(3) 3 u
 // A + u d, and squares, sums and root add 2.5 u d. The true distance is at most d (1 + 4 u) + 5.2 u C, and computing
 // the left side costs less than the 4 u d + 2.8 u C that remain.
 //

@@ -140,8 +140,8 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   if (!rest.finite)
     throw std::invalid_argument(
         "vertex " + std::to_string(rest.first_bad_vertex) +
-        " is too far from the centre for an update, or all are too far from the origin: scale "
-        "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
+        " is too far from the center for an update, or all are too far from the origin: scale "
+        "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   s.origin = rest.origin;
   s.follows = followed_by(rule_of_level, s.options);
   narrow_spheres(built.tree.spheres, rest.origin, s.spheres);

@@ -161,7 +161,7 @@ TEST(Coverage, closes_at_power_vertices_wherever_rounding_puts_them) {
     const auto around = [&](double angle) { return std::cos(angle) * u + std::sin(angle) * cross(n, u); };
     const auto power_of_ten = [&](double from, double to) { return std::pow(10.0, random.uniform(from, to)); };
 
-    // Spheres through p with centres on all sides of it, seen in the facet's plane.
+    // Spheres through p with centers on all sides of it, seen in the facet's plane.
     std::vector<Sphere> balls;
     double smallest = 10;
     const int sides = 3 + trial % 4;
@@ -198,7 +198,7 @@ TEST(Coverage, closes_at_power_vertices_wherever_rounding_puts_them) {
   EXPECT_GT(misplaced, 0u) << "no cell was misplaced, so nothing was tried";
 }
 
-// What builders do: cells, then radii that just contain them. Neighbours then meet at corners on both their boundaries.
+// What builders do: cells, then radii that just contain them. Neighbors then meet at corners on both their boundaries.
 TEST(Coverage, confirms_radii_that_just_contain_the_cells) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     auto spheres = random_spheres(bounding_box(named.mesh), 30, 0.01, 0.2, 21);

@@ -129,14 +129,14 @@ Claims shapes(Workers& workers) {
   for (const Quality quality : {Quality::draft, Quality::fast})
     claims.push_back({"tree of blob by morula, " + std::string(name(quality)),
                       hash_of(build(blob, {.branching = 8, .depth = 3, .quality = quality}, workers))});
-  for (const Optimiser optimiser : {Optimiser::refit, Optimiser::simplex, Optimiser::balance})
+  for (const Optimizer optimizer : {Optimizer::refit, Optimizer::simplex, Optimizer::balance})
     claims.push_back(
-        {"tree of blob by medial and " + std::string(name(optimiser)), hash_of(build(blob,
+        {"tree of blob by medial and " + std::string(name(optimizer)), hash_of(build(blob,
                                                                                      {.method = Method::medial,
                                                                                       .branching = 5,
                                                                                       .depth = 1,
                                                                                       .reducers = {Reduction::burst},
-                                                                                      .optimiser = optimiser},
+                                                                                      .optimizer = optimizer},
                                                                                      workers))});
   claims.push_back({"40 spheres of blob", hash_of(build(blob, {.spheres = 40, .quality = Quality::fast}, workers))});
   claims.push_back({"flat set of blob by protrusion",

@@ -235,7 +235,7 @@ TEST(Numbers, are_not_negative_where_that_means_nothing) {
     for (const std::string& option : options) bench.expect_refused(command + " " + option + "=-1", option);
   };
   refused("build bar.obj -o out.morula", {"--seed", "--threads", "--spheres", "--max-protrusion", "--time-limit"});
-  refused("build bar.obj -o out.morula --optimiser balance --method medial", {"--balance-excess"});
+  refused("build bar.obj -o out.morula --optimizer balance --method medial", {"--balance-excess"});
   refused("measure bar.obj bar.morula --grid fixed", {"--resolution", "--voxel-edge", "--threads"});
   refused("deform bar.obj -o out --twist 3", {"--seed", "--frames", "--poke-radius", "--noise-wavelength"});
   refused("medial bar.obj -o out.ply", {"--seed", "--samples"});

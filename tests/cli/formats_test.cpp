@@ -152,7 +152,7 @@ TEST(SofaFiles, spheres_of_a_level_and_a_scene_that_names_what_there_is) {
   const std::map<std::string, std::string> expected{{"cover.position", "MechanicalObject position"},
                                                     {"cover.listRadius", "SphereCollisionModel listRadius"},
                                                     {"nodes", "BarycentricMapping input"},
-                                                    {"centres", "BarycentricMapping output"}};
+                                                    {"centers", "BarycentricMapping output"}};
   for (const auto& [target, user] : links) {
     EXPECT_TRUE(type_of_name.count(target.substr(0, target.find('.')))) << target;
     if (expected.count(target) != 0) {

@@ -136,7 +136,7 @@ TEST(MeasureCommand, frames_and_trees_are_paired_by_number) {
   EXPECT_EQ(bench.run("measure bar.obj spheres").exit_code, 2);
 }
 
-TEST(MeasureCommand, reads_spheres_about_the_centre_of_the_box) {
+TEST(MeasureCommand, reads_spheres_about_the_center_of_the_box) {
   const Workbench bench;
   bench.write("far.obj", "v 9 9 9\nv 11 9 9\nv 9 11 9\nv 9 9 11\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   bench.write("far.sph", "1 8\n0 0 0 1.8 0\n");

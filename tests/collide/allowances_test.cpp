@@ -78,7 +78,7 @@ TEST(PairAllowance, pays_for_narrowing_the_translation_and_for_sums_with_it) {
   EXPECT_GT(tested, 1000);
 }
 
-TEST(PairAllowance, pays_for_moving_centres) {
+TEST(PairAllowance, pays_for_moving_centers) {
   Random random(2);
   for (int trial = 0; trial < 100000; ++trial) {
     const RigidTransform relative = test::random_placement(random, 0);
@@ -99,7 +99,7 @@ TEST(PairAllowance, pays_for_distances_and_squares) {
   }
 }
 
-// Of the body that is moved: what is allowed for its centre does not pay for its radius.
+// Of the body that is moved: what is allowed for its center does not pay for its radius.
 TEST(PairAllowance, pays_for_rotations_that_are_not_quite_rigid) {
   Random random(4);
   for (int trial = 0; trial < 20000; ++trial) {
@@ -297,7 +297,7 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
   EXPECT_GT(changed, 100u);
 }
 
-// What has come back from far away has travelled so far that a short way is nothing beside it; and yet contacts change
+// What has come back from far away has traveled so far that a short way is nothing beside it; and yet contacts change
 // on short ways. Either body may be the one that was away.
 TEST(FrontAllowance, counts_short_ways_after_long_ones) {
   const BuildOptions options{.method = Method::octree, .depth = 1};
@@ -311,7 +311,7 @@ TEST(FrontAllowance, counts_short_ways_after_long_ones) {
   std::size_t changed = 0;
   for (int round = 0; round < 200; ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
-    test::Specimen& traveller = round % 2 == 0 ? a : b;
+    test::Specimen& traveler = round % 2 == 0 ? a : b;
     RigidTransform place = test::random_placement(random, 0);
     const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (a.body->spheres().size() - 1));
     const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (b.body->spheres().size() - 1));
@@ -328,10 +328,10 @@ TEST(FrontAllowance, counts_short_ways_after_long_ones) {
     };
     place_at(1.2 * radii);
     CarriedAndFresh contacts(a, b);
-    const std::vector<Vec3> far = moved_by(traveller.positions, traveller.size * std::exp2(random.uniform(20, 50)));
-    pose(traveller, far);
+    const std::vector<Vec3> far = moved_by(traveler.positions, traveler.size * std::exp2(random.uniform(20, 50)));
+    pose(traveler, far);
     contacts.expect_the_same();
-    pose(traveller, traveller.positions);
+    pose(traveler, traveler.positions);
     contacts.expect_the_same();
     for (double way = 1.2; way > 0.8; way -= 0.02) {
       place_at(way * radii);

@@ -73,7 +73,7 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
   }
 }
 
-// Every facet of a ball is as far from the centre, to a few bits, and all those at a pole meet in one point.
+// Every facet of a ball is as far from the center, to a few bits, and all those at a pole meet in one point.
 TEST(NearestFacet, of_equals_is_the_lowest) {
   const Mesh ball = test::uv_sphere(24, 12);
   const Body body(ball, build(ball, {.method = Method::octree, .branching = 8, .depth = 2}));
@@ -191,7 +191,7 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
 }
 
 TEST(ContactSurface, of_two_boxes_has_their_normal_and_depth) {
-  // One on the other and 0.01 into it: the centres of their spheres lie in the sides that touch.
+  // One on the other and 0.01 into it: the centers of their spheres lie in the sides that touch.
   const Mesh lower = test::box_mesh({-1, -1, -2}, {1, 1, 0}, 8), upper = test::box_mesh({-1, -1, 0}, {1, 1, 2}, 8);
   const BuildOptions options{.method = Method::octree, .branching = 8, .depth = 3};
   const Body body_b(lower, build(lower, options)), body_a(upper, build(upper, options));

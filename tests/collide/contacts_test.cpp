@@ -163,7 +163,7 @@ struct Balls : ::testing::Test {
     radius_a = a.body->sphere(0).radius;
     radius_b = b.body->sphere(0).radius;
   }
-  // b's centre at p from a's; a turned, too.
+  // b's center at p from a's; a turned, too.
   Contact at(const Vec3& p, double margin = 0) {
     const RigidTransform turn = RigidTransform::from_axis({1, 1, 0}, 0.5, {5, 6, 7});
     a.place(turn);
@@ -218,7 +218,7 @@ TEST_F(Balls, one_inside_the_other_counts_as_deep_as_the_smaller_is_wide) {
   EXPECT_NEAR(c.lens_volume, volume(Sphere{{}, radius_b}), 1e-12);
 }
 
-TEST_F(Balls, centres_that_coincide_have_a_normal) {
+TEST_F(Balls, centers_that_coincide_have_a_normal) {
   const Contact c = at({});
   ASSERT_EQ(count, 1u);
   EXPECT_EQ(c.normal, (Vec3{1, 0, 0}));

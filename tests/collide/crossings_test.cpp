@@ -77,7 +77,7 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
   std::size_t poses_that_cross = 0, pairs = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     Bent &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
-    // The same spot of both, where none may be: their boxes' centres, somewhere in the world.
+    // The same spot of both, where none may be: their boxes' centers, somewhere in the world.
     const double reach = 0.4 * std::min(size_of(a.mesh), size_of(b.mesh));
     for (int pose = 0; pose < 3; ++pose) {
       ASSERT_NO_FATAL_FAILURE(a.deform_by(0.4 * pose, pose == 1));
@@ -126,7 +126,7 @@ TEST(Crossings, count_every_way_of_touching) {
   EXPECT_EQ(pairs_at({0.5, 0.5, 1e300}), 0u);
 }
 
-TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbours) {
+TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbors) {
   for (const char* const name : {"limb", "torus"}) {
     const Bent one(name, sample_body(name, 12)), two(name, sample_body(name, 12));
     Collider a(one.mesh, one.body), b(two.mesh, two.body);

@@ -220,7 +220,7 @@ TEST(Distance, warm_start_keeps_the_bits_of_upper_bounds_and_points) {
   EXPECT_GT(apart, 15);
 }
 
-TEST(Distance, holds_for_bodies_without_neighbours_area_or_closure) {
+TEST(Distance, holds_for_bodies_without_neighbors_area_or_closure) {
   PlacedBody point({{{5, 0, 0}, {5, 0, 0}, {5, 0, 0}}, {{0, 1, 2}}}, 1);
   PlacedBody line({{{0, -1, 0}, {0, 1, 0}, {0, 3, 0}}, {{0, 1, 2}}}, 1);
   EXPECT_NEAR(distance(point.collider, line.collider).upper, 5, 4e-14);

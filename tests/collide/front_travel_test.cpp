@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have travelled.
+// What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have traveled.
 #include "collide/front/front_travel.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ struct Pairs {
   std::vector<double> gap;
 };
 
-TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
+TEST(FrontTravel, no_gap_changes_by_more_than_was_traveled) {
   Random random(4);
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
@@ -61,9 +61,9 @@ TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
     const std::size_t count_b = tree_b.node_count();
     const auto check = [&](std::uint32_t i, std::uint32_t j, std::uint32_t above_i, std::uint32_t above_j) {
       const double change = std::abs(now.gap[i * count_b + j] - first.gap[i * count_b + j]);
-      const double travelled = bodies.a.travelled[above_i] + bodies.b.travelled[above_j];
-      closest = std::min(closest, travelled - change);
-      return change <= travelled * (1 + 1e-12) + 1e-13;
+      const double traveled = bodies.a.traveled[above_i] + bodies.b.traveled[above_j];
+      closest = std::min(closest, traveled - change);
+      return change <= traveled * (1 + 1e-12) + 1e-13;
     };
     std::size_t wrong = 0;
     for (std::uint32_t i = 1; i < tree_a.node_count(); ++i)
@@ -86,8 +86,8 @@ TEST(FrontTravel, at_rest_nothing_travels) {
   std::vector<double> scratch;
   a.body->update(a.positions);
   follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
-  EXPECT_EQ(bodies.a.travelled, before.a.travelled);
-  EXPECT_EQ(bodies.b.travelled, before.b.travelled);
+  EXPECT_EQ(bodies.a.traveled, before.a.traveled);
+  EXPECT_EQ(bodies.b.traveled, before.b.traveled);
   EXPECT_EQ(bodies.a.frame, before.a.frame + 1);
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 using test::PlacedBody;
 
-/// Of two balls whose centres are d apart.
+/// Of two balls whose centers are d apart.
 double lens(double r, double s, double d) {
   if (d >= r + s) return 0;
   if (d <= std::abs(r - s)) return 4.0 / 3.0 * std::numbers::pi * std::pow(std::min(r, s), 3);

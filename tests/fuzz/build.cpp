@@ -30,7 +30,7 @@ BuildOptions options_of(Bytes& in) {
     options.spheres = 300;  // a sheet of a few facets may need tens of thousands, and minutes under sanitizers
   }
   options.quality = one_of(in, std::array{Quality::draft, Quality::draft, Quality::fast, Quality::standard});
-  options.optimiser = one_of(in, all_optimisers());
+  options.optimizer = one_of(in, all_optimizers());
   options.seed = in.byte();
   if (options.method == Method::medial && in.flag())
     options.reducers = {one_of(in, std::array{Reduction::merge, Reduction::burst, Reduction::expand})};

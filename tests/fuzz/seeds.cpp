@@ -197,10 +197,10 @@ void add_command_lines(Seeds seeds) {
   for (const char* const words :
        {"build t.obj -o o.morula",
         "build t.obj -o o.sph --method grid --branching 4 --depth 2 --json",
-        "build t.obj -o o.json --method medial --reducers merge,expand --optimiser simplex --seed 3 --report",
+        "build t.obj -o o.json --method medial --reducers merge,expand --optimizer simplex --seed 3 --report",
         "build t.obj -o o.ply --spheres 9 --quality fast --threads 2",
         "build t.obj -o o.morula --max-protrusion 0.5",
-        "build t.obj -o o.morula --time-limit 1 --optimiser balance --balance-excess 0.1 --method spawn",
+        "build t.obj -o o.morula --time-limit 1 --optimizer balance --balance-excess 0.1 --method spawn",
         "measure t.obj t.morula",
         "measure t.obj t.morula --json --grid 32",
         "measure t.obj m --motion m",
@@ -268,7 +268,7 @@ std::string random_bytes(Random& random, std::size_t count) {
   return bytes;
 }
 
-// The options of build.cpp: method, branching, depth, kind, quality, optimiser, seed; reducers for two methods.
+// The options of build.cpp: method, branching, depth, kind, quality, optimizer, seed; reducers for two methods.
 void add_builds(Seeds seeds) {
   for (const Mesh& mesh : small_meshes())
     for (unsigned method = 0; method < all_methods().size(); ++method) {

@@ -17,7 +17,7 @@ namespace {
 
 TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
   // 8 × 1 × 1: eight unit cubes in a row, and no looser than the eight spheres around them by more than a tenth: the
-  // fit minimises volume, and reaches the cubes themselves only as far as its grid sees.
+  // fit minimizes volume, and reaches the cubes themselves only as far as its grid sees.
   Mesh mesh = test::box_mesh({0, 0, 0}, {8, 1, 1}, 16);
   for (const double degrees : {0.0, 30.0}) {
     const auto [s, c] = sin_cos(degrees * 0.017453292519943295);

@@ -75,7 +75,7 @@ double taken_in_by_discs(std::span<const Sphere> spheres, double half, double cr
 }
 
 // Slabs of a tube are a fifth as wide as its spheres: what weighs them has to be as fine. Spheres in a row whose
-// centres are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
+// centers are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
 TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
   constexpr int around = 40;
   constexpr double radius = 0.5, chain_of_80 = 0.15 * 0.15 / 6;  // along 12 radii

@@ -314,7 +314,7 @@ TEST(FitBall, contains_its_points_and_never_costs_more_than_a_start) {
   }
 }
 
-TEST(FitBall, finds_the_deep_centre_of_a_cap_from_the_spheres_centre) {
+TEST(FitBall, finds_the_deep_center_of_a_cap_from_the_spheres_center) {
   const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 1.5), 0.06);
   for (const double above : {0.3, 0.6, 0.8}) {

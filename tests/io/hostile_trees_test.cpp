@@ -38,7 +38,7 @@ TEST(HostileTrees, sph) {
       {"four_numbers.sph", "1 8\n0 0 0 1\n", 2, "the line ends where the weight should be"},
       {"six_numbers.sph", "1 8\n0 0 0 1 1 1\n", 2, "'1' follows x y z r w"},
       {"nan_radius.sph", "2 2\n" + root + "0 0 0 nan 1\n" + root, 3, "the radius is not finite"},
-      {"infinite_centre.sph", "1 8\n0 inf 0 1 1\n", 2, "y is not finite"},
+      {"infinite_center.sph", "1 8\n0 inf 0 1 1\n", 2, "y is not finite"},
       {"unused_root.sph", "2 2\n0 0 0 -0.002 1\n" + root + root, 2, "the root's radius is not above 0"},
       {"zero_root.sph", "1 2\n0 0 0 0 1\n", 2, "the root's radius is not above 0"},
   });
@@ -171,7 +171,7 @@ TEST(HostileTrees, native) {
       {"bracket.morula", forge.with_header("{", "[{"), 110, "is not JSON here"},
       {"no_mesh.morula", forge.with_header("\"mesh\"", "\"mess\""), 0, "the header has no \"mesh\""},
       {"no_arrays.morula", forge.with_header("\"arrays\"", "\"array\""), 0, "the header has no \"arrays\""},
-      {"no_report.morula", forge.with_header("\"report\"", "\"rumour\""), 0, "the header has no \"report\""},
+      {"no_report.morula", forge.with_header("\"report\"", "\"rumor\""), 0, "the header has no \"report\""},
       {"no_tree.morula", forge.with_header("\"tree\"", "\"wood\""), 0, "the header has no \"tree\""},
       {"hash.morula", forge.with_header("\"hash\": \"", "\"hash\": \"0"), 0, "not a string of 16 hexadecimal digits"},
       {"hash_type.morula", forge.with_header("\"hash\": ", "\"hash\": 7, \"was\": "), 0, "16 hexadecimal digits"},

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A chain and bushes, early leaves, centres that are hard to write.
+// A chain and bushes, early leaves, centers that are hard to write.
 SphereTree awkward_tree() {
   const std::vector<double> numbers = awkward_numbers();
   const auto sphere = [&](std::size_t i) {
@@ -236,7 +236,7 @@ TEST(TreeFile, sph_is_written_as_documented) {
             "0 0 0 -1 0\n0 0 0 -1 0\n1 2 3 1e-05 1\n0 0 0 -1 0\n");
 }
 
-// What the published toolkit writes: centres relative to the box centre, unused slots with a negative radius that is
+// What the published toolkit writes: centers relative to the box center, unused slots with a negative radius that is
 // not −1 or with 0, valid-looking nodes below unused ones, options and an evaluation after the last node.
 constexpr const char* toolkit_file =
     "3 2\n"
@@ -291,7 +291,7 @@ TEST(TreeFile, a_bare_tree_gets_a_cover_for_the_mesh) {
 TEST(TreeFile, json_may_number_its_nodes_in_any_order) {
   const ScratchFolder folder;
   const TreeFile file = read_tree(folder.file("a.json", R"({"nodes": [
-    {"radius": 4, "children": [3, 1], "center": [0, 0, 0], "colour": "red"},
+    {"radius": 4, "children": [3, 1], "center": [0, 0, 0], "color": "red"},
     {"radius": 2, "children": [], "center": [1, 0, 0]},
     {"radius": 1, "children": [], "center": [-1e0, 0.5, 0]},
     {"radius": 3, "children": [2], "center": [-1, 0, 0]}],

@@ -42,7 +42,7 @@ TEST(Judge, proves_what_one_ball_holds_and_sees_it_shrink_by_little) {
 }
 
 TEST(Judge, finds_a_hole_between_three_balls) {
-  // Centres one away from the middle of a triangle: what they leave open there is as small as one likes.
+  // Centers one away from the middle of a triangle: what they leave open there is as small as one likes.
   const Triangle facet{Point{-1, -0.5L, 0}, Point{1, -0.5L, 0}, Point{0, 0.9L, 0}};
   const Real s = std::sqrt(Real(3)) / 2;
   const auto balls = [&](Real radius) {

@@ -149,7 +149,7 @@ Specimen costly_tree(Dice& dice, Record& record) {
   } else if (options.method == Method::combined) {
     most = 16;
   } else if (dice.chance(0.1)) {
-    options.optimiser = dice.pick({Optimiser::refit, Optimiser::simplex, Optimiser::balance});
+    options.optimizer = dice.pick({Optimizer::refit, Optimizer::simplex, Optimizer::balance});
     most = 16;
   }
   const auto facets = static_cast<std::size_t>(dice.logarithmic(2, static_cast<double>(most) + 1));
@@ -157,7 +157,7 @@ Specimen costly_tree(Dice& dice, Record& record) {
   Specimen s{shape.name + " | " + std::string(name(options.method)), std::move(shape.mesh), nullptr};
   if (options.method == Method::morula) s.name += " " + std::string(name(options.quality));
   s.name += sizes(options.branching, depth);
-  if (options.optimiser != Optimiser::none) s.name += " " + std::string(name(options.optimiser));
+  if (options.optimizer != Optimizer::none) s.name += " " + std::string(name(options.optimizer));
   record.place.description += s.name;
   s.built = std::make_shared<const CoveredTree>(build(s.mesh, options));
   judge_tree(s.mesh, *s.built, dice, record);
@@ -202,7 +202,7 @@ BuildOptions far_options(Method method, Dice& dice) {
                                  Quality::standard, Quality::best});
   const bool proposes = method != Method::morula && method != Method::octree;
   if (proposes && dice.chance(0.05))
-    options.optimiser = dice.pick({Optimiser::refit, Optimiser::simplex, Optimiser::balance});
+    options.optimizer = dice.pick({Optimizer::refit, Optimizer::simplex, Optimizer::balance});
   if (dice.chance(0.06)) options.spheres = 1 + dice.below(12);
   return options;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Generators as parameters of tests: those that every test can afford, and those whose tests are labelled `long`.
+// Generators as parameters of tests: those that every test can afford, and those whose tests are labeled `long`.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -133,7 +133,7 @@ TEST(Validate, names_every_region_that_is_not_its_childrens) {
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[1] = c.region_begin[2] = 0; }), "owns no patches"));
 }
 
-// The farthest corner is exactly 5 from the centre.
+// The farthest corner is exactly 5 from the center.
 TEST(Certify, tells_a_sphere_that_just_contains_from_one_that_just_does_not) {
   Mesh mesh{{{3, 4, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   Cover c;

@@ -222,7 +222,7 @@ TEST(Nesting, holds_for_numbers_of_any_size) {
       }
       SphereTree tree = root_over(times({{1, 2, 3}, 1}, scale), children);
       nest(tree);
-      // Exact: the differences and radii are small integers times the scale, and so is the parent's centre or nearly.
+      // Exact: the differences and radii are small integers times the scale, and so is the parent's center or nearly.
       EXPECT_LE(worst_excess(tree), 0) << scale << ", round " << round;
       EXPECT_TRUE(validate(tree).empty());
     }

@@ -142,7 +142,7 @@ class ManyPoints {
     walk_.emplace(tree, depth_first_leaves(tree), ownership, std::vector<std::uint8_t>{1, 1});
     incremental_.emplace(walk_->chains());
   }
-  // All from the beginning, then by groups: the centre is where all other points are.
+  // All from the beginning, then by groups: the center is where all other points are.
   void measure(const Vec3f& center) {
     points_.assign(count, {center.x, center.y, center.z, 0});
     points_[20] = point[0], points_[count - 20] = point[1];
@@ -177,7 +177,7 @@ class ManyPoints {
   std::size_t tested_ = 0;
 };
 
-// The centre goes straight towards the farthest point and away from the other one, which comes to be as far within a
+// The center goes straight towards the farthest point and away from the other one, which comes to be as far within a
 // share of that. Returns how many points were tested in the end.
 std::size_t expect_farthest_of_groups(double size, double share, int trials, std::uint64_t seed) {
   Random random(seed);
@@ -223,9 +223,9 @@ TEST(CornerWalkAllowance, sees_every_step_of_a_long_way) {
   }
 }
 
-// A strip whose right end is pulled along it: centres follow it, straight away from the left end, and both ends are
+// A strip whose right end is pulled along it: centers follow it, straight away from the left end, and both ends are
 // nearly as far from them.
-TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_where_centres_go_straight) {
+TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_where_centers_go_straight) {
   Mesh strip;
   constexpr int columns = 300;  // vertices are looked at in blocks: the left end has some of its own
   for (int i = 0; i <= columns; ++i)
@@ -335,7 +335,7 @@ TEST(CoveringRadius, pays_for_narrowing_and_for_moving_cut_points) {
   }
 }
 
-// Spheres whose centres are far outside the body: distances a thousand times the body's size, squared in float.
+// Spheres whose centers are far outside the body: distances a thousand times the body's size, squared in float.
 TEST(CoveringRadius, pays_for_distances_taken_in_float) {
   Random random(7);
   for (int round = 0; round < 500; ++round) {
@@ -349,7 +349,7 @@ TEST(CoveringRadius, pays_for_distances_taken_in_float) {
 }
 
 // A body whose size is a few units in the last place of where it is.
-TEST(CoveringRadius, pays_for_reading_centres_far_from_the_origin) {
+TEST(CoveringRadius, pays_for_reading_centers_far_from_the_origin) {
   Random random(8);
   const Vec3 away{1e9, 1.1e9, 1.2e9};
   const double unit = 0x1p-22;  // of coordinates there
@@ -456,7 +456,7 @@ float wrapped(const Rounding& rounding, const Vec3f& center, const Spheref& inne
                                   center);
 }
 
-TEST(WrappingRadius, pays_for_reading_centres_far_from_the_origin) {
+TEST(WrappingRadius, pays_for_reading_centers_far_from_the_origin) {
   Random random(9);
   for (int round = 0; round < 20000; ++round) {
     const Vec3 origin = random_direction(random) * random.uniform(1e8, 1e9);
@@ -478,7 +478,7 @@ TEST(WrappingRadius, pays_for_sums_that_swallow_a_distance) {
 // Modal bodies.
 
 // Steps of three quarters of a unit in the last place: below 2 each is rounded to a whole unit, above 2 to nothing. So
-// a corner goes away from its centre by as many units as there are modes, though in real numbers both go together.
+// a corner goes away from its center by as many units as there are modes, though in real numbers both go together.
 TEST(ModalAllowance, pays_for_sums_over_many_modes) {
   constexpr std::size_t mode_count = 2000;
   constexpr double size = 0x1p-33;

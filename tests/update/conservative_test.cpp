@@ -41,7 +41,7 @@ TEST(Conservative, rules_cover_every_level_of_every_body_in_every_motion) {
   EXPECT_GT(bare_without, 20u) << "the option is needed";
 }
 
-TEST(Conservative, spheres_keep_their_centres_and_grow_to_the_farthest_owned_corner_only) {
+TEST(Conservative, spheres_keep_their_centers_and_grow_to_the_farthest_owned_corner_only) {
   for (const Specimen& b : specimens())
     for (const Rule rule : {Rule::traditional, Rule::approach1, Rule::approach2}) {
       Body body(b.mesh, b.built, {.rules = {rule}, .conservative = true}), plain(b.mesh, b.built, {.rules = {rule}});

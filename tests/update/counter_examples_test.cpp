@@ -25,7 +25,7 @@ bool contains(const Sphere& s, const Vec3& p) {
   return distance(s.center, p) <= s.radius;
 }
 
-// All corners keep their distance from the centre, so the radius stays; yet points between them move out.
+// All corners keep their distance from the center, so the radius stays; yet points between them move out.
 TEST(CounterExamples, approach1_leaf_measures_stretch_only_towards_vertices) {
   const double L = 2.0, r = 1.0, s = 1.3;
   const Mesh mesh = square(L / std::sqrt(2.0));

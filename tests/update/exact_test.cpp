@@ -159,7 +159,7 @@ TEST(Exact, centers_inside_their_anchors_follow_affine_motion) {
   const BindReport& report = body.bind_report();
   const std::size_t nodes = b.built.tree.node_count();
   ASSERT_LT(report.degenerate_anchors + report.carried_centers, nodes);
-  // Shortens every distance, so no sphere grows and no centre is pulled.
+  // Shortens every distance, so no sphere grows and no center is pulled.
   const auto map = [](const Vec3& p) { return Vec3{0.7 * p.x + 0.2 * p.y, 0.6 * p.y, 0.8 * p.z - 0.3 * p.x}; };
   std::vector<Vec3> positions, centers;
   for (const Vec3& p : b.mesh.positions) positions.push_back(map(p));

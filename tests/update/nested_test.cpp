@@ -130,7 +130,7 @@ TEST(Nested, parents_of_spheres_whose_radii_stop_contain_them) {
   }
 }
 
-// A convex function of the centre, made least by steps in all directions that shrink where none helps.
+// A convex function of the center, made least by steps in all directions that shrink where none helps.
 double smallest_reach(const Body& body, std::uint32_t parent) {
   const SphereTree& tree = body.rest_tree();
   static const std::vector<Vec3> directions = fibonacci_directions(100);
@@ -152,7 +152,7 @@ double smallest_reach(const Body& body, std::uint32_t parent) {
   return best;
 }
 
-TEST(Nested, centres_that_are_pulled_reach_their_children_with_little_more_than_the_least) {
+TEST(Nested, centers_that_are_pulled_reach_their_children_with_little_more_than_the_least) {
   for (const test::Specimen& b : test::specimens()) {
     Body carried(b.mesh, b.built, {.rules = {Rule::wrapped, Rule::exact}});
     Body pulled(

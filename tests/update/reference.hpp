@@ -20,12 +20,12 @@ struct RestFacts {
   std::vector<bool> touches;                         ///< per node: does a facet meet the ball?
   std::vector<std::set<std::uint32_t>> linked;       ///< per node: vertices of facets that meet it, or of the nearest
   std::vector<std::set<std::uint32_t>> enclosed;     ///< per node: vertices in it
-  std::vector<std::set<std::uint32_t>> of_nearest;   ///< per node: vertices of the facet nearest to its centre
+  std::vector<std::set<std::uint32_t>> of_nearest;   ///< per node: vertices of the facet nearest to its center
   std::vector<double> vertex_area;
 };
 
 /// Spheres of all nodes after an update, by rules other than exact and modal. Nodes on levels of these two are taken
-/// from the body's spheres at rest and now: their centres are not the paper's business.
+/// from the body's spheres at rest and now: their centers are not the paper's business.
 struct Reference {
   std::vector<Sphere> rest, now;
 };

@@ -89,7 +89,7 @@ bool is_of_memory(const std::string& error) {
 void judge_end(Json& result, const ProcessEnd& end, const BatchTask& task, const std::string& error) {
   if (end.how == ProcessEnd::How::out_of_time) {
     set_failure(result, "time limit", fmt::format("not done after {} s", task.time_limit.value_or(0)));
-  } else if (end.how == ProcessEnd::How::signalled) {
+  } else if (end.how == ProcessEnd::How::signaled) {
     set_failure(result, "crashed", fmt::format("ended by signal {} ({})", end.code, strsignal(end.code)));
   } else if (end.code == exit_bad_use) {
     set_failure(result, "refused", error);

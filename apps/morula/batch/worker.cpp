@@ -245,7 +245,7 @@ ProcessEnd wait_for(pid_t build, int end_of_build, const BatchTask& task) {
     if (waits[1].revents != 0) usleep(100);
   }
   end.seconds = seconds_since_start() - begun;
-  if (end.how != How::out_of_time && WIFSIGNALED(status)) end.how = How::signalled;
+  if (end.how != How::out_of_time && WIFSIGNALED(status)) end.how = How::signaled;
   end.code = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status);
   end.cpu_seconds = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   end.peak_megabytes = static_cast<double>(usage.ru_maxrss) / 1024;

@@ -41,7 +41,7 @@ struct BuildArguments {
   std::uint64_t seed = BuildOptions{}.seed;
   std::string quality{name(BuildOptions{}.quality)};
   std::string reducers;
-  std::string optimiser{name(BuildOptions{}.optimiser)};
+  std::string optimizer{name(BuildOptions{}.optimizer)};
   double balance_excess = BuildOptions{}.balance_excess;
   std::optional<double> time_limit;
   std::string poses;  // a motion, or strains; empty: none
@@ -96,7 +96,7 @@ BuildOptions build_options(const BuildArguments& o) {
           .nested = o.nested,
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
-          .optimiser = parse_optimiser(o.optimiser),
+          .optimizer = parse_optimizer(o.optimizer),
           .balance_excess = o.balance_excess,
           .quality = parse_quality(o.quality),
           .time_limit_seconds = o.time_limit.value_or(0),
@@ -327,11 +327,11 @@ void add_build(CLI::App& app, Run& run) {
              fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
                          fmt::join(reduction_names(), ",")))
       ->type_name("LIST");
-  add_option(*command, "--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
+  add_option(*command, "--optimizer", o->optimizer, fmt::format("{}", fmt::join(optimizer_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--balance-excess", o->balance_excess,
-             "For the optimiser balance: share by which the worst sphere may stick out further")
+             "For the optimizer balance: share by which the worst sphere may stick out further")
       ->type_name("SHARE")
       ->transform(real_number(0))
       ->capture_default_str();

@@ -160,7 +160,7 @@ int clump_unless_stopped(const ClumpArguments& o, const Interrupt& interrupt) {
   }
   fmt::print("\nmass     {} at density {}\n", exact_digits(clump.mass()), exact_digits(clump.density));
   const Vec3& c = clump.solid.center;
-  fmt::print("centre   {} {} {}\n", exact_digits(c.x), exact_digits(c.y), exact_digits(c.z));
+  fmt::print("center   {} {} {}\n", exact_digits(c.x), exact_digits(c.y), exact_digits(c.z));
   const Vec3 moments = clump.density * clump.principal_inertia;
   fmt::print("moments  {} {} {} along principal axes\n", exact_digits(moments.x), exact_digits(moments.y),
              exact_digits(moments.z));

@@ -40,7 +40,7 @@ void require_sense(const ClumpOptions& o) {
 }
 
 /// What moves a sphere's surface when its numbers are rounded to float, and rotated before: three coordinates and a
-/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the centre of mass at most.
+/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the center of mass at most.
 double rounding_allowance(const Mesh& mesh) {
   double extent = 0;
   for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));

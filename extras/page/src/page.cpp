@@ -197,7 +197,7 @@ struct Packer {
 
   void add(const PageMotion& motion) {
     const std::string id = fmt::format("morula-motion-{}", motions.size());
-    const Quantisation grid = quantisation(motion.facets, motion.frames);
+    const Quantization grid = quantization(motion.facets, motion.frames);
     PackedBytes packed;
     pack_facets(packed, motion.facets);
     pack_positions(packed, grid, motion.frames);

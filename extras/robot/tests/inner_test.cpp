@@ -132,7 +132,7 @@ TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {
   EXPECT_EQ(robot::fit_spheres(the_arm, {.spheres = 2}).inner_count(), 0u) << "none where none are asked for";
 }
 
-/// A cube about a centre as facets of an OBJ, each with vertices of its own; turned: facing inwards.
+/// A cube about a center as facets of an OBJ, each with vertices of its own; turned: facing inwards.
 std::string cube(double half, const Vec3& center, bool turned, int& vertices, std::size_t facets = 12) {
   constexpr std::array<std::array<int, 3>, 12> corners{{{0, 2, 3},
                                                         {0, 3, 1},

@@ -60,9 +60,9 @@ std::string judge_spheres(const json& list, bool positive) {
     if (!sphere.is_object() || sphere.size() != 2 || !sphere.contains("center") || !sphere.contains("radius"))
       return "a sphere is not {center, radius}";
     const json& center = sphere["center"];
-    if (!center.is_array() || center.size() != 3) return "a centre is not three numbers";
+    if (!center.is_array() || center.size() != 3) return "a center is not three numbers";
     for (const json& c : center) {
-      if (!is_number(c)) return "a centre is not three numbers";
+      if (!is_number(c)) return "a center is not three numbers";
     }
     if (!is_number(sphere["radius"])) return "a radius is no number";
     if (positive && !(sphere["radius"].get<double>() > 0)) return "a radius is not above 0";

@@ -140,10 +140,10 @@ TEST(ReadRobot, facets_of_a_mirrored_mesh_still_look_outward) {
   EXPECT_NEAR(mirrored.volume, plain.volume * 0.1 * 0.1 * 0.2, 1e-15);
 }
 
-TEST(ReadRobot, collada_scenes_are_placed_in_metres_and_axes_stay_as_written) {
+TEST(ReadRobot, collada_scenes_are_placed_in_meters_and_axes_stay_as_written) {
   const Mesh mesh = robot::read_collada(robots_folder + "/arm_description/meshes/wrist.dae");
   ASSERT_EQ(mesh.positions.size(), 8u);
-  // First turned about z, then shifted, in centimetres; the second is mirrored.
+  // First turned about z, then shifted, in centimeters; the second is mirrored.
   const std::vector<Vec3> expected{{0.01, 0.02, 0.03}, {0.01, 0.06, 0.03}, {-0.02, 0.02, 0.03}, {0.01, 0.02, 0.08},
                                    {0, 0, 0.1},        {-0.04, 0, 0.1},    {0, 0.03, 0.1},      {0, 0, 0.15}};
   for (std::size_t i = 0; i < 8; ++i) EXPECT_LT(distance(mesh.positions[i], expected[i]), 1e-15) << i;

@@ -65,7 +65,7 @@ Vec3 point(Random& random, double reach) {
 TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
   const robot::Robot read = robot::read_robot(moving_arm);
   const robot::RobotSpheres spheres = robot::fit_spheres(read, {.spheres = 24});
-  // Neighbours alone are ignored, so that other links meet now and then.
+  // Neighbors alone are ignored, so that other links meet now and then.
   const robot::SelfCollision self = robot::find_ignored(read, spheres, {.samples = 0});
   robot::SphereRobot moving(read, spheres, self);
   Flat flat{read, spheres, self};
@@ -129,7 +129,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
 TEST(SphereRobot, ignored_pairs_are_never_asked_and_copies_move_apart) {
   const robot::Robot read = robot::read_robot(moving_arm);
   const robot::RobotSpheres spheres = robot::fit_spheres(read, {.spheres = 4});
-  EXPECT_TRUE(robot::SphereRobot(read, spheres).self_collision()) << "neighbours touch";
+  EXPECT_TRUE(robot::SphereRobot(read, spheres).self_collision()) << "neighbors touch";
   robot::SelfCollision all;
   for (std::size_t a = 0; a < read.links.size(); ++a) {
     for (std::size_t b = a + 1; b < read.links.size(); ++b) all.ignored.push_back({a, b, robot::IgnoreReason::given});

@@ -34,7 +34,7 @@ struct DemoArguments {
   bool json = false;
 };
 
-/// A scanned or modelled mesh with an inside, when the corpus is unpacked.
+/// A scanned or modeled mesh with an inside, when the corpus is unpacked.
 std::optional<study::NamedMesh> real_body() {
   const std::optional<std::filesystem::path> corpus = scenes::corpus_folder();
   if (!corpus) return std::nullopt;

@@ -23,9 +23,9 @@ struct Contact {
   /// Both nodes are final: leaves or on the level asked for. Otherwise the budget ended before the pair was looked
   /// into; there may be any number of contacts below it, or none.
   bool finished = false;
-  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centres
-  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centres coincide
-  double depth = 0;        ///< r_a + r_b - distance of centres, at most 2 min(r_a, r_b); minus the gap if there is one
+  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centers
+  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centers coincide
+  double depth = 0;        ///< r_a + r_b - distance of centers, at most 2 min(r_a, r_b); minus the gap if there is one
   double lens_volume = 0;  ///< of the overlap of both spheres
   /// No common point of both regions is farther from `point`. With a margin: take any point of a's region and one of
   /// b's that are no farther apart than the margin; the middle between them is no farther from `point`. Of the current

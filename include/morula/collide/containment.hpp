@@ -23,11 +23,11 @@ struct [[nodiscard]] PointLocation {
 /// A ball that knows its side of the surface.
 struct [[nodiscard]] Probe {
   Status status;
-  bool inside = false;     ///< the centre is inside
+  bool inside = false;     ///< the center is inside
   bool touches = false;    ///< depth is 0 or more
-  double distance = 0;     ///< from the centre to the surface, negative inside
+  double distance = 0;     ///< from the center to the surface, negative inside
   double depth = 0;        ///< radius - distance: how far the ball reaches into the solid, at the nearest wall
-  SurfacePoint nearest{};  ///< of the surface, to the centre
+  SurfacePoint nearest{};  ///< of the surface, to the center
   Vec3 normal{};           ///< unit: where the ball has to go to come out
 };
 

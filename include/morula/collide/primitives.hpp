@@ -41,7 +41,7 @@ struct TouchingFacet {
   /// Of the point inside the shape; negative outside. Of a capsule at most its radius: behind its axis depth falls
   /// again.
   double depth = 0;
-  Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's centre, into the body
+  Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's center, into the body
 };
 
 struct [[nodiscard]] Touch {
@@ -106,7 +106,7 @@ struct [[nodiscard]] RayHit {
 /// Watertight [woop2013]: facets are sheared so that the ray becomes an axis, each vertex to the same double
 /// coordinates for all its facets, and there the sides of edges are decided exactly, edges and corners included. So no
 /// ray slips through between facets that share them; it hits the surface with vertices moved by less than 2^-48 of
-/// their largest |coordinate|. A facet seen edge-on is hit only where its neighbours are. Cost: 15 ns per sphere, 40 ns
+/// their largest |coordinate|. A facet seen edge-on is hit only where its neighbors are. Cost: 15 ns per sphere, 40 ns
 /// per facet.
 class RayQuery {
  public:

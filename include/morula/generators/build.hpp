@@ -38,15 +38,15 @@ std::optional<Reduction> reduction_from_name(std::string_view name);
 std::span<const Reduction> all_reductions();
 
 /// What is done to proposed spheres before they are fitted to their part of the surface.
-enum class Optimiser {
+enum class Optimizer {
   none,
   refit,    ///< each sphere moved to where it sticks out least, three rounds
-  simplex,  ///< worst sphere first, centre and radius searched, samples changing hands [bradshaw2002]
+  simplex,  ///< worst sphere first, center and radius searched, samples changing hands [bradshaw2002]
   balance,  ///< the same, then as many spheres removed as cost nothing [bradshaw2002]
 };
-std::string_view name(Optimiser optimiser);
-std::optional<Optimiser> optimiser_from_name(std::string_view name);
-std::span<const Optimiser> all_optimisers();
+std::string_view name(Optimizer optimizer);
+std::optional<Optimizer> optimizer_from_name(std::string_view name);
+std::span<const Optimizer> all_optimizers();
 
 /// Time for tightness, for the method `morula`; the others have one way.
 /// draft is for rebuilding while a body moves: 0.7 of the time of fast.
@@ -82,7 +82,7 @@ struct BuildOptions {
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,
   /// merge and expand. Every one adds to the time; the best is taken for each node.
   std::vector<Reduction> reducers{};
-  Optimiser optimiser = Optimiser::none;  ///< for all methods but octree and morula
+  Optimizer optimizer = Optimizer::none;  ///< for all methods but octree and morula
   double balance_excess = 0;              ///< for balance: share by which the worst sphere may stick out further
   Quality quality = Quality::standard;    ///< for method morula
   /// 0: none. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what was

@@ -13,7 +13,7 @@ struct RigidTransform {
   std::array<Vec3, 3> rows{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< of the rotation matrix
   Vec3 translation{};
 
-  /// By a unit quaternion (w, x, y, z); one of another length is normalised, zero gives no rotation.
+  /// By a unit quaternion (w, x, y, z); one of another length is normalized, zero gives no rotation.
   static RigidTransform from_quaternion(double w, double x, double y, double z, const Vec3& translation = {});
   /// By an angle about an axis through the origin, right-handed; an axis of zero gives no rotation.
   static RigidTransform from_axis(const Vec3& axis, double angle_radians, const Vec3& translation = {});

@@ -21,7 +21,7 @@ struct TreeFile {
 };
 
 struct ReadTreeOptions {
-  /// Added to every centre of a .sph. The published toolkit writes centres relative to the mesh's box centre: pass that
+  /// Added to every center of a .sph. The published toolkit writes centers relative to the mesh's box center: pass that
   /// (CLI: --sph-origin bbox-center).
   Vec3 sph_origin{0, 0, 0};
 };

@@ -104,7 +104,7 @@ struct CoveredTree {
 /// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch
 /// outside its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute
 /// sphere). A sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same
-/// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
+/// center, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
@@ -121,14 +121,14 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// A facet that several leaves share goes whole to one of them, the one with the most of it first, whose sphere and all
 /// spheres above reach as far already; else what one has of it to another, likewise. What a leaf has of a facet becomes
 /// one patch where it is convex, fewer where it is not. No node's farthest corner is
-/// farther from its centre than before, so spheres that covered cover, and an update at rest grows none; in motion they
+/// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
 /// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.
 Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers = serial_workers());
 
 struct [[nodiscard]] Certificate {
   bool covered = true;
-  double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
+  double worst_excess = 0;  ///< largest |corner − center| − radius over all nodes; ≤ 0 when covered
   std::uint32_t worst_node = no_node;
 };
 

@@ -44,7 +44,7 @@ class PosedSpheres {
   ///
   /// covers: the caller vouches that every level contains the surface, now and after each set(); queries then call
   /// their misses proofs. Throws std::invalid_argument, with the first of its words, for a tree that fails validate(),
-  /// and for spheres that reach 2^57 about the root's centre. Cost: linear in nodes.
+  /// and for spheres that reach 2^57 about the root's center. Cost: linear in nodes.
   explicit PosedSpheres(SphereTree tree, bool covers = false);
   /// A copy of a pose as it is now. The positions it followed are not copied. The tree is.
   explicit PosedSpheres(const PosedTree& pose);
@@ -58,7 +58,7 @@ class PosedSpheres {
   /// Throws std::invalid_argument, and changes nothing, for a wrong count, and for a sphere that is not finite, has a
   /// negative radius, or reaches 2^57.
   void set(std::span<const Spheref> spheres, const Vec3& origin = {});
-  /// The same in double, narrowed about the root's centre so that each contains what it was.
+  /// The same in double, narrowed about the root's center so that each contains what it was.
   void set(std::span<const Sphere> spheres);
 
   /// At one address as long as this lives, also when it is moved. Assigning to this ends it (PosedTree::ended).

@@ -36,7 +36,7 @@ struct BindReport {
   std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
   std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
   std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
-  std::size_t carried_centers = 0;  ///< centres far outside the hull of their anchors: the remainder turns with these
+  std::size_t carried_centers = 0;  ///< centers far outside the hull of their anchors: the remainder turns with these
   std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
 };
 
@@ -48,11 +48,11 @@ class Body {
   /// Copies what it needs from mesh and built. The tree must be the cover's.
   ///
   /// Starts at rest, with the spheres that update(mesh.positions) makes: the tree's, narrowed to float with radii
-  /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
+  /// rounded up, by approach1 and approach2; of the same center and the radius that their rule gives, by the others.
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
   /// rule list is empty or names no rule, an option is out of range, modes or a skin are not finite, not for this mesh
   /// or missing for a level of the rule `modal` or `skinned`, two levels ask for these two, or coordinates about the
-  /// centre reach 2^57 (1.4e17): their squares would leave the range of float. The centre itself may be as far as 2^100
+  /// center reach 2^57 (1.4e17): their squares would leave the range of float. The center itself may be as far as 2^100
   /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
   /// cannot tell.
   Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options = {}, Workers& workers = serial_workers());
@@ -82,7 +82,7 @@ class Body {
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.
   ///
   /// positions: of all vertices. With `exact` or `wrapped` on all levels, the cost follows what moved: the leaves that
-  /// own something of it, and the leaves below nodes whose centres hang on it. Everything is updated where that is not
+  /// own something of it, and the leaves below nodes whose centers hang on it. Everything is updated where that is not
   /// possible: other rules, after an update that failed, and when the vertex moved that the origin follows (the first
   /// one that a facet uses). A range that ends before it begins or behind the last vertex gives bad_range and changes
   /// nothing.

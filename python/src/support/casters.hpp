@@ -46,7 +46,7 @@ struct Chosen {
 };
 struct MethodName : Chosen {};
 struct QualityName : Chosen {};
-struct OptimiserName : Chosen {};
+struct OptimizerName : Chosen {};
 struct AxisName : Chosen {};
 struct SignMethodName : Chosen {};
 struct PriorityName : Chosen {};
@@ -125,7 +125,7 @@ MORULA_GIVEN(PlacementGiven, "morula.typing.Placement")
   };
 MORULA_CHOSEN(MethodName, "morula.typing.Method")
 MORULA_CHOSEN(QualityName, "morula.typing.Quality")
-MORULA_CHOSEN(OptimiserName, "morula.typing.Optimiser")
+MORULA_CHOSEN(OptimizerName, "morula.typing.Optimizer")
 MORULA_CHOSEN(AxisName, "morula.typing.Axis")
 MORULA_CHOSEN(SignMethodName, "morula.typing.SignMethod")
 MORULA_CHOSEN(PriorityName, "morula.typing.Priority")

@@ -32,7 +32,7 @@ void bind_spheres_view(nb::module_& m) {
       .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
       .def_prop_ro("is_current", &SpheresView::is_current, "False when the body has moved on.")
       .def_prop_ro(
-          "origin", [](const SpheresView& self) { return self.pose().origin; }, "Add it to the centres: mesh units.")
+          "origin", [](const SpheresView& self) { return self.pose().origin; }, "Add it to the centers: mesh units.")
       .def_prop_ro("shape",
                    [](const SpheresView& self) { return std::make_tuple(self.posed->pose().spheres.size(), 4); })
       .def_prop_ro(

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
+// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's center, of its corners
 // and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M + 2^-53
 // A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. What closest_point() returns
 // is a sum of corners with shares of at least 0 and together at most 1, whatever the facet's shape, so it is in the
@@ -98,7 +98,7 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
 }
 
 /// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
-/// surface and bulges with it, next to 1 where its centre is in the surface. mean: mean_normal of the node.
+/// surface and bulges with it, next to 1 where its center is in the surface. mean: mean_normal of the node.
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
   // A leaf is in many contacts.
   std::optional<double> of_no_leaf;

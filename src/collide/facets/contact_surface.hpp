@@ -52,7 +52,7 @@ double region_reach(const Collider& collider, std::uint32_t node, const Vec3& di
 ///
 /// The normal lies between the spheres' and the difference of the mean normals of both regions: at the former where
 /// both spheres bulge with their regions, at the latter where one stands off its region by its radius, as it does where
-/// its centre lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
+/// its center lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
 /// (depth - E_a - E_b)⁺, E the excess of a sphere: how far it sticks out beyond the farthest corner of its facets,
 /// along the contact. docs/contact_surfaces.md has errors.
 ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,

@@ -127,7 +127,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   Vec3 area_vectors;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const Triangle t = corners(facets[i]);
-    // Differences of corners about the centre are those of the corners, but for some 2^-53 of a coordinate.
+    // Differences of corners about the center are those of the corners, but for some 2^-53 of a coordinate.
     const Vec3 p = t[0] - center, q = t[1] - center, r = t[2] - center;
     column[0][i] = static_cast<float>(p.x), column[1][i] = static_cast<float>(p.y),
     column[2][i] = static_cast<float>(p.z);

@@ -55,7 +55,7 @@ double sum_rounded_up(double a, double b) {
   return error > 0 ? std::nextafter(sum, std::numeric_limits<double>::infinity()) : sum;
 }
 
-// moved(i): by how much the centre of node i has moved. least: added to every node's way.
+// moved(i): by how much the center of node i has moved. least: added to every node's way.
 template <class Moved>
 void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& way, const Moved& moved) {
   const std::span<const Spheref> spheres = collider.pose().spheres;
@@ -71,7 +71,7 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
     double farthest = way[i];
     // mutant front-way-of-children: `farthest = std::max(farthest, way[tree.first_child[i] + k])` -> ``
     for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
-    side.travelled[i] = sum_rounded_up(side.travelled[i], farthest);
+    side.traveled[i] = sum_rounded_up(side.traveled[i], farthest);
   }
 }
 
@@ -85,8 +85,8 @@ void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, con
   } else {
     bodies.a.spheres.clear(), bodies.b.spheres.clear();
   }
-  bodies.a.travelled.assign(bodies.a.spheres.size(), 0.0);
-  bodies.b.travelled.assign(bodies.b.spheres.size(), 0.0);
+  bodies.a.traveled.assign(bodies.a.spheres.size(), 0.0);
+  bodies.b.traveled.assign(bodies.b.spheres.size(), 0.0);
 }
 
 void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,

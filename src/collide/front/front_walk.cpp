@@ -88,16 +88,16 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
 
 // Of each side by itself: a short way of one is not lost beside a long one of the other. What rounding takes from a
 // difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
-double FrontWalk::travelled_since(const Front::Opened& before) const {
+double FrontWalk::traveled_since(const Front::Opened& before) const {
   const Front::Pair& bodies = front.pairs[before.pair];
-  return (bodies.a.travelled[before.a] - before.travelled_a) + (bodies.b.travelled[before.b] - before.travelled_b);
+  return (bodies.a.traveled[before.a] - before.traveled_a) + (bodies.b.traveled[before.b] - before.traveled_b);
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
   if (pair.before == none || options.reach) return false;
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
-  const double since = travelled_since(before);
+  const double since = traveled_since(before);
   // mutant front-rounding: `+ front.pairs[pair.pair].rounding <` -> `<`
   return since == 0 || since + front.pairs[pair.pair].rounding < before.clearance;
 }
@@ -142,11 +142,11 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
   if (slot.knows_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
-    // mutant front-forgets-the-way: `before.travelled_a, entry.travelled_b = before.travelled_b` -> `front.pairs[pair.pair].a.travelled[before.a], entry.travelled_b = front.pairs[pair.pair].b.travelled[before.b]`
-    entry.travelled_a = before.travelled_a, entry.travelled_b = before.travelled_b;
+    // mutant front-forgets-the-way: `before.traveled_a, entry.traveled_b = before.traveled_b` -> `front.pairs[pair.pair].a.traveled[before.a], entry.traveled_b = front.pairs[pair.pair].b.traveled[before.b]`
+    entry.traveled_a = before.traveled_a, entry.traveled_b = before.traveled_b;
   } else if (keeps_) {
     const Front::Pair& bodies = front.pairs[pair.pair];
-    entry.travelled_a = bodies.a.travelled[pair.a], entry.travelled_b = bodies.b.travelled[pair.b];
+    entry.traveled_a = bodies.a.traveled[pair.a], entry.traveled_b = bodies.b.traveled[pair.b];
   }
   std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
   entry.next_beside = std::exchange(head, opened);

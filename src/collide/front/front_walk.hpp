@@ -59,7 +59,7 @@ class FrontWalk {
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
   /// How far both nodes have come since a pair was opened in an earlier frame.
-  double travelled_since(const Front::Opened& before) const;
+  double traveled_since(const Front::Opened& before) const;
   void test_roots(Run& run);
   void fill_round(Run& run);
   void test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const;

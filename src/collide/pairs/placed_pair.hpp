@@ -12,7 +12,7 @@
 // r_b, so |c_a - c'| <= r_a + |M| r_b + |E l_a| with E = R_a^T R_a - I, and |l_a| is below |u| + |l_b| and a little:
 //   not quite rigid entries of R R^T - I up to d = 1e-9: |M| <= 1 + 4 d, |E l_a| <= 3 d |l_a|. Together below
 //                   16 d (|c_b|_1 + U + r_b) = 0.3 e of it
-//   world           vertices R x + t rounded to double, W, origin + centre, the difference of the W: below
+//   world           vertices R x + t rounded to double, W, origin + center, the difference of the W: below
 //                   60 v (A + |c_b|_1 + U + r_b). Allowed: 2^-46 A = 128 v A; the rest is nothing beside the next lines
 //   moving          M and u narrowed, three products, three sums in float: per coordinate below 4 e (|c_b|_1 + U), as a
 //                   length 7 e of it. Allowed with what is not rigid: 2^-20 = 16 e of |c_b|_1, U and r_b

@@ -44,7 +44,7 @@ class TreePair {
   void test(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     pair_kernels().test(placed_.narrow, block(a, b), masks);
   }
-  /// The same, and a length by which centres and radii of a pair may change together, in sum, without changing an
+  /// The same, and a length by which centers and radii of a pair may change together, in sum, without changing an
   /// answer but for rounding; see PairKernels.
   double test_and_measure(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     const double least = pair_kernels().test_and_measure(placed_.narrow, block(a, b), masks);

@@ -166,7 +166,7 @@ class FlatSet {
     }
   }
 
-  // Spheres that sit side by side like slabs: their centres are much nearer than their surfaces are.
+  // Spheres that sit side by side like slabs: their centers are much nearer than their surfaces are.
   static bool is_slender(const Set& set) {
     constexpr double much_nearer = 0.5;
     if (set.leaves.size() < 2) return false;

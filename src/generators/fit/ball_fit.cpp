@@ -21,7 +21,7 @@ float cube(float x) {
   return x * x * x;
 }
 
-// Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
+// Near the center of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
 Vec3f near_smallest_center(const GroupPoints& points) {
   Box box;
   for (std::size_t i = 0; i < points.size(); ++i) box.add({points.x[i], points.y[i], points.z[i]});
@@ -47,7 +47,7 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   constexpr float least_radius = 1e-4F;  // a point's ball
   const Vec3f middle = near_smallest_center(points);
   const float smallest = std::max(least_radius, farthest_from(points, middle));
-  // A ball whose centre is a step away reaches as far as that from here, and is larger by as much at most.
+  // A ball whose center is a step away reaches as far as that from here, and is larger by as much at most.
   const float longest_step = first_step * smallest, of_steps = 2.02F;
   grid.prepare(middle, smallest + of_steps * longest_step, taken);
 

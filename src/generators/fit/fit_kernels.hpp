@@ -82,7 +82,7 @@ struct FitKernels {
   void (*at_most)(const float* numbers, std::size_t count, float limit, std::uint64_t* bits);
   /// The same for doubles that are numbers.
   void (*at_most_in_double)(const double* numbers, std::size_t count, double limit, std::uint64_t* bits);
-  /// Of points from a centre. Sums are in the order x, y, z.
+  /// Of points from a center. Sums are in the order x, y, z.
   void (*squared_distances_in_double)(const DoublePointColumns& points, const Vec3& center, double* squares);
   /// The most that a point of the ball, going along its direction, travels before it leaves the ball; at least 0.
   /// points: in the ball, to rounding. directions: as many unit vectors.

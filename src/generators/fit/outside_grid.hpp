@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Outside grid: the empty space that a ball takes in and no sibling has taken in already. Every fit minimises it.
+// Outside grid: the empty space that a ball takes in and no sibling has taken in already. Every fit minimizes it.
 //
 // A ball's outside volume is integrated along lines of all three axes at once. A point of empty space belongs to axis k
 // with weight n_k², n the normal of the surface next to it: the weights sum to 1, and each thin layer between ball and

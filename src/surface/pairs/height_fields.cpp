@@ -39,7 +39,7 @@ bool may_touch(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Proje
 }
 
 /// Do segments pq and qr have more in common than q? None is a point. Where p is on qr, or r on pq, the edges beyond
-/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbour's edge.
+/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbor's edge.
 bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projection) {
   // mutant height-field-folds-back: `orient2d(p, q, r, projection) == 0` -> `false`
   return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;

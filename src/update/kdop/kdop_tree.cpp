@@ -146,7 +146,7 @@ KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& built, int k, Workers& w
   const LocalPoints::Frame rest = state_->local.move(mesh.positions, workers);
   if (!rest.finite)
     throw std::invalid_argument("vertex " + std::to_string(rest.first_bad_vertex) +
-                                " is too far from the centre for an update");
+                                " is too far from the center for an update");
   state_->write_bounds(rest, workers);
 }
 
@@ -201,7 +201,7 @@ void KDopTree::pose(PosedSpheres& spheres) const {
     const float *const low = s.lower(node), *const high = s.upper(node);
     const auto middle = [&](int i) { return 0.5f * low[i] + 0.5f * high[i]; };
     const Vec3f center{middle(0), middle(1), middle(2)};
-    // From the rounded centre to the farthest corner, in double: below 2^-50 off.
+    // From the rounded center to the farthest corner, in double: below 2^-50 off.
     const auto reach = [&](int i, float c) {
       return std::max(static_cast<double>(high[i]) - static_cast<double>(c),
                       static_cast<double>(c) - static_cast<double>(low[i]));

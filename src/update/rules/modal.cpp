@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two bounds of a node's corners, both of [james2004]'s form. With c the centre and y a corner's place about it at
+// Two bounds of a node's corners, both of [james2004]'s form. With c the center and y a corner's place about it at
 // rest, the corner is at c + y + sum q_j u_j. With u_j = s_j + e_j, |e_j| <= stray:
 //   shifts      |corner - (c + sum q_j s_j)| <= |y| + sum |q_j| stray_j, which is the paper's
 // With u_j = G_j y + s_j + e_j and F = 1 + sum q_j G_j:
@@ -11,15 +11,15 @@
 // node.
 //
 // Rounding, all in double, e = 2^-53. m modes; Z bounds |coordinates| of everything that is added up: rest positions
-// and centres, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
+// and centers, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
 //   the caller's own sum rest + U q, and ours of shifts               2 x 1.8 (m + 1) e Z
 //   the entries of F, times |y| <= 3.5 Z                              10.4 (m + 1) e Z
 //   cut corners as weighted sums, of rows here and of positions there     10.4 e Z
-//   reading: origin + centre, distances of a certificate              below 10 e Z
+//   reading: origin + center, distances of a certificate              below 10 e Z
 // Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of others are left out (exactly in it: facet_hull.hpp with
 // tolerance 0). Where weights add up to 1 +- s, the first weights of a corner and of what surrounds it differ by up to
 // 2 s, which is below 3.5 s Z as a length; allowed: 4 s Z. What binding a node rounds is in its strays and its radius
-// (rounded_up_radius), what narrowing the centre to float moves is measured.
+// (rounded_up_radius), what narrowing the center to float moves is measured.
 #include "update/rules/modal.hpp"
 
 #include <cassert>
@@ -204,7 +204,7 @@ Spheref ModalRule::sphere_of(std::size_t slot, const ModalPose& pose) const noex
   const Vec3 center = s.center - pose.origin;
   // Adding zero makes a negative zero positive, as the other rules do.
   const Vec3f nearest = Vec3f(center) + Vec3f{};
-  // mutant modal-narrowed-centre: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
+  // mutant modal-narrowed-center: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
   return {nearest, rounded_up((s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + pose.pad)};
 }
 

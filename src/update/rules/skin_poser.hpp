@@ -51,7 +51,7 @@ class SkinPoser {
   std::uint32_t guide_;
   Vec3 guide_rest_, rest_origin_;
   double size_;
-  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centres
+  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centers
   double largest_weights_ = 1;  // largest sum of |weights| of a vertex
 };
 

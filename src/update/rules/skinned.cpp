@@ -3,7 +3,7 @@
 // The rule `skinned`: spheres that are moved and resized by the weights that move the surface [jones2017], and look at
 // no vertex. An approximation: nothing makes a sphere contain what it owns.
 //
-// Jones et al. fit the spheres to a few example poses beforehand and blend those centres and radii. A skin has no
+// Jones et al. fit the spheres to a few example poses beforehand and blend those centers and radii. A skin has no
 // examples, only transforms. With w_b the mean weight of bone b over the distinct corners that a node owns, and
 // B = sum w_b T_b, the node takes
 //   c' = B c,   r' = |B| r,   |B| the largest stretch of the linear part, at most 3 % more (largest_stretch).

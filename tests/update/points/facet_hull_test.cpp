@@ -143,7 +143,7 @@ TEST(FacetHull, drops_at_the_tolerance_and_keeps_beyond_it) {
   }
 }
 
-// A slowly bending row: each corner is near the line of its neighbours, all together are not. What is dropped is
+// A slowly bending row: each corner is near the line of its neighbors, all together are not. What is dropped is
 // compared with what stays, so it does not add up.
 TEST(FacetHull, small_steps_do_not_add_up) {
   std::vector<FacetPoint> points;

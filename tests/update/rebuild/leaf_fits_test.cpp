@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Leaves whose centres are fitted in every frame: every level covers, spheres depend on positions alone, and rest is
+// Leaves whose centers are fitted in every frame: every level covers, spheres depend on positions alone, and rest is
 // rest.
 #include <gtest/gtest.h>
 

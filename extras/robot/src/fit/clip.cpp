@@ -156,7 +156,7 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
   LinkSurface result;
   result.mesh = surface.mesh;
   for (const Sphere& s : surface.spheres) {
-    double depth = s.radius;  // of the centre inside of the planes, the least
+    double depth = s.radius;  // of the center inside of the planes, the least
     for (const ClipPlane& plane : planes) depth = std::min(depth, dot(plane.normal, s.center) - plane.offset - margin);
     if (depth >= s.radius) {
       result.spheres.push_back(s);

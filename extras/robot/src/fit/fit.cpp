@@ -341,7 +341,7 @@ class Fitter {
       const Sphere last{s.center, final_radius(s)};
       return !(reach_beyond(std::span(&last, 1), planes, allowance) > 0);
     };
-    // The centre of a sphere around the lowest point is no higher above that than its radius.
+    // The center of a sphere around the lowest point is no higher above that than its radius.
     const auto may_stay = [&](const Sphere& s, const Mesh& part) {
       return least_height(part, planes) >= allowance + std::max(o_.padding, o_.min_radius - s.radius);
     };

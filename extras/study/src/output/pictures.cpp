@@ -17,7 +17,7 @@ using namespace toolbox;
 
 namespace {
 
-/// The colour of a curve: the same for one rule, or one generator, in all plots.
+/// The color of a curve: the same for one rule, or one generator, in all plots.
 int color_of(const std::string& series) {
   static const std::vector<std::pair<std::string, int>> colors{
       {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, rebuilt", 5},

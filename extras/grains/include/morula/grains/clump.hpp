@@ -50,7 +50,7 @@ struct Clump {
   UnionMass solid;                       ///< of the union of the spheres
   double solid_change = 0;               ///< what the last refinement changed of it, as a share
   double density = 0;
-  /// About the centre of mass along principal axes: x ↦ rows · (x − centre). The axes are numbered so that they turn
+  /// About the center of mass along principal axes: x ↦ rows · (x − center). The axes are numbered so that they turn
   /// least away from the mesh's, which stay where the tensor is diagonal within what it is known to.
   RigidTransform principal;
   Vec3 principal_inertia{};  ///< along those axes, of density 1

@@ -36,7 +36,7 @@ struct Shape {
   int line = 0;                          ///< of the robot's file
   RigidTransform before{};               ///< of a mesh: what moves it before it is scaled
   std::string part{};                    ///< of a mesh: the only node of its scene that is meant; empty: all
-  bool part_centered = false;            ///< its box is centred on the origin before everything else
+  bool part_centered = false;            ///< its box is centered on the origin before everything else
   std::filesystem::path described_in{};  ///< the file that describes it, where the robot's file includes others
 };
 std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
@@ -44,7 +44,7 @@ std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
 struct Inertial {
   double mass = 0;
   RigidTransform origin{};
-  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the centre, along the origin's axes
+  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the center, along the origin's axes
 };
 
 struct Link {
@@ -147,7 +147,7 @@ std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const doubl
 /// The middle between the limits where 0 is outside of them, else 0.
 std::vector<double> rest_values(const Robot& robot);
 
-/// COLLADA: triangles and polygons of the scene, in its units turned to metres; axes as written, as robots' tools take
+/// COLLADA: triangles and polygons of the scene, in its units turned to meters; axes as written, as robots' tools take
 /// them. Holes of polygons are filled. Not all of it where a part is named: what is below the nodes, or belongs to the
 /// geometries, of this name or id. Throws FileError, also where there is no such part.
 Mesh read_collada(const std::filesystem::path& path, const std::string& part = {});

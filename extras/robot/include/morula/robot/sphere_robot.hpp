@@ -15,7 +15,7 @@ struct ObstacleBox {
   Vec3 half{};  ///< half its edges
 };
 
-/// Verdicts are those of testing every sphere: two spheres meet where their centres, in double, are no farther apart
+/// Verdicts are those of testing every sphere: two spheres meet where their centers, in double, are no farther apart
 /// than their radii together. One thread at a time; copies are apart from each other. Posing allocates nothing but what
 /// link_poses() does, and of queries only the first ones do.
 class SphereRobot {

@@ -78,7 +78,7 @@ enum class ErrorUnit : std::uint8_t {
   box,     ///< the volume of the object's box at rest: "object dimensions"
 };
 
-/// What the centres of a .sph file are measured from.
+/// What the centers of a .sph file are measured from.
 struct SphOrigin {
   enum class Kind : std::uint8_t { none, box_center, point };
   Kind kind = Kind::none;

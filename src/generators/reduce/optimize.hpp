@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Optimisers [bradshaw2002]: better spheres for the same samples, before the region is divided among them.
+// Optimizers [bradshaw2002]: better spheres for the same samples, before the region is divided among them.
 #pragma once
 
 #include "generators/reduce/reduce.hpp"
@@ -8,9 +8,9 @@
 namespace morula::detail {
 
 /// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing.
-/// Searches centres for a small worst protrusion bound of spheres that just hold the samples shared out among them:
+/// Searches centers for a small worst protrusion bound of spheres that just hold the samples shared out among them:
 /// balance lets it be larger by the share `excess`. The radii handed over are then of equal power. Cost: refit some
 /// hundred closest-point queries, simplex a few thousand, balance several times that.
-void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser, double excess);
+void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer, double excess);
 
 }  // namespace morula::detail
