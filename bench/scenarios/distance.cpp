@@ -152,7 +152,7 @@ class Scene {
     item("fresh", {.warm_start = false}, 0, true);
     item("frames", {}, 3, true);
     item("to 1 %", {.tolerance = 0.01 * size_, .warm_start = false}, 0, false);
-    item("within 1 %?", {.only_within = 0.01 * size_, .near_enough = 0.01 * size_, .warm_start = false}, 0, false);
+    item("within 1 %?", {.stop_above = 0.01 * size_, .stop_below = 0.01 * size_, .warm_start = false}, 0, false);
   }
 
   template <class F>

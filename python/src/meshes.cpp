@@ -241,11 +241,11 @@ void bind_transform(nb::module_& m) {
           "__call__", [](const RigidTransform& self, Vec3 p) { return self(p); }, nb::arg("point"))
       .def("inverse", [](const RigidTransform& self) { return inverse(self); })
       .def(
-          "turn", [](const RigidTransform& self, Vec3 v) { return self.turn(v); }, nb::arg("v"),
+          "rotate", [](const RigidTransform& self, Vec3 v) { return self.rotate(v); }, nb::arg("v"),
           "The rotation alone: of a direction.")
       .def(
-          "turn_back", [](const RigidTransform& self, Vec3 v) { return self.turn_back(v); }, nb::arg("v"),
-          doc::RigidTransform_turn_back)
+          "inverse_rotate", [](const RigidTransform& self, Vec3 v) { return self.inverse_rotate(v); }, nb::arg("v"),
+          doc::RigidTransform_inverse_rotate)
       .def(
           "__eq__",
           [](const RigidTransform& a, nb::handle other) {

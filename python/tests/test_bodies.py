@@ -200,7 +200,7 @@ def test_lazy_updates_reach_the_same_spheres(limb, built, motion):
     assert not lazy.is_complete
     for node in range(len(built)):
         if not built.tree.is_leaf(node):
-            lazy.reach(node)
+            lazy.refresh_children(node)
     assert lazy.is_complete and numpy.array_equal(lazy.copy_spheres(), whole.copy_spheres())
 
 

@@ -287,8 +287,8 @@ def test_cuts_and_crossings_of_nodes(limb, built):
 
 def test_rigid_transforms_turn():
     turn = morula.RigidTransform.from_axis((0, 0, 1), numpy.pi / 2, (5, 5, 5))
-    numpy.testing.assert_allclose(turn.turn((1, 0, 0)), (0, 1, 0), atol=1e-15)
-    numpy.testing.assert_allclose(turn.turn_back((0, 1, 0)), (1, 0, 0), atol=1e-15)
+    numpy.testing.assert_allclose(turn.rotate((1, 0, 0)), (0, 1, 0), atol=1e-15)
+    numpy.testing.assert_allclose(turn.inverse_rotate((0, 1, 0)), (1, 0, 0), atol=1e-15)
     assert morula.deviation_from_rigid(turn) < morula.largest_rigid_deviation
 
 

@@ -153,10 +153,10 @@ CALLS = {
     "repair": ("mesh = limb(500)", "morula.repair(mesh)", "morula.repair(small)[0] == small"),
     "inspect": ("mesh = limb(700)", "morula.inspect(mesh)", "morula.inspect(small).closed"),
     "write_tree": (
-        "tree = morula.tree_over_balls(rows(400000, 4) + 0.1); path = folder / 'a.json'",
+        "tree = morula.tree_from_spheres(rows(400000, 4) + 0.1); path = folder / 'a.json'",
         "morula.write_tree(path, tree)", "[file.name for file in folder.iterdir()] == ['a.json']"),
     "read_tree": (
-        "tree = morula.tree_over_balls(rows(400000, 4) + 0.1); path = folder / 'a.json'; morula.write_tree(path, tree)",
+        "tree = morula.tree_from_spheres(rows(400000, 4) + 0.1); path = folder / 'a.json'; morula.write_tree(path, tree)",
         "morula.read_tree(path)", "len(morula.read_tree(path).tree.spheres) > 400000"),
     "write_motion": (
         "mesh = limb(200); path = folder / 'a.npy'; "

@@ -302,7 +302,7 @@ def test_medial_balls_hold_no_surface():
     normals /= numpy.linalg.norm(normals, axis=1)[:, None]
     balls = morula.shrinking_balls(shape, points, normals).balls
     assert len(balls) > 50 and (-shape(numpy.array(balls[:, :3])) >= balls[:, 3] - 1e-6).all()
-    tree = morula.tree_over_balls(numpy.array(balls))
+    tree = morula.tree_from_spheres(numpy.array(balls))
     assert tree.leaf_count == len(balls) and tree.validate() == []
 
 

@@ -119,7 +119,7 @@ def test_imported_spheres_are_made_to_cover(limb, built):
     assert again.report.method == "imported" and again.validate(limb) == []
     assert morula.certify(again.cover, limb.positions, again.spheres)
     assert not morula.certify(built.cover, limb.positions, shrunk)
-    nested = morula.nest(built.tree)
+    nested = morula.make_nested(built.tree)
     assert morula.certify_nesting(nested).nested and nested.nested
 
 

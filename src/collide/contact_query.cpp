@@ -71,7 +71,7 @@ struct ContactQuery::State {
     const auto side = [&](const Front::Side& stamp, const Collider& collider) {
       const std::size_t nodes = collider.pose().spheres.size();
       if (stamp.ownership != collider.pose().ownership || stamp.spheres.size() != nodes ||
-          stamp.traveled.size() != nodes)
+          stamp.path_length.size() != nodes)
         return Code::other_bodies;
       if (!same_frame) return Code::ok;
       if (stamp.frame != collider.pose().frame) return Code::other_frame;

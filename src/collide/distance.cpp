@@ -84,7 +84,7 @@ class Search {
     }
     answer_.complete = is_done();
     answer_.lower = lower();
-    answer_.farther = answer_.lower > options_.only_within;
+    answer_.farther = answer_.lower > options_.stop_above;
     return answer_;
   }
 
@@ -106,9 +106,9 @@ class Search {
     // A pair exactly as near as the best so far is still looked at: the answer is then that of the lowest facets,
     // whatever was known at the start.
     if (waiting_.empty() || waiting_.front().bound > answer_.upper || is_settled_) return true;
-    if (answer_.upper <= options_.near_enough) return true;
+    if (answer_.upper <= options_.stop_below) return true;
     const double below = lower();
-    return below > options_.only_within || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
+    return below > options_.stop_above || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
   }
 
   // Two corners, so that there is an upper bound whatever the budget.
@@ -176,7 +176,7 @@ class Search {
         if (was_just_looked_at(facets_a_[i].facet, facets_b_[j].facet)) continue;
         const double found = try_facets(facets_a_[i], facets_b_[j]);
         looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
-        if (answer_.upper <= options_.near_enough) {
+        if (answer_.upper <= options_.stop_below) {
           // The rest of this pair is left.
           looked_at_ = std::min(looked_at_, pair.bound);
           return;
@@ -322,7 +322,7 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   if (refused.status) refused.status = askable(a, 0);
   if (refused.status) refused.status = askable(b, 1);
   if (refused.status &&
-      !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0 && options.budget.tests() >= 0))
+      !(options.tolerance >= 0 && options.stop_above >= 0 && options.stop_below >= 0 && options.budget.tests() >= 0))
     refused.status = {Status::Code::bad_option};
   if (!refused.status) return refused;
 

@@ -196,7 +196,7 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   built.cover = with_fewer_cuts(mesh, built, workers);
   built.report.most_patches_of_a_facet = built.cover.most_patches_of_a_facet();
   wrap(mesh, built, workers);
-  if (options.nested) nest(built.tree);
+  if (options.nested) make_nested(built.tree);
   return built;
 }
 

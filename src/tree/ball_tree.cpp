@@ -71,7 +71,7 @@ void require_usable_balls(std::span<const Sphere> balls) {
 }  // namespace
 }  // namespace detail
 
-SphereTree tree_over_balls(std::span<const Sphere> balls, std::uint32_t branching) {
+SphereTree tree_from_spheres(std::span<const Sphere> balls, std::uint32_t branching) {
   using namespace detail;
   const StandardFloats standard;
   require_usable_balls(balls);

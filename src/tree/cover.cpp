@@ -215,7 +215,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 
   built.cover = with_fewer_cuts(mesh, built, workers);
   // mutant cover-keeps-nested: `options.nested || tree.nested` -> `options.nested`
-  if (options.nested || tree.nested) nest(built.tree);
+  if (options.nested || tree.nested) make_nested(built.tree);
 
   BuildReport& report = built.report;
   report.method = "imported";

@@ -73,7 +73,7 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
   return result;
 }
 
-void nest(SphereTree& tree) {
+void make_nested(SphereTree& tree) {
   const StandardFloats standard;
   SphereTree unpromised = tree;
   unpromised.nested = false;

@@ -274,14 +274,14 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
   return s.shown(s.counted_lazily(s.follow_lazily(coordinates, nodes), nodes));
 }
 
-std::size_t Body::reach(std::uint32_t node) noexcept {
+std::size_t Body::refresh_children(std::uint32_t node) noexcept {
   const StandardFloats standard;
-  const std::size_t brought = state_->reach(node);
+  const std::size_t brought = state_->refresh_children(node);
   state_->show();
   return brought;
 }
 
-bool Body::is_reached(std::uint32_t node) const {
+bool Body::is_fresh(std::uint32_t node) const {
   return !state_->lazy || state_->reached[node] != 0;
 }
 

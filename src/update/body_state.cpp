@@ -212,7 +212,7 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
   return status;
 }
 
-std::size_t Body::State::reach(std::uint32_t node) noexcept {
+std::size_t Body::State::refresh_children(std::uint32_t node) noexcept {
   // The points are lost when an update was refused since.
   if (!lazy || !current || built->tree.is_leaf(node)) return 0;
   std::size_t brought = 0;

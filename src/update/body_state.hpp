@@ -61,7 +61,7 @@ struct Body::State {
   UpdateStatus follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept;
   UpdateStatus counted_lazily(UpdateStatus status, std::size_t nodes) noexcept;
   std::size_t nodes_to_level(std::size_t level) const noexcept;
-  std::size_t reach(std::uint32_t node) noexcept;
+  std::size_t refresh_children(std::uint32_t node) noexcept;
 
   // Takes the largest of a rule's own radius and what the node owns.
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;

@@ -68,7 +68,7 @@ std::uint64_t hash_of_parts(Body body, const Poses& poses, Workers& workers) {
   }
   body.update_lazily(poses[4], 1, workers);
   for (std::uint32_t node = 0; node < body.spheres().size(); node += 3)
-    if (body.is_reached(node)) sum.add(body.reach(node)).add(body.sphere(node));
+    if (body.is_fresh(node)) sum.add(body.refresh_children(node)).add(body.sphere(node));
   return sum.value();
 }
 

@@ -66,7 +66,7 @@ TEST(PairAllowance, pays_for_narrowing_the_translation_and_for_sums_with_it) {
     const double half = e * (1 - 0x1p-20);
     relative.translation = {1 + half, 1 + half, 1 + half};
     const double wanted = 2 * e * random.uniform(0.8, 1);
-    const Vec3f b(relative.turn_back(Vec3{wanted, wanted, wanted}));
+    const Vec3f b(relative.inverse_rotate(Vec3{wanted, wanted, wanted}));
     for (const float step : {2.0f, 3.0f, 4.0f, 6.0f}) {
       const float at = 1 + step * 0x1p-23f;
       const Vec3f a{at, at, at};
@@ -83,7 +83,7 @@ TEST(PairAllowance, pays_for_moving_centers) {
   for (int trial = 0; trial < 100000; ++trial) {
     const RigidTransform relative = test::random_placement(random, 0);
     const Vec3f b(random_vector(random));
-    const Vec3f a(relative.turn(Vec3(b)) + 4 * e * random_vector(random));
+    const Vec3f a(relative.rotate(Vec3(b)) + 4 * e * random_vector(random));
     ASSERT_TRUE(overlap_surely(relative, {a, radius_to(real_distance(relative, a, b))}, {b, 0})) << "trial " << trial;
   }
 }
@@ -214,7 +214,7 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
     RigidTransform place = test::random_placement(random, 0);
     const Vec3 direction = normalized(random_vector(random));
     const Sphere sphere_a = a.body->sphere(node_a), sphere_b = b.body->sphere(node_b);
-    const Vec3 start = sphere_a.center - place.turn(sphere_b.center);
+    const Vec3 start = sphere_a.center - place.rotate(sphere_b.center);
     const auto place_at = [&](double way) {
       place.translation = start + direction * way;
       b.place(place);
@@ -276,7 +276,7 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
     RigidTransform place = test::random_placement(random, 0);
     const Vec3 direction = normalized(random_vector(random));
     pose(near);
-    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const Vec3 start = a.body->sphere(node_a).center - place.rotate(b.body->sphere(node_b).center);
     const auto place_at = [&](double way) {
       place.translation = start + direction * way;
       b.place(place);
@@ -315,7 +315,7 @@ TEST(FrontAllowance, counts_short_ways_after_long_ones) {
     RigidTransform place = test::random_placement(random, 0);
     const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (a.body->spheres().size() - 1));
     const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (b.body->spheres().size() - 1));
-    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const Vec3 start = a.body->sphere(node_a).center - place.rotate(b.body->sphere(node_b).center);
     const Vec3 direction = normalized(random_vector(random));
     const double radii = a.body->sphere(node_a).radius + b.body->sphere(node_b).radius;
     const auto place_at = [&](double way) {

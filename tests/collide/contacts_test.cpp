@@ -103,7 +103,7 @@ TEST(Collide, misses_no_crossing_of_deformed_bodies) {
       a.deform(random, 0.1);
       b.deform(random, 0.1);
       RigidTransform place_a = test::random_placement(random, 1.8 * c.scale);
-      place_a.translation += far - place_a.turn(far);  // the mesh is far away, and so is the world
+      place_a.translation += far - place_a.rotate(far);  // the mesh is far away, and so is the world
       a.place(place_a);
       b.place(test::random_placement(random, 0.1 * c.scale, 2.0 * far));
       const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);

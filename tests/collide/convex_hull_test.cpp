@@ -78,7 +78,7 @@ TEST(ConvexHull, of_a_box_has_its_volume_and_moves_with_a_placement) {
 
 /// Of a box with this placement, by its formula.
 double box_distance(const Vec3& half, const RigidTransform& placement, const Vec3& x) {
-  const Vec3 p = placement.turn_back(x - placement.translation);
+  const Vec3 p = placement.inverse_rotate(x - placement.translation);
   const Vec3 d{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
   const double outside = length(max(d, Vec3{}));
   return outside > 0 ? outside : std::max({d.x, d.y, d.z});

@@ -86,9 +86,9 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
       }
       RigidTransform place_a = test::random_placement(random, 1), place_b = test::random_placement(random, 1);
       const Vec3 spot = test::random_placement(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
-      place_a.translation = spot - place_a.turn(bounding_box({a.positions, a.mesh.facets}).center());
+      place_a.translation = spot - place_a.rotate(bounding_box({a.positions, a.mesh.facets}).center());
       place_b.translation = spot + test::random_placement(random, reach).translation -
-                            place_b.turn(bounding_box({b.positions, b.mesh.facets}).center());
+                            place_b.rotate(bounding_box({b.positions, b.mesh.facets}).center());
       a.collider.place(place_a);
       Collider other(b.mesh, b.body);
       other.set_positions(b.view());

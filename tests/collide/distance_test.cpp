@@ -104,17 +104,17 @@ TEST(Distance, stops_at_the_tolerance_and_at_the_thresholds) {
     EXPECT_GE(rough.upper, expected - slack);
     full += exact.sphere_tests, less += rough.sphere_tests;
     if (expected > 0.1) {
-      const DistanceBounds far = distance(a, b, {.only_within = 0.5 * expected});
+      const DistanceBounds far = distance(a, b, {.stop_above = 0.5 * expected});
       EXPECT_TRUE(far.farther && far.complete) << round;
       EXPECT_GT(far.lower, 0.5 * expected);
       EXPECT_LE(far.lower, expected + slack);
       EXPECT_LE(far.sphere_tests, exact.sphere_tests);
-      const DistanceBounds near = distance(a, b, {.near_enough = 2 * expected});
+      const DistanceBounds near = distance(a, b, {.stop_below = 2 * expected});
       EXPECT_LE(near.upper, 2 * expected) << round;
       EXPECT_LE(near.lower, expected + slack) << round;
       EXPECT_FALSE(near.farther);
     }
-    const DistanceBounds within = distance(a, b, {.only_within = expected + 1});
+    const DistanceBounds within = distance(a, b, {.stop_above = expected + 1});
     EXPECT_FALSE(within.farther);
     EXPECT_EQ(within.upper, exact.upper);
     const DistanceBounds spheres = distance(a, b, {.exact = false});
@@ -234,8 +234,8 @@ TEST(Distance, refuses_what_it_cannot_answer) {
   using test::nan;
   using Code = Status::Code;
   EXPECT_EQ(query.run(a.collider, b.collider, {.tolerance = nan}).status.code, Code::bad_option);
-  EXPECT_EQ(query.run(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);
-  EXPECT_EQ(query.run(a.collider, b.collider, {.near_enough = nan}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.stop_above = -1}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.stop_below = nan}).status.code, Code::bad_option);
   std::vector<Vec3> moved = b.mesh.positions;
   test::StalePose late(b.mesh, b.built.cover, b.body.pose());
   const DistanceBounds stale = query.run(a.collider, late.collider);

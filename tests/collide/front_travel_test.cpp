@@ -61,7 +61,7 @@ TEST(FrontTravel, no_gap_changes_by_more_than_was_traveled) {
     const std::size_t count_b = tree_b.node_count();
     const auto check = [&](std::uint32_t i, std::uint32_t j, std::uint32_t above_i, std::uint32_t above_j) {
       const double change = std::abs(now.gap[i * count_b + j] - first.gap[i * count_b + j]);
-      const double traveled = bodies.a.traveled[above_i] + bodies.b.traveled[above_j];
+      const double traveled = bodies.a.path_length[above_i] + bodies.b.path_length[above_j];
       closest = std::min(closest, traveled - change);
       return change <= traveled * (1 + 1e-12) + 1e-13;
     };
@@ -86,8 +86,8 @@ TEST(FrontTravel, at_rest_nothing_travels) {
   std::vector<double> scratch;
   a.body->update(a.positions);
   follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
-  EXPECT_EQ(bodies.a.traveled, before.a.traveled);
-  EXPECT_EQ(bodies.b.traveled, before.b.traveled);
+  EXPECT_EQ(bodies.a.path_length, before.a.path_length);
+  EXPECT_EQ(bodies.b.path_length, before.b.path_length);
   EXPECT_EQ(bodies.a.frame, before.a.frame + 1);
 }
 

@@ -189,7 +189,7 @@ VertexRange move(Bytes& in, std::vector<Vec3>& positions, const std::vector<Vec3
 void reach_all(Body& body) {
   const auto nodes = static_cast<std::uint32_t>(body.rest_tree().node_count());
   for (std::uint32_t node = 0; node < nodes; ++node)
-    if (!body.rest_tree().is_leaf(node)) body.reach(node);
+    if (!body.rest_tree().is_leaf(node)) body.refresh_children(node);
 }
 
 void update(Bytes& in, Side& side) {

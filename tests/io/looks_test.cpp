@@ -62,7 +62,7 @@ TEST(Looks, files_of_trees_are_read_and_written_with_many) {
   const ScratchFolder folder;
   std::vector<Sphere> balls;
   for (std::size_t i = 0; i < 100'000; ++i) balls.push_back({large().positions[i], 1});
-  const SphereTree tree = tree_over_balls(balls);
+  const SphereTree tree = tree_from_spheres(balls);
   struct Case {
     const char* name;
     int written, read;

@@ -77,7 +77,7 @@ TEST(TreeFile, a_nested_tree_says_so_in_every_format_that_can_and_no_other_file_
   const Mesh mesh = small_mesh();
   const CoveredTree plain = small_built(mesh);
   CoveredTree nested = plain;
-  nest(nested.tree);
+  make_nested(nested.tree);
   for (const std::string extension : {".morula", ".json", ".npz", ".sph"}) {
     const fs::path path = folder.path() / ("tree" + extension);
     write_tree(path, plain);
@@ -111,7 +111,7 @@ TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
   text = before;
   text.insert(text.find("\"nodes\""), "\"nested\": 1, ");
   expect_file_error(folder.file("tree.json", text), 0, "neither true nor false", [&] { read_tree(json); });
-  nest(built.tree);
+  make_nested(built.tree);
   write_tree(native, built);
   std::string lying = bytes_of(native);
   // A radius that was made for the children's, taken back.

@@ -109,7 +109,7 @@ void Actor::reach_all(Dice& dice, Record& record) {
     open.pop_back();
     if (n == stop) {
       std::vector<std::uint8_t> reached = promised_;
-      for (std::uint32_t i = 0; i < reached.size(); ++i) reached[i] &= static_cast<std::uint8_t>(body_->is_reached(i));
+      for (std::uint32_t i = 0; i < reached.size(); ++i) reached[i] &= static_cast<std::uint8_t>(body_->is_fresh(i));
       std::vector<Sphere> spheres;
       body_->copy_spheres(spheres);
       judge({mesh_, built_->tree, built_->cover, points_, balls_of(spheres), reached}, dice, record, {.cuts = 40},

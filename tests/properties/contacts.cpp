@@ -165,7 +165,7 @@ void PairJudge::judge_facets(Record& record) const {
   record.place.second = {{}, {b_.mesh_facets().begin(), b_.mesh_facets().end()}};
   for (std::uint32_t v = 0; v < b_.vertex_count(); ++v) {
     const Vec3 p = b_.vertex(v) - a_.placement().translation;
-    record.place.second.positions.push_back(a_.placement().turn_back(p));
+    record.place.second.positions.push_back(a_.placement().inverse_rotate(p));
   }
   record.counts.exact_poses += exact_;
   record.counts.crossings += meetings_.size();
@@ -309,7 +309,7 @@ RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& di
   }
   const Vec3 on_a = a.placement()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
   const Vec3 on_b = any_point(b);
-  t.translation = on_a - t.turn(on_b);
+  t.translation = on_a - t.rotate(on_b);
   const double size = max_norm(t.translation);
   if (on_lattice && size > 0) {
     // 2^-12: fine enough for most lattices to keep what touches, coarse enough for whole numbers.

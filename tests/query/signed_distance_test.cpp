@@ -103,7 +103,7 @@ TEST(SignedDistance, facets_as_thin_as_rounding_do_not_turn_it_around) {
         const double far = std::pow(10, random.uniform(-8, -0.5));
         const Vec3 p =
             mesh.positions[v] + far * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-        const double out = max_norm(placed.turn_back(p)) - 1;  // from the faces, roughly; the sign is exact enough
+        const double out = max_norm(placed.inverse_rotate(p)) - 1;  // from the faces, roughly; the sign is exact enough
         if (std::abs(out) < 1e-3 * far) continue;
         EXPECT_EQ(object.at(p).distance < 0, out < 0) << "vertex " << v << ", " << far << " away, " << out;
       }

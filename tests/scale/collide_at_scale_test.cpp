@@ -64,7 +64,7 @@ TEST(CollideAtScale, distances_are_bounded_from_both_sides) {
       EXPECT_FALSE(found.crossing);
       EXPECT_TRUE(is_finite(found.a.point) && is_finite(found.b.point));
       // Thresholds on both sides.
-      EXPECT_FALSE(distance(a.collider, b.collider, {.only_within = 2 * expected}).farther) << size << ' ' << gap;
+      EXPECT_FALSE(distance(a.collider, b.collider, {.stop_above = 2 * expected}).farther) << size << ' ' << gap;
     }
 }
 

@@ -117,7 +117,7 @@ RigidTransform touching(const Follower& a, const Follower& b, std::span<const Ve
     return static_cast<std::size_t>(random.uniform(0, 1) * 0.999 * static_cast<double>(count));
   };
   const Facet &f = a.mesh.facets[any(a.mesh.facets.size())], &g = b.mesh.facets[any(b.mesh.facets.size())];
-  t.translation = a.world[f[0]] - t.turn(to[g[1]]) + Vec3{off, off, -off};
+  t.translation = a.world[f[0]] - t.rotate(to[g[1]]) + Vec3{off, off, -off};
   return t;
 }
 

@@ -36,7 +36,7 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
         const VertexRange range{1, 3};
         const std::size_t before = allocations;
         const bool ok = body.update(good, *workers) && body.update(good, std::span(&range, 1), *workers) &&
-                        body.update_lazily(good, 0, *workers) && body.reach(0) <= b.built.tree.branching;
+                        body.update_lazily(good, 0, *workers) && body.refresh_children(0) <= b.built.tree.branching;
         const bool refused = !body.update(bad, *workers) && !body.update(short_one, *workers);
         const std::size_t after = allocations;
         EXPECT_TRUE(ok && refused);

@@ -19,9 +19,9 @@ template <class Visit>
 void reach_all(Body& body, const Visit& visit) {
   const SphereTree& tree = body.rest_tree();
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-    ASSERT_TRUE(body.is_reached(node)) << node;
+    ASSERT_TRUE(body.is_fresh(node)) << node;
     visit(node);
-    body.reach(node);
+    body.refresh_children(node);
   }
 }
 
@@ -53,13 +53,13 @@ TEST(LazyUpdate, brings_each_child_once_and_no_other_node) {
   Body body(b.mesh, b.built);
   ASSERT_TRUE(body.update_lazily(test::noisy(b.mesh.positions, 0.1, 1), 0));
   std::size_t reached = 0;
-  for (std::uint32_t node = 0; node < tree.node_count(); ++node) reached += body.is_reached(node);
+  for (std::uint32_t node = 0; node < tree.node_count(); ++node) reached += body.is_fresh(node);
   EXPECT_EQ(reached, 1u);
   EXPECT_FALSE(body.is_complete());
-  EXPECT_EQ(body.reach(0), tree.child_count[0]);
-  EXPECT_EQ(body.reach(0), 0u);
+  EXPECT_EQ(body.refresh_children(0), tree.child_count[0]);
+  EXPECT_EQ(body.refresh_children(0), 0u);
   for (std::uint32_t node = 1; node < tree.node_count(); ++node)
-    EXPECT_EQ(body.is_reached(node), tree.parent[node] == 0) << node;
+    EXPECT_EQ(body.is_fresh(node), tree.parent[node] == 0) << node;
 }
 
 TEST(LazyUpdate, is_followed_by_any_other_update) {
@@ -72,22 +72,22 @@ TEST(LazyUpdate, is_followed_by_any_other_update) {
   ASSERT_TRUE(lazy.update(positions, std::span(&range, 1)));
   ASSERT_TRUE(full.update(positions));
   EXPECT_EQ(lazy.hash(), full.hash()) << "what a partial update needs of the frame before is not there";
-  for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) EXPECT_TRUE(lazy.is_reached(node));
+  for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) EXPECT_TRUE(lazy.is_fresh(node));
 }
 
 TEST(LazyUpdate, keeps_what_was_reached_when_the_next_is_refused) {
   const Specimen b = specimens().front();
   Body body(b.mesh, b.built);
   ASSERT_TRUE(body.update_lazily(test::noisy(b.mesh.positions, 0.1, 1), 0));
-  body.reach(0);
+  body.refresh_children(0);
   const std::uint64_t before = body.hash();
   std::vector<Vec3> bad = b.mesh.positions;
   bad[b.mesh.facets[0][0]].x = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(body.update_lazily(bad, 0));
   EXPECT_FALSE(body.update_lazily(std::vector<Vec3>(2), 0));
-  EXPECT_EQ(body.reach(1), 0u) << "the points of the good frame are gone";
+  EXPECT_EQ(body.refresh_children(1), 0u) << "the points of the good frame are gone";
   EXPECT_EQ(body.hash(), before);
-  EXPECT_TRUE(body.is_reached(1));
+  EXPECT_TRUE(body.is_fresh(1));
   EXPECT_FALSE(body.is_current());
 }
 
@@ -99,7 +99,7 @@ TEST(LazyUpdate, is_a_full_one_where_rules_need_their_children) {
     ASSERT_TRUE(lazy.update_lazily(positions, 0));
     ASSERT_TRUE(full.update(positions));
     EXPECT_EQ(lazy.hash(), full.hash());
-    EXPECT_EQ(lazy.reach(0), 0u);
+    EXPECT_EQ(lazy.refresh_children(0), 0u);
   }
 }
 

@@ -115,7 +115,7 @@ void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Worke
   clump.solid_change = mass.change;
   const PrincipalAxes axes = principal_axes(mass.solid.inertia, std::max(mass.change, 1e-9));
   clump.principal.rows = axes.axes;
-  clump.principal.translation = -clump.principal.turn(mass.solid.center);
+  clump.principal.translation = -clump.principal.rotate(mass.solid.center);
   clump.principal_inertia = axes.moments;
 }
 

@@ -44,7 +44,7 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
     Json inertia = Json::array();
     for (const double entry : f.solid.inertia) inertia.push_back(scale * entry);
     Json json({{"link", robot.links[link.link].name},
-               {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
+               {"same_shape_as", link.same_shape_as == robot::none ? Json(nullptr) : Json(robot.links[link.same_shape_as].name)},
                {"facets", f.facets},
                {"spheres", link.spheres.size()},
                {"covered", f.covered},

@@ -199,7 +199,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
     return exit_code;
   }
   fmt::print("{}: {}, {}, {} that move by themselves\n\n", robot.name, counted(robot.links.size(), "link"),
-             counted(robot.joints.size(), "joint"), robot.own.size());
+             counted(robot.joints.size(), "joint"), robot.independent_joints.size());
   fmt::print("{}\n", robot_table(robot, spheres));
   fmt::print("covers   {}{}\n",
              spheres.covered() ? "yes: every point of every link is in a sphere, with the numbers of the files"

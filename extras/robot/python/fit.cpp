@@ -56,7 +56,7 @@ void bind_robot_fit(nb::module_& m) {
           "spheres", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).spheres, self); },
           (std::string("(n, 4) float64, read-only; no copy. ") + doc::LinkSpheres_spheres).c_str())
       .property(
-          "alike", [](const LinkSpheres& l) { return index_or_none(l.alike); }, doc::LinkSpheres_alike)
+          "same_shape_as", [](const LinkSpheres& l) { return index_or_none(l.same_shape_as); }, doc::LinkSpheres_same_shape_as)
       .field("surface", &LinkSpheres::surface)
       .property(
           "tree", [](const LinkSpheres& l) { return std::const_pointer_cast<CoveredTree>(l.tree); },

@@ -26,7 +26,7 @@ void bind_robot_trees(nb::module_& m) {
         return without_gil([&] { return robot::mesh_of(robot, spheres, values, round); });
       },
       nb::arg("robot"), nb::arg("spheres"), nb::arg("values"), nb::arg("balls") = "around",
-      with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.own"},
+      with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.independent_joints"},
                                       {"balls", "around or inside: which polyhedra stand for them"}})
           .c_str());
   Record<robot::RobotTree>(m, "RobotTree", "One tree over all links of a robot.")

@@ -134,7 +134,7 @@ TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
   const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 5});
   const robot::LinkSpheres &left = *fitted.of(gripper_robot.find_link("left")),
                            &right = *fitted.of(gripper_robot.find_link("right"));
-  EXPECT_EQ(right.alike, left.link);
+  EXPECT_EQ(right.same_shape_as, left.link);
   EXPECT_EQ(right.spheres, left.spheres);
   robot::FitOptions o{.spheres = 9};
   for (const robot::LinkSpheres& link : fitted.links) {

@@ -42,7 +42,7 @@ TEST(ReadRobot, links_joints_and_what_moves_by_itself) {
   for (const std::size_t joint : read.order) order += read.joints[joint].name + " ";
   EXPECT_EQ(order, "turn lift bend reach weld roll tip ");
   std::string own;
-  for (const std::size_t joint : read.own) own += read.joints[joint].name + " ";
+  for (const std::size_t joint : read.independent_joints) own += read.joints[joint].name + " ";
   EXPECT_EQ(own, "turn lift bend reach roll ");
   EXPECT_EQ(read.joints[read.find_joint("lift")].axis, (Vec3{0, 1, 0})) << "axes become unit";
   EXPECT_EQ(read.links[0].inertial->mass, 4);
@@ -211,7 +211,7 @@ TEST(Kinematics, joints_follow_through_others) {
   EXPECT_LT(distance(poses[read.find_link("left")].translation, {0.035, 0, 0.02}), 1e-15);
   EXPECT_LT(distance(poses[read.find_link("right")].translation, {-0.035, 0, 0.02}), 1e-15);
   // hook_turn = 0.5 - 10 * 0.03 = 0.2 about y.
-  const Vec3 up = poses[read.find_link("hook")].turn({0, 0, 1});
+  const Vec3 up = poses[read.find_link("hook")].rotate({0, 0, 1});
   EXPECT_LT(distance(up, {std::sin(0.2), 0, std::cos(0.2)}), 1e-15);
   EXPECT_THROW(robot::link_poses(read, {}), std::invalid_argument);
 }

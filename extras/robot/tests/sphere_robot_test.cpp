@@ -75,7 +75,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
   constexpr int rounds = 400;
   for (int round = 0; round < rounds; ++round) {
     std::vector<double> values;
-    for (const std::size_t j : read.own) values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
+    for (const std::size_t j : read.independent_joints) values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
     moving.pose(values);
     flat.poses = robot::link_poses(read, values);
     const std::vector<Sphere> posed = moving.spheres();
@@ -88,7 +88,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
     const bool meets_ball = flat.any([&](const Sphere& s) {
       return squared_distance(s.center, ball.center) <= (s.radius + ball.radius) * (s.radius + ball.radius);
     });
-    EXPECT_EQ(moving.meets(ball), meets_ball) << round;
+    EXPECT_EQ(moving.collides(ball), meets_ball) << round;
     sphere_hits += meets_ball;
     const Vec3 half{random.uniform(0.01, 0.2), random.uniform(0.01, 0.2), random.uniform(0.01, 0.2)};
     const robot::ObstacleBox box{RigidTransform::from_axis(point(random, 1), random.uniform(-3, 3), point(random, 0.8)),
@@ -100,12 +100,12 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
       for (int k = 0; k < 3; ++k) p[k] = std::clamp(p[k], -half[k], half[k]);
       return distance(box.pose(p), s.center) <= s.radius;
     });
-    EXPECT_EQ(moving.meets(box), meets_box) << round;
+    EXPECT_EQ(moving.collides(box), meets_box) << round;
     box_hits += meets_box;
     std::vector<Sphere> scene;
     for (int i = 0; i < 12; ++i) scene.push_back({point(random, 1.2), random.uniform(0.01, 0.1)});
-    SphereTree tree = tree_over_balls(scene);
-    if (round % 2 == 0) nest(tree);
+    SphereTree tree = tree_from_spheres(scene);
+    if (round % 2 == 0) make_nested(tree);
     const PosedSpheres others(tree);
     const RigidTransform at = RigidTransform::from_axis({1, 2, 3}, 0.1 * round, {0.1, 0, 0.2});
     bool meets_tree = false;
@@ -117,7 +117,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
         return squared_distance(s.center, moved.center) <= (s.radius + moved.radius) * (s.radius + moved.radius);
       });
     }
-    EXPECT_EQ(moving.meets(others.pose(), at), meets_tree) << round;
+    EXPECT_EQ(moving.collides(others.pose(), at), meets_tree) << round;
     tree_hits += meets_tree;
   }
   for (const std::size_t hits : {self_hits, sphere_hits, box_hits, tree_hits}) {

@@ -27,7 +27,7 @@ struct ReadTreeOptions {
 };
 
 /// Reads .morula, .sph, .json or .npz by extension, and balls without a tree, .ply, under a tree made of them
-/// (tree_over_balls). Sizes, ranges, finiteness and (native, .npz) checksums are checked. An .npz of several frames is
+/// (tree_from_spheres). Sizes, ranges, finiteness and (native, .npz) checksums are checked. An .npz of several frames is
 /// refused: SphereFrames reads those.
 /// In a .sph, radius ≤ 0 marks an unused slot, nodes below an unused one are ignored, and text after the last node is
 /// accepted. Throws FileError.

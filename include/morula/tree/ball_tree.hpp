@@ -13,6 +13,6 @@ namespace morula {
 /// branching: 2…64. After: validate() finds nothing. Cost: O(n log² n). The same bits everywhere. Throws
 /// std::invalid_argument for no balls, for more than the levels up to max_depth hold (16 million at branching 8), and
 /// for numbers that are not finite, negative radii, and balls so large that no sphere around them is finite.
-SphereTree tree_over_balls(std::span<const Sphere> balls, std::uint32_t branching = 8);
+SphereTree tree_from_spheres(std::span<const Sphere> balls, std::uint32_t branching = 8);
 
 }  // namespace morula

@@ -31,6 +31,6 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
 /// with radii rounded up. So what a node's leaves contain its sphere contains: a tree that covers still does, with the
 /// pads that certify() asks for. Throws std::invalid_argument, and changes nothing, for a tree that fails validate(),
 /// or when no sphere around some children is finite.
-void nest(SphereTree& tree);
+void make_nested(SphereTree& tree);
 
 }  // namespace morula

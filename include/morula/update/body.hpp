@@ -113,7 +113,7 @@ class Body {
                               Workers& workers = serial_workers()) noexcept;
 
   /// As update(), but only of the nodes of levels 0…level. Those below keep the spheres of an older frame, about an
-  /// older origin, until reach() is asked for them; nobody may read them before.
+  /// older origin, until refresh_children() is asked for them; nobody may read them before.
   ///
   /// Where all levels follow `exact`; other bodies are updated in full. It pays where few nodes are asked for and
   /// leaves are many: every vertex is read all the same, because the root's sphere depends on it. Once all nodes have
@@ -126,9 +126,9 @@ class Body {
   /// Brings the children of a node, which must be current itself, to the frame of the last lazy update. Not to be
   /// called by several threads at once. No allocation. Cost: what the children own, or modes; nothing when they are
   /// current. Returns how many were brought; none when an update was refused since.
-  std::size_t reach(std::uint32_t node) noexcept;
+  std::size_t refresh_children(std::uint32_t node) noexcept;
   /// Does the node's sphere belong to this frame? All do after an update that was not lazy.
-  bool is_reached(std::uint32_t node) const;
+  bool is_fresh(std::uint32_t node) const;
   /// Do those of all nodes?
   bool is_complete() const;
 

@@ -36,7 +36,7 @@ void reach_by(CollideOptions& options, const std::vector<const Side*>& sides) {
   options.reach = [sides](const Collider& collider, std::uint32_t node) {
     for (const Side* side : sides) {
       if (side->collider.get() != &collider) continue;
-      if (Body* body = side->posed->body()) body->reach(node);
+      if (Body* body = side->posed->body()) body->refresh_children(node);
     }
     return true;
   };

@@ -267,22 +267,22 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
 
 void bind_body_questions(nb::class_<PosedBody>& body) {
   body.def(
-          "reach",
+          "refresh_children",
           [](PosedBody& self, std::uint32_t node) {
             if (node >= self.pose().spheres.size()) throw nb::index_error("node");
             return without_gil([&] {
               const std::unique_lock lock(self.mutex);
-              return self.owned->reach(node);
+              return self.owned->refresh_children(node);
             });
           },
-          nb::arg("node"), doc::Body_reach)
+          nb::arg("node"), doc::Body_refresh_children)
       .def(
-          "is_reached",
+          "is_fresh",
           [](const PosedBody& self, std::uint32_t node) {
             if (node >= self.pose().spheres.size()) throw nb::index_error("node");
-            return self.owned->is_reached(node);
+            return self.owned->is_fresh(node);
           },
-          nb::arg("node"), doc::Body_is_reached)
+          nb::arg("node"), doc::Body_is_fresh)
       .def_prop_ro(
           "is_complete", [](const PosedBody& self) { return self.owned->is_complete(); }, doc::Body_is_complete)
       .def(

@@ -31,7 +31,7 @@ struct Nearest {
 };
 
 Vec3 in_coordinates_of(const Collider& collider, const Vec3& point) {
-  return collider.placement().turn_back(point - collider.placement().translation);
+  return collider.placement().inverse_rotate(point - collider.placement().translation);
 }
 SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
   return {nearest.facet, nearest.point.barycentric, collider.placement()(nearest.point.point)};
@@ -84,7 +84,7 @@ double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& di
 }
 /// Of the corners of the facets that the node has a part of.
 double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
-  const Vec3 turned = collider.placement().turn_back(direction);
+  const Vec3 turned = collider.placement().inverse_rotate(direction);
   const Vec3f narrow(turned);
   LeafSurfaces& surfaces = scratch.of(collider);
   double reach = -std::numeric_limits<double>::infinity();
@@ -148,7 +148,7 @@ Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& s
     area_vector += leaf.area_vector;
     area += leaf.area;
   });
-  return area > 0 ? collider.placement().turn(area_vector / area) : Vec3{};
+  return area > 0 ? collider.placement().rotate(area_vector / area) : Vec3{};
 }
 
 double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {

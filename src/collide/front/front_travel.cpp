@@ -71,7 +71,7 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
     double farthest = way[i];
     // mutant front-way-of-children: `farthest = std::max(farthest, way[tree.first_child[i] + k])` -> ``
     for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
-    side.traveled[i] = sum_rounded_up(side.traveled[i], farthest);
+    side.path_length[i] = sum_rounded_up(side.path_length[i], farthest);
   }
 }
 
@@ -85,8 +85,8 @@ void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, con
   } else {
     bodies.a.spheres.clear(), bodies.b.spheres.clear();
   }
-  bodies.a.traveled.assign(bodies.a.spheres.size(), 0.0);
-  bodies.b.traveled.assign(bodies.b.spheres.size(), 0.0);
+  bodies.a.path_length.assign(bodies.a.spheres.size(), 0.0);
+  bodies.b.path_length.assign(bodies.b.spheres.size(), 0.0);
 }
 
 void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,

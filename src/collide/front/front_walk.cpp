@@ -90,7 +90,7 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
 // difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
 double FrontWalk::traveled_since(const Front::Opened& before) const {
   const Front::Pair& bodies = front.pairs[before.pair];
-  return (bodies.a.traveled[before.a] - before.traveled_a) + (bodies.b.traveled[before.b] - before.traveled_b);
+  return (bodies.a.path_length[before.a] - before.path_length_a) + (bodies.b.path_length[before.b] - before.path_length_b);
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
@@ -142,11 +142,11 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
   if (slot.knows_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
-    // mutant front-forgets-the-way: `before.traveled_a, entry.traveled_b = before.traveled_b` -> `front.pairs[pair.pair].a.traveled[before.a], entry.traveled_b = front.pairs[pair.pair].b.traveled[before.b]`
-    entry.traveled_a = before.traveled_a, entry.traveled_b = before.traveled_b;
+    // mutant front-forgets-the-way: `before.path_length_a, entry.path_length_b = before.path_length_b` -> `front.pairs[pair.pair].a.path_length[before.a], entry.path_length_b = front.pairs[pair.pair].b.path_length[before.b]`
+    entry.path_length_a = before.path_length_a, entry.path_length_b = before.path_length_b;
   } else if (keeps_) {
     const Front::Pair& bodies = front.pairs[pair.pair];
-    entry.traveled_a = bodies.a.traveled[pair.a], entry.traveled_b = bodies.b.traveled[pair.b];
+    entry.path_length_a = bodies.a.path_length[pair.a], entry.path_length_b = bodies.b.path_length[pair.b];
   }
   std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
   entry.next_beside = std::exchange(head, opened);

@@ -31,7 +31,7 @@ bool is_tree_extension(std::string_view extension) {
 SphereTree tree_of_ply(const std::filesystem::path& path, std::string_view bytes) {
   const std::vector<Sphere> balls = read_ply_balls(path, bytes);
   try {
-    return tree_over_balls(balls);
+    return tree_from_spheres(balls);
   } catch (const std::invalid_argument& problem) {
     throw FileError(path.string() + ": " + problem.what());
   }

@@ -153,7 +153,7 @@ TEST(LeafFits, copies_fit_as_well_and_follow_parts_and_lazily) {
   ASSERT_TRUE(whole.update(positions));
   ASSERT_TRUE(part.update(positions, moved));
   ASSERT_TRUE(lazy.update_lazily(positions, 0));
-  for (std::uint32_t node = 0; node < lazy.rest_tree().node_count(); ++node) lazy.reach(node);
+  for (std::uint32_t node = 0; node < lazy.rest_tree().node_count(); ++node) lazy.refresh_children(node);
   EXPECT_EQ(whole.hash(), body.body().hash());
   EXPECT_EQ(part.hash(), whole.hash());
   EXPECT_EQ(lazy.hash(), whole.hash());

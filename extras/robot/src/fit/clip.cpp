@@ -118,7 +118,7 @@ void divide_until(const std::function<bool(const Sphere&)>& stays,
   std::vector<Sphere> spheres;
   add_what_stays(stays, may_stay, mesh, built, four, 0, spheres);
   if (spheres == level_set_spheres(built.tree, built.tree.level_count() - 1)) return;
-  CoveredTree fitted = cover(mesh, tree_over_balls(spheres), CoverOptions{.nested = true});
+  CoveredTree fitted = cover(mesh, tree_from_spheres(spheres), CoverOptions{.nested = true});
   fitted.report.complete = built.report.complete;
   built = std::move(fitted);
 }

@@ -182,7 +182,7 @@ class Fitter {
       if (found == groups_.end()) {
         groups_.push_back({{i}, 0});
       } else {
-        link.alike = result_.links[found->members[0]].link;
+        link.same_shape_as = result_.links[found->members[0]].link;
         found->members.push_back(i);
       }
     }

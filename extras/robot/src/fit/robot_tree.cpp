@@ -44,7 +44,7 @@ RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
   for (const LinkSpheres& link : spheres.links) {
     for (const Sphere& s : link.spheres) leaves.push_back({poses[link.link](s.center), s.radius});
   }
-  result.built = cover(result.mesh, tree_over_balls(leaves), CoverOptions{.nested = true}, workers);
+  result.built = cover(result.mesh, tree_from_spheres(leaves), CoverOptions{.nested = true}, workers);
   result.built.report.method = "robot";
   return result;
 }

@@ -398,7 +398,7 @@ class SdfReader {
     } else if (is_true(at, "use_parent_model_frame") || version_ < 1.5) {
       base = {};
     }
-    m.axis = normalized(child_pose.turn_back(base.turn(axis)));
+    m.axis = normalized(child_pose.inverse_rotate(base.rotate(axis)));
     m.lower = -2 * no_limit, m.upper = 2 * no_limit;
     if (const XMLElement* limits = at.FirstChildElement("limit")) {
       m.lower = limit(*limits, "lower", m.lower);
@@ -448,7 +448,7 @@ class SdfReader {
     carriers_[carrier_of_all(child_link)] = carrier_of_all(parent_link);
     const RigidTransform joint_pose = pose_of(name, at), child_pose = pose_of(child, at);
     const RigidTransform in_parent = relative_to(pose_of(parent, at), child_pose);
-    Vec3 anchor = child_pose.turn_back(joint_pose.translation - child_pose.translation);
+    Vec3 anchor = child_pose.inverse_rotate(joint_pose.translation - child_pose.translation);
     // Poses that are given the other way round meet but for rounding.
     const double size = max_norm(joint_pose.translation) + max_norm(child_pose.translation);
     if (max_norm(anchor) <= 1e-14 * size) anchor = {};

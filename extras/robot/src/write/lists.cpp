@@ -50,7 +50,7 @@ Json link_json(const Description& d, const LinkSpheres& link) {
     return json;
   };
   Json json{{"link", d.robot.links[link.link].name},
-            {"alike", link.alike == none ? Json(nullptr) : Json(d.robot.links[link.alike].name)},
+            {"same_shape_as", link.same_shape_as == none ? Json(nullptr) : Json(d.robot.links[link.same_shape_as].name)},
             {"facets", f.facets},
             {"covered", f.covered},
             {"gap", f.gap},

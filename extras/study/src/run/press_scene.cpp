@@ -119,7 +119,7 @@ std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box
   Vec3 axis{0, 0, 0};
   axis[side] = 1;
   RigidTransform turned = RigidTransform::from_axis(axis, std::numbers::pi / 2);
-  turned.translation = box.center() - turned.turn(box.center());
+  turned.translation = box.center() - turned.rotate(box.center());
   const std::optional<double> touch =
       touching_offset(pair, turned, axis, 1.01 * std::abs(dot(box.extent(), axis)), diagonal);
   if (!touch) return {};

@@ -62,7 +62,7 @@ struct LinkFigures {
 struct LinkSpheres {
   std::size_t link = none;
   std::vector<Sphere> spheres;  ///< in the link's axes, in decimals that files hold
-  std::size_t alike = none;     ///< the link whose shapes are the same, where there was one before
+  std::size_t same_shape_as = none;     ///< the link whose shapes are the same, where there was one before
   LinkSurface surface;
   std::shared_ptr<const CoveredTree> tree;  ///< whose leaves became these, without padding; none for spheres alone
   LinkFigures figures;

@@ -87,7 +87,7 @@ struct Robot {
   std::vector<Joint> joints;
   std::size_t root = none;         ///< link
   std::vector<std::size_t> order;  ///< joints, each after the one that carries its parent
-  std::vector<std::size_t> own;    ///< joints that move and follow no other: the coordinates of a configuration
+  std::vector<std::size_t> independent_joints;    ///< joints that move and follow no other: the coordinates of a configuration
   std::vector<std::string> notes;  ///< what was passed over, in words
   std::vector<std::filesystem::path> included{};  ///< files that the robot's file includes
   std::vector<std::array<std::string, 2>>
@@ -141,7 +141,7 @@ struct LinkSurface {
 LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
                        RoundShapes round = RoundShapes::around);
 
-/// Where the links are, in the root's axes. values: one per joint of robot.own, in that order. Joints that follow
+/// Where the links are, in the root's axes. values: one per joint of robot.independent_joints, in that order. Joints that follow
 /// others are computed; floating and planar ones stay at 0.
 std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const double> values);
 /// The middle between the limits where 0 is outside of them, else 0.

@@ -26,7 +26,7 @@ struct RobotTree {
   std::vector<std::size_t> vertex_begin;  ///< vertices of links[k]: [vertex_begin[k], vertex_begin[k + 1])
 };
 
-/// With the links at the poses of these values: one per joint of robot.own. The tree is nested and covers the mesh,
+/// With the links at the poses of these values: one per joint of robot.independent_joints. The tree is nested and covers the mesh,
 /// proven; a Body that is given the vertices of moved links (vertex_begin) covers them, too.
 /// Throws std::invalid_argument for another number of values, and for a robot without spheres.
 RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values,
