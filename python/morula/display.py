@@ -32,11 +32,11 @@ def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
     )
 
 
-def tree_html(built: _morula.CoveredTree) -> str:
+def tree_html(model: _morula.CoveredTree) -> str:
     """Picture and table of a covered tree."""
     import html
 
-    tree = built.tree
+    tree = model.tree
     rows = "".join(
         f"<tr><td>{level}</td><td>{len(tree.level(level))}</td><td>{tree.level(level)[:, 3].max():.4g}</td></tr>"
         for level in range(tree.level_count)

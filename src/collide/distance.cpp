@@ -182,7 +182,7 @@ class Search {
           return;
         }
       }
-    if (!options_.exact) {
+    if (!options_.to_facets) {
       // No pair that waits is nearer by its spheres.
       looked_at_ = std::min(looked_at_, pair.bound);
       is_settled_ = true;
@@ -298,7 +298,7 @@ struct DistanceQuery::State {
   CallState call;
   Scratch scratch;
   // The last answer, and of which bodies.
-  std::uint64_t ownership_a = 0, ownership_b = 0;
+  std::uint64_t cover_id_a = 0, cover_id_b = 0;
   std::uint32_t last_a = no_facet, last_b = no_facet;
 
   void forget() noexcept {
@@ -328,7 +328,7 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
 
   State& s = *state_;
   const PairAsRead read(a, b);
-  const bool same = s.ownership_a == a.pose().ownership && s.ownership_b == b.pose().ownership &&
+  const bool same = s.cover_id_a == a.sphere_state().cover_id && s.cover_id_b == b.sphere_state().cover_id &&
                     s.last_a < a.mesh_facets().size() && s.last_b < b.mesh_facets().size();
   const bool warm = options.warm_start && same;
   Search search(a, b, options, s.scratch);
@@ -336,9 +336,9 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   own.finish(read.status());
   refused.status = s.call.ended;
   if (!refused.status) return refused;
-  answer.certified = a.pose().covers && b.pose().covers;
-  s.ownership_a = a.pose().ownership;
-  s.ownership_b = b.pose().ownership;
+  answer.certified = a.sphere_state().covers && b.sphere_state().covers;
+  s.cover_id_a = a.sphere_state().cover_id;
+  s.cover_id_b = b.sphere_state().cover_id;
   s.last_a = answer.a.facet;
   s.last_b = answer.b.facet;
   return answer;

@@ -45,11 +45,11 @@ double ball_in_cube(double radius) {
 
 struct Frame {
   std::uint64_t frame;
-  RigidTransform placement;
+  RigidTransform transform;
   bool operator==(const Frame&) const = default;
 };
 Frame frame_of(const Collider& collider) {
-  return {collider.pose().frame, collider.placement()};
+  return {collider.sphere_state().frame, collider.transform()};
 }
 
 Box box_of(const Collider& body) {
@@ -152,7 +152,7 @@ struct PenetrationQuery::State {
     std::size_t probes = 0;
   };
   /// Asks the bodies that are not known to hold all of the cell.
-  Verdict look(Cell& cell) {
+  Verdict visit(Cell& cell) {
     Verdict verdict;
     const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
     // mutant penetration-cell-by-its-middle: `length` -> `0 * length`
@@ -224,7 +224,7 @@ struct PenetrationQuery::State {
         below[k] = {cell.center + Vec3{k & 1 ? quarter.x : -quarter.x, k & 2 ? quarter.y : -quarter.y,
                                        k & 4 ? quarter.z : -quarter.z},
                     level, cell.in_a, cell.in_b};
-        verdicts[k] = look(below[k]);
+        verdicts[k] = visit(below[k]);
         result.probes += verdicts[k].probes;
         if (!verdicts[k].status) {
           result.status = verdicts[k].status;
@@ -260,7 +260,7 @@ struct PenetrationQuery::State {
     result.lower = std::max(0.0, lower - rounding);
     result.upper = is_empty ? 0.0 : upper + rounding;
     result.estimate = std::clamp(guess, result.lower, result.upper);
-    result.certified = body[0]->pose().covers && body[1]->pose().covers;
+    result.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
     return result;
   }
 };
@@ -290,9 +290,10 @@ Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
   if (!own.status()) return {.status = own.status()};
   if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
   for (std::uint8_t i = 0; i < 2; ++i) {
-    if (s.body[i]->pose().frame != s.frames[i].frame) return {.status = {.code = Status::Code::other_frame, .body = i}};
-    if (!(s.body[i]->placement() == s.frames[i].placement))
-      return {.status = {.code = Status::Code::other_placement, .body = i}};
+    if (s.body[i]->sphere_state().frame != s.frames[i].frame)
+      return {.status = {.code = Status::Code::other_frame, .body = i}};
+    if (!(s.body[i]->transform() == s.frames[i].transform))
+      return {.status = {.code = Status::Code::other_transform, .body = i}};
   }
   s.begin_reading();
   return s.done(own, s.go_on(options));

@@ -10,7 +10,7 @@
 #include <morula/query/power_diagram.hpp>
 #include <numeric>
 
-#include "query/owner_by_power.hpp"
+#include "query/power_cell_of.hpp"
 #include "query/stack_memory.hpp"
 
 namespace morula {
@@ -93,7 +93,7 @@ class Cutter {
   }
 
   std::uint32_t owner_at(const Vec3& x, std::span<const std::uint32_t> candidates) const {
-    return detail::owner_by_power(x, spheres_, candidates);
+    return detail::power_cell_of(x, spheres_, candidates);
   }
 
   // Candidates that can own a part of the polygon: their least power over its bounding ball is not above the least

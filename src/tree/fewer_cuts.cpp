@@ -44,7 +44,7 @@ struct Share {
 
 class Sharing {
  public:
-  Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers);
+  Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers);
   Cover with_fewer_cuts() &&;
 
  private:
@@ -75,8 +75,8 @@ class Sharing {
   std::vector<std::uint32_t> corners_;
 };
 
-Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
-    : mesh_(mesh), tree_(built.tree), cover_(built.cover) {
+Sharing::Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers)
+    : mesh_(mesh), tree_(model.tree), cover_(model.cover) {
   places_.resize(cover_.vertex_count + cover_.cut_points.size());
   for (std::uint32_t i = 0; i < places_.size(); ++i) places_[i] = corner_position(cover_, i, mesh.positions);
   reach_.resize(tree_.node_count());
@@ -292,9 +292,9 @@ Cover Sharing::assembled() const {
 
 }  // namespace
 
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers) {
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers) {
   const StandardFloats standard;
-  return Sharing(mesh, built, workers).with_fewer_cuts();
+  return Sharing(mesh, model, workers).with_fewer_cuts();
 }
 
 }  // namespace morula

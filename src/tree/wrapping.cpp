@@ -47,14 +47,14 @@ bool is_proven(const Sphere& sphere, double farthest, double largest_coordinate)
 
 }  // namespace
 
-LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& built, Workers& workers) {
-  const Cover& cover = built.cover;
+LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+  const Cover& cover = model.cover;
   std::vector<Vec3> places(cover.vertex_count + cover.cut_points.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) places[i] = corner_position(cover, i, mesh.positions);
   const double of_mesh = largest_coordinate(mesh);
-  std::vector<double> radii(built.tree.node_count());
+  std::vector<double> radii(model.tree.node_count());
   parallel_for(workers, radii.size(), 1, [&](std::size_t node, std::size_t) {
-    const Sphere& sphere = built.tree.spheres[node];
+    const Sphere& sphere = model.tree.spheres[node];
     const double largest = std::max(of_mesh, max_norm(sphere.center));
     const double farthest =
         farthest_distance_to(sphere.center, cover.region_corners(static_cast<std::uint32_t>(node)), places);
@@ -62,7 +62,7 @@ LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& built, Workers& workers)
   });
   LevelGrowth growth;
   for (std::size_t node = 0; node < radii.size(); ++node) {
-    double& radius = built.tree.spheres[node].radius;
+    double& radius = model.tree.spheres[node].radius;
     if (radii[node] == radius) continue;
     ++growth.grown;
     growth.largest_growth = std::max(growth.largest_growth, radii[node] - radius);

@@ -133,17 +133,17 @@ void add_solids(Seeds seeds) {
 
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
-    const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
-    const std::string native = native_bytes(built), text = sph_text("a.sph", built.tree),
-                      json = json_tree_text(built.tree);
+    const CoveredTree model = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
+    const std::string native = native_bytes(model), text = sph_text("a.sph", model.tree),
+                      json = json_tree_text(model.tree);
     for (const char* const bases : {"0123", "4567"}) {
       seeds.add(bases[0] + native);
       seeds.add(bases[1] + native);
       seeds.add(bases[2] + text);
       seeds.add(bases[3] + json);
       const fs::path archive = seeds.scratch("tree.npz"), balls = seeds.scratch("balls.ply");
-      write_tree(archive, built.tree);
-      write_balls(balls, built.tree.spheres);
+      write_tree(archive, model.tree);
+      write_balls(balls, model.tree.spheres);
       seeds.add(bases[3] + test::bytes_of(archive));
       seeds.add(bases[3] + test::bytes_of(balls));
       fs::remove(archive);
@@ -211,8 +211,8 @@ void add_command_lines(Seeds seeds) {
         "update t.obj t.morula m -o s.npz --rule 0:exact,1:approach2 --measure",
         "update t.obj t.morula --modes u.npy --coords q.npy -o s.npz --modal-bound shift --rule modal",
         "update t.obj t.morula m -o s --rule weighted --conservative --distance-floor 0.25",
-        "collide t.obj t.obj --exact --budget 10",
-        "collide t.obj t.obj --motion-a m --place-b 0,0.8,0 --budget 200us",
+        "collide t.obj t.obj --crossings --budget 10",
+        "collide t.obj t.obj --motion-a m --translate-b 0,0.8,0 --budget 200us",
         "view t.obj t.morula m -o v.html",
         "medial t.obj -o b.ply",
         "info t.obj --json",

@@ -132,7 +132,7 @@ TEST(Optimize, never_makes_the_worst_sphere_worse_and_keeps_the_samples) {
     const Proposals grid = propose_grid(node.input());
     ASSERT_FALSE(grid.empty());
     // What there is to start from: the proposal with its samples shared out, which `balance` without room leaves.
-    for (const Optimizer optimizer : {Optimizer::refit, Optimizer::simplex, Optimizer::balance}) {
+    for (const Optimizer optimizer : {Optimizer::recenter, Optimizer::simplex, Optimizer::balance}) {
       Proposal p = grid[0];
       const double before = worst_protrusion(node.shape.distance(), p.spheres);
       optimize(p, node.input(), optimizer, 0);
@@ -172,7 +172,7 @@ TEST(BuildOptions, are_refused_where_a_method_has_no_use_for_them) {
   refused({.method = Method::grid, .reducers = {Reduction::merge}});
   refused({.method = Method::medial, .reducers = {Reduction::grid}});
   refused({.method = Method::combined, .reducers = {Reduction::grid, Reduction::grid}});
-  refused({.method = Method::octree, .optimizer = Optimizer::refit});
+  refused({.method = Method::octree, .optimizer = Optimizer::recenter});
   refused({.method = Method::grid, .balance_excess = 0.1});
   refused({.method = Method::grid, .optimizer = Optimizer::balance, .balance_excess = -1});
   refused({.method = Method::grid, .optimizer = Optimizer::balance, .balance_excess = NAN});
@@ -187,9 +187,9 @@ TEST(BuildOptions, reducers_and_optimizers_have_names) {
 
 TEST(Combined, says_which_reducers_won) {
   const Mesh mesh = sample_body("blob", 16);
-  const CoveredTree built = build(mesh, {.method = Method::combined, .depth = 2});
-  ASSERT_FALSE(built.report.notes.empty());
-  EXPECT_NE(built.report.notes.back().find("proposals taken: "), std::string::npos);
+  const CoveredTree model = build(mesh, {.method = Method::combined, .depth = 2});
+  ASSERT_FALSE(model.report.notes.empty());
+  EXPECT_NE(model.report.notes.back().find("proposals taken: "), std::string::npos);
 }
 
 using OptimizedBy = test::ByMethod;
@@ -197,8 +197,8 @@ using OptimizedBy = test::ByMethod;
 TEST_P(OptimizedBy, trees_keep_their_proof) {
   const Mesh mesh = sample_body("limb", 12);
   for (const Optimizer optimizer : all_optimizers()) {
-    const CoveredTree built = build(mesh, {.method = GetParam(), .depth = 2, .optimizer = optimizer});
-    EXPECT_TRUE(validate(mesh, built).empty()) << name(optimizer);
+    const CoveredTree model = build(mesh, {.method = GetParam(), .depth = 2, .optimizer = optimizer});
+    EXPECT_TRUE(validate(mesh, model).empty()) << name(optimizer);
   }
 }
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/geometry/random.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula {

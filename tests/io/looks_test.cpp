@@ -90,9 +90,9 @@ TEST(Looks, covers_are_put_together_and_cuts_joined_with_many) {
     }).join();
   };
   Workers workers(elsewhere, 1);
-  CoveredTree built;
-  expect_questions("build", 118, [&] { built = build(large(), {.method = Method::octree, .depth = 2}, workers); });
-  expect_questions("with_fewer_cuts", 29, [&] { with_fewer_cuts(large(), built, workers); });
+  CoveredTree model;
+  expect_questions("build", 118, [&] { model = build(large(), {.method = Method::octree, .depth = 2}, workers); });
+  expect_questions("with_fewer_cuts", 29, [&] { with_fewer_cuts(large(), model, workers); });
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ Modes random_modes(const Mesh& mesh, Dice& dice) {
 
 }  // namespace
 
-Actor::Actor(const Specimen& specimen, Dice& dice, Record& record) : mesh_(specimen.mesh), built_(specimen.built) {
+Actor::Actor(const Specimen& specimen, Dice& dice, Record& record) : mesh_(specimen.mesh), built_(specimen.model) {
   if (record.place.mesh.facets.empty()) record.place.mesh = mesh_;
   if (dice.chance(0.05)) round_trip(mesh_, *built_, record);
   start(random_rules(dice), record);

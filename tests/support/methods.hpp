@@ -11,8 +11,8 @@
 
 namespace morula::test {
 
-/// Method morula is quick at the quality `fast`.
-inline constexpr std::array quick_methods{Method::octree, Method::grid, Method::spawn, Method::morula};
+/// Method optimized is quick at the quality `fast`.
+inline constexpr std::array quick_methods{Method::octree, Method::grid, Method::spawn, Method::optimized};
 /// They make medial balls of every node.
 inline constexpr std::array slow_methods{Method::hubbard, Method::medial, Method::combined};
 

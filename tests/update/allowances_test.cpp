@@ -44,13 +44,13 @@ class TwoLeaves {
   LocalPoint point[2];
 
   void measure() {
-    place();
+    set_transform();
     walk_.measure(points_, spheres_, serial_workers());
     incremental_.forget();
   }
   // The root has gone `moved`, negative for not at all; the second leaf's point has changed or not.
   float measure_incremental(float moved, bool changed) {
-    place();
+    set_transform();
     Marks leaves(2), dirty(3);
     if (changed) leaves.add(1);
     const std::vector<IncrementalWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
@@ -78,7 +78,7 @@ class TwoLeaves {
     ownership.points = {0, 1};
     return ownership;
   }
-  void place() {
+  void set_transform() {
     spheres_ = {{root, 0}, {leaf[0], 0}, {leaf[1], 0}};
     points_ = {point[0], point[1]};
   }
@@ -237,8 +237,8 @@ TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_wh
   const auto count = static_cast<std::uint32_t>(strip.positions.size());
   Random random(5);
   for (const int branching : {2, 3, 5}) {
-    const CoveredTree built = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
-    Body full(strip, built), partial(strip, built);
+    const CoveredTree model = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
+    Body full(strip, model), partial(strip, model);
     std::vector<Vec3> positions = strip.positions;
     for (int frame = 0; frame < 2000; ++frame) {
       const VertexRange range{count - 2 * (1 + static_cast<std::uint32_t>(random.uniform(0, 40))), count};
@@ -262,8 +262,8 @@ struct HandMadePatch {
 // these.
 CoveredTree with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_points,
                         const std::vector<HandMadePatch>& patches, const Sphere& root) {
-  CoveredTree built;
-  Cover& cover = built.cover;
+  CoveredTree model;
+  Cover& cover = model.cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
   cover.cut_points = cut_points;
@@ -280,10 +280,10 @@ CoveredTree with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_point
     cover.region_end.push_back(p + 1);
     leaves.push_back(patches[p].sphere);
   }
-  built.tree.branching = std::max(2u, count);
-  built.tree.append_level({}, std::vector<Sphere>{root});
-  built.tree.append_level(std::vector<std::uint32_t>{count}, leaves);
-  return built;
+  model.tree.branching = std::max(2u, count);
+  model.tree.append_level({}, std::vector<Sphere>{root});
+  model.tree.append_level(std::vector<std::uint32_t>{count}, leaves);
+  return model;
 }
 
 double excess_of(const Body& body, const std::vector<Vec3>& positions) {
@@ -433,9 +433,9 @@ TEST(HullAllowance, what_is_left_out_stays_inside) {
     }
     const Vec3 middle = 0.34 * mesh.positions[0] + 0.33 * mesh.positions[1] + 0.33 * mesh.positions[2];
     patch.sphere.center = middle + 0.2 * random_vector(random);
-    const CoveredTree built = with_leaves(mesh, cuts, {patch}, {middle, 1});
+    const CoveredTree model = with_leaves(mesh, cuts, {patch}, {middle, 1});
     const Modes still{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)};
-    const Body exact(mesh, built), modal(mesh, built, {.rules = {Rule::modal}, .modes = still});
+    const Body exact(mesh, model), modal(mesh, model, {.rules = {Rule::modal}, .modes = still});
     ASSERT_LE(excess_of(exact, mesh.positions), 0) << round;
     ASSERT_LE(excess_of(modal, mesh.positions), 0) << round;
   }
@@ -511,17 +511,17 @@ TEST(ModalAllowance, pays_for_weights_that_do_not_add_up) {
   mesh.facets = {{0, 1, 2}};
   const double most = (1 - slack) * (1 - 0x1p-19), least = (1 - slack) * 0x1p-20;
   const std::vector<CutPoint> cuts{{{0, 1, 2}, {most, least, least}}};
-  CoveredTree built = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
+  CoveredTree model = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
   // One leaf for all three patches, so that the cut corner lies inside.
   const Sphere ball{{away + 1, away + 0.7, away + 1}, 2};
   SphereTree tree;
   tree.branching = 2;
   tree.append_level({}, std::vector<Sphere>{ball});
-  built.tree = tree;
-  built.cover.region_begin = {0};
-  built.cover.region_end = {3};
+  model.tree = tree;
+  model.cover.region_begin = {0};
+  model.cover.region_end = {3};
   Modes modes{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3, Vec3{0.25, 0.25, 0.25})};
-  Body modal(mesh, built, {.rules = {Rule::modal}, .modes = modes}), exact(mesh, built);
+  Body modal(mesh, model, {.rules = {Rule::modal}, .modes = modes}), exact(mesh, model);
   const std::vector<double> coordinates{1.0};
   std::vector<Vec3> positions(3);
   move_by_modes(modes, mesh.positions, coordinates, positions);

@@ -32,7 +32,7 @@ CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<con
 struct Specimen {
   std::string name;
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
 };
 /// Ball, flat plate, bumpy ball with cut facets, soup of facets with unused vertices and facets without area, one
 /// facet.

@@ -97,7 +97,7 @@ await claim('what_is_shown_is_saved_as_files', () =>
 
 await claim('two_bodies_show_where_they_touch', async () => {
   morula('sample capsule -o tool.obj --resolution 10');
-  morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --place-b 0,0.9,0 --page touch.html -o contacts.csv');
+  morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --translate-b 0,0.9,0 --page touch.html -o contacts.csv');
   const rows = readFileSync(at('contacts.csv'), 'utf8').trim().split('\n').map((line) => line.split(','));
   const column = (name) => rows[0].indexOf(name);
   const frames = [...new Set(rows.slice(1).map((row) => row[column('frame_a')]))];

@@ -14,8 +14,8 @@ export const colorings = [
 ];
 const measures = [
   ['looseness', 'Looseness'],
-  ['bare_area', 'Bare area'],
-  ['gap', 'Gap'],
+  ['uncovered_area', 'Uncovered area'],
+  ['uncovered_distance', 'Uncovered distance'],
   ['growth', 'Growth'],
 ];
 
@@ -129,13 +129,13 @@ export class Panel {
 
   drawCurves() {
     const measure = this.state.get('measure');
-    const shares = measure === 'bare_area';
+    const shares = measure === 'uncovered_area';
     const series = this.series(measure).map((s) => (shares ? { ...s, y: s.y.map((y) => (y === null ? null : 100 * y)) } : s));
     // The chosen level last, so that it lies on top.
     series.sort((a, b) => Number(a.strong) - Number(b.strong));
     byId('curves-note').textContent = {
       looseness: 'Volume in the spheres and outside the body, in body volumes',
-      bare_area: 'Share of the surface outside all spheres, in per cent',
+      uncovered_area: 'Share of the surface outside all spheres, in per cent',
       gap: 'Largest distance of a surface point from the spheres, mesh units',
       growth: 'Largest radius over radius at rest',
     }[measure];
@@ -151,13 +151,13 @@ export class Panel {
     }
     const frame = state.get('frame');
     const measured = scene.entry.measured !== null;
-    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Bare area', 'Gap'] : ['Largest growth'])];
+    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Uncovered area', 'Uncovered distance'] : ['Largest growth'])];
     const rows = scene.levelSets.map((nodes, level) => {
       const cells = measured
         ? [
             element('td', {}, figure(scene.measured('looseness', level, frame))),
-            element('td', { class: scene.measured('bare_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('bare_area', level, frame))),
-            element('td', {}, figure(scene.measured('gap', level, frame))),
+            element('td', { class: scene.measured('uncovered_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('uncovered_area', level, frame))),
+            element('td', {}, figure(scene.measured('uncovered_distance', level, frame))),
           ]
         : [element('td', {}, figure(nodes.reduce((most, node) => Math.max(most, scene.growth(frame, node)), 0)))];
       const dot = element('i', { class: 'dot', style: `background:${levelColors[level % levelColors.length]}` });
@@ -220,7 +220,7 @@ export class Panel {
       }
     }
     if (state.get('bare') && state.get('body') && !scene.entry.inside) {
-      const share = scene.measured('bare_area', level, state.get('frame'));
+      const share = scene.measured('uncovered_area', level, state.get('frame'));
       const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
     }

@@ -23,10 +23,11 @@ namespace {
 // Members of a result and columns of the table that the build reports, and those that --measure adds.
 constexpr std::array reported{"vertices", "facets",  "mesh_hash", "method",   "branching",
                               "depth",    "spheres", "tree_hash", "complete", "covered"};
-constexpr std::array measured{"closed", "looseness", "bare_area", "gap", "protrusion"};
-constexpr std::array columns{"status",    "message", "vertices",  "facets",    "method",  "branching",
-                             "depth",     "nodes",   "spheres",   "complete",  "covered", "mesh_hash",
-                             "tree_hash", "closed",  "looseness", "bare_area", "gap",     "protrusion"};
+constexpr std::array measured{"closed", "looseness", "uncovered_area", "uncovered_distance", "protrusion"};
+constexpr std::array columns{
+    "status",    "message",        "vertices",           "facets",    "method",    "branching", "depth",
+    "nodes",     "spheres",        "complete",           "covered",   "mesh_hash", "tree_hash", "closed",
+    "looseness", "uncovered_area", "uncovered_distance", "protrusion"};
 constexpr std::array costs{"seconds", "cpu_seconds", "peak_mb"};
 
 // Values nested deeper than any of ours are left out: whoever writes them could exhaust the stack of what reads them.

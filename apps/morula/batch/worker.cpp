@@ -125,11 +125,12 @@ Json figures_of(const BatchTask& task) {
   const std::vector<LevelMeasure> levels = measure(mesh, read_tree(task.tree).tree, options);
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
   Json figures{{"closed", inspect(mesh).closed}};
-  for (const char* name : {"looseness", "bare_area", "gap", "protrusion"}) figures[name] = Json::array();
+  for (const char* name : {"looseness", "uncovered_area", "uncovered_distance", "protrusion"})
+    figures[name] = Json::array();
   for (const LevelMeasure& level : levels) {
     figures["looseness"].push_back(number(level.looseness.looseness));
-    figures["bare_area"].push_back(level.coverage.bare_area);
-    figures["gap"].push_back(level.coverage.gap);
+    figures["uncovered_area"].push_back(level.coverage.uncovered_area);
+    figures["uncovered_distance"].push_back(level.coverage.uncovered_distance);
     figures["protrusion"].push_back(number(level.protrusion ? std::optional(level.protrusion->worst) : std::nullopt));
   }
   return figures;

@@ -44,7 +44,7 @@ TEST(Clump, covers_every_kind_of_mesh_with_no_more_spheres_than_asked_for) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     const Clump clump = fit_clump(named.mesh, quick(ClumpKind::cover, 6));
     EXPECT_TRUE(clump.proven) << named.name;
-    EXPECT_EQ(clump.gap, 0) << named.name;
+    EXPECT_EQ(clump.uncovered_distance, 0) << named.name;
     EXPECT_LE(clump.spheres.size(), 6u) << named.name;
     EXPECT_TRUE(covers_in_float(named.mesh, clump.spheres)) << named.name;
   }

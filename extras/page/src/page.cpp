@@ -157,8 +157,9 @@ Json measured_json(const PageScene& scene) {
   if (scene.measured.empty()) return nullptr;
   using Value = std::optional<double>;
   return {{"looseness", by_level(scene, [](const LevelMeasure& m) { return m.looseness.looseness; })},
-          {"bare_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.bare_area); })},
-          {"gap", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.gap); })}};
+          {"uncovered_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_area); })},
+          {"uncovered_distance",
+           by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_distance); })}};
 }
 
 Json joints_json(const PageJoints& joints) {

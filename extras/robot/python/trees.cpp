@@ -33,7 +33,7 @@ void bind_robot_trees(nb::module_& m) {
       .property(
           "mesh", [](const robot::RobotTree& t) { return std::make_shared<Mesh>(t.mesh); }, doc::RobotTree_mesh)
       .property(
-          "built", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.built); },
+          "built", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.model); },
           doc::RobotTree_built)
       .field("links", &robot::RobotTree::links, doc::RobotTree_links)
       .field("vertex_begin", &robot::RobotTree::vertex_begin, doc::RobotTree_vertex_begin);

@@ -353,9 +353,9 @@ TEST(ClipPlanes, a_margin_that_padding_or_rounding_takes_is_refused) {
   EXPECT_NE(good.links[0].notes[0].find("so that none reaches beyond"), std::string::npos);
   // What lies far from its plane needs no margin; spheres that are kept are only measured.
   EXPECT_EQ(fitted(1e-9, 0.05, 0, -5).links[0].figures.beyond_clip, 0.0);
-  const robot::RobotSpheres kept = robot::fit_spheres(
-      box,
-      {.kept = {{"block", {Sphere{{0, 0, 0.25}, 1}}}}, .clip = {{"block", {{{0, 0, 1}, 0}}}}, .clip_margin = 1e-9});
+  const robot::RobotSpheres kept = robot::fit_spheres(box, {.fixed_spheres = {{"block", {Sphere{{0, 0, 0.25}, 1}}}},
+                                                            .clip = {{"block", {{{0, 0, 1}, 0}}}},
+                                                            .clip_margin = 1e-9});
   EXPECT_EQ(kept.links[0].figures.beyond_clip, 0.75);
 
   // Radii that are enlarged leave no way either: that ends before thousands of spheres, and a note says so.

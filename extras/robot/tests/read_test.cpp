@@ -412,15 +412,15 @@ TEST(ReadRobot, shapes_that_nobody_asks_for_never_end_a_robot) {
           << read.notes[0];
       write(file, text(visual ? "visual" : "collision"));
       EXPECT_THROW(robot::read_robot(file, {.visual = visual}), FileError) << fault;
-      EXPECT_NO_THROW(robot::read_robot(file, {.visual = visual, .left_out = {"a"}})) << fault;
-      EXPECT_THROW(robot::read_robot(file, {.visual = visual, .left_out = {"b"}}), FileError) << fault;
+      EXPECT_NO_THROW(robot::read_robot(file, {.visual = visual, .skip = {"a"}})) << fault;
+      EXPECT_THROW(robot::read_robot(file, {.visual = visual, .skip = {"b"}}), FileError) << fault;
     }
   }
   // The mesh of a link that is left out need not be there.
   write(file,
         "<robot name='r'><link name='a'>" + shape("collision", "<mesh filename='none.stl'/>") + "</link></robot>");
   EXPECT_THROW(robot::read_robot(file), FileError);
-  EXPECT_EQ(robot::read_robot(file, {.left_out = {"a"}}).links.size(), 1u);
+  EXPECT_EQ(robot::read_robot(file, {.skip = {"a"}}).links.size(), 1u);
 }
 
 TEST(ReadRobot, text_nested_without_end_and_cut_short_is_refused_not_followed) {

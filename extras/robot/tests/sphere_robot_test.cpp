@@ -75,8 +75,9 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
   constexpr int rounds = 400;
   for (int round = 0; round < rounds; ++round) {
     std::vector<double> values;
-    for (const std::size_t j : read.independent_joints) values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
-    moving.pose(values);
+    for (const std::size_t j : read.independent_joints)
+      values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
+    moving.set_joint_values(values);
     flat.poses = robot::link_poses(read, values);
     const std::vector<Sphere> posed = moving.spheres();
     EXPECT_EQ(posed.front(), flat.at(0, 0));
@@ -111,13 +112,13 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
     bool meets_tree = false;
     for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
       if (!tree.is_leaf(node)) continue;
-      const Sphere leaf = others.pose().sphere(node);
+      const Sphere leaf = others.sphere_state().sphere(node);
       const Sphere moved{at(leaf.center), leaf.radius};
       meets_tree = meets_tree || flat.any([&](const Sphere& s) {
         return squared_distance(s.center, moved.center) <= (s.radius + moved.radius) * (s.radius + moved.radius);
       });
     }
-    EXPECT_EQ(moving.collides(others.pose(), at), meets_tree) << round;
+    EXPECT_EQ(moving.collides(others.sphere_state(), at), meets_tree) << round;
     tree_hits += meets_tree;
   }
   for (const std::size_t hits : {self_hits, sphere_hits, box_hits, tree_hits}) {
@@ -140,10 +141,10 @@ TEST(SphereRobot, ignored_pairs_are_never_asked_and_copies_move_apart) {
   robot::SphereRobot two = one;
   std::vector<double> values = robot::rest_values(read);
   values[0] = 1;
-  two.pose(values);
+  two.set_joint_values(values);
   EXPECT_FALSE(one.spheres() == two.spheres());
-  EXPECT_THROW(one.pose(std::vector{1.0}), std::invalid_argument);
-  EXPECT_THROW(one.place({}), std::invalid_argument);
+  EXPECT_THROW(one.set_joint_values(std::vector{1.0}), std::invalid_argument);
+  EXPECT_THROW(one.set_link_poses({}), std::invalid_argument);
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ def test_links_are_where_the_joints_put_them(arm):
 def test_spheres_cover_their_links(arm, spheres):
     assert spheres.covered and spheres.sphere_count == sum(len(l.spheres) for l in spheres.links)
     for link in spheres.links:
-        assert link.figures.covered and link.figures.gap == 0 and len(link.spheres) <= 8 + 2
+        assert link.figures.covered and link.figures.uncovered_distance == 0 and len(link.spheres) <= 8 + 2
         surface = morula.robot.surface_of(arm.file, arm.links[link.link].collision)
         assert surface.mesh == link.surface.mesh
         if surface.mesh.facet_count:
@@ -107,7 +107,7 @@ def test_spheres_cover_their_links(arm, spheres):
     again = morula.robot.fit_spheres(arm, spheres=8, workers=morula.Workers(2), progress=lambda share, link: None)
     assert all(numpy.array_equal(a.spheres, b.spheres) for a, b in zip(spheres.links, again.links))
     own = {"base": numpy.array([[0, 0, 0.05, 0.25]])}
-    kept = morula.robot.fit_spheres(arm, spheres=4, kept=own, left_out={"flange"}, link_spheres={"upper": 2})
+    kept = morula.robot.fit_spheres(arm, spheres=4, fixed_spheres=own, skip={"flange"}, link_spheres={"upper": 2})
     assert numpy.allclose(kept.of(arm.find_link("base")).spheres[0], own["base"][0]) and kept.of(arm.find_link("flange")) is None
     assert len(kept.of(arm.find_link("upper")).spheres) <= 2
 
@@ -161,7 +161,7 @@ def meet(a, b):
 def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
     robot = morula.robot.SphereRobot(arm, spheres, ignored)
     assert robot.links == [link.link for link in spheres.links] and robot.sphere_count == spheres.sphere_count
-    left_out = {frozenset((p.a, p.b)) for p in ignored.ignored}
+    skip = {frozenset((p.a, p.b)) for p in ignored.ignored}
     assert {p.reason for p in ignored.ignored} <= {"given", "adjacent", "rest", "apart", "never"} and ignored.samples >= 200
     assert ignored.never_bound == 3 / ignored.samples
     generator = numpy.random.default_rng(8)
@@ -174,18 +174,18 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
         places = moved(spheres, poses)
         pairs = [
             (i, j) for i, j in itertools.combinations(range(len(places)), 2)
-            if frozenset((robot.links[i], robot.links[j])) not in left_out and meet(places[i], places[j])
+            if frozenset((robot.links[i], robot.links[j])) not in skip and meet(places[i], places[j])
         ]
-        robot.pose(values)
+        robot.set_joint_values(values)
         numpy.testing.assert_allclose(robot.spheres(), numpy.concatenate(places), atol=1e-12)
         assert robot.self_collision() == (pairs[0] if pairs else None)
         expected.append(bool(pairs))
         ball = (*generator.uniform(-0.5, 0.5, 3), generator.uniform(0, 0.2))
         assert robot.collides(ball) == meet(numpy.concatenate(places), numpy.array([ball]))
         # By poses of links, both ways to give them.
-        robot.place(poses)
+        robot.set_link_poses(poses)
         same = robot.spheres()
-        robot.place(numpy.array([pose.matrix for pose in poses]))
+        robot.set_link_poses(numpy.array([pose.matrix for pose in poses]))
         assert numpy.array_equal(same, robot.spheres())
     assert robot.self_collisions(configurations).tolist() == expected
     assert 0 < robot.sphere_tests
@@ -195,7 +195,7 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
 
 def test_boxes_and_trees_are_obstacles(arm, spheres):
     robot = morula.robot.SphereRobot(arm, spheres)
-    robot.pose(morula.robot.rest_values(arm))
+    robot.set_joint_values(morula.robot.rest_values(arm))
     now = robot.spheres()
     generator = numpy.random.default_rng(9)
     for _ in range(40):
@@ -218,9 +218,9 @@ def test_boxes_and_trees_are_obstacles(arm, spheres):
 def test_one_tree_is_a_body(arm, spheres):
     values = morula.robot.rest_values(arm)
     one = morula.robot.tree_of(arm, spheres, values)
-    assert one.built.validate(one.mesh) == []
+    assert one.model.validate(one.mesh) == []
     assert len(one.links) == len(one.vertex_begin) - 1 and one.vertex_begin[-1] == one.mesh.vertex_count
-    body = morula.Body(one.mesh, one.built)
+    body = morula.Body(one.mesh, one.model)
     before = morula.robot.link_poses(arm, values)
     after = morula.robot.link_poses(arm, values + 0.1)
     positions = numpy.array(one.mesh.positions)
@@ -297,7 +297,7 @@ def test_mujoco_puts_links_where_we_do(tmp_path):
             numpy.testing.assert_allclose(pose[:3, 3], body.xpos, atol=1e-9)
             numpy.testing.assert_allclose(pose[:3, :3], body.xmat.reshape(3, 3), atol=1e-9)
         # The spheres contain MuJoCo's ball at the end.
-        spheres.pose(values)
+        spheres.set_joint_values(values)
         ball = data.geom_xpos[model.ngeom - 1]
         reach = numpy.linalg.norm(spheres.spheres()[:, :3] - ball, axis=1) + 0.05 - spheres.spheres()[:, 3]
         assert reach.min() < 1e-6
@@ -314,7 +314,7 @@ values = numpy.zeros(len(arm.independent_joints))
 long = threading.Thread(target=robot.self_collisions, args=(numpy.zeros((200000, len(values))),))
 long.start()
 while long.is_alive():
-    robot.pose(values)
+    robot.set_joint_values(values)
     robot.collides((9, 9, 9, 0.1))
     assert len(robot.spheres()) == robot.sphere_count
 print("done")

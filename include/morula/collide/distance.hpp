@@ -15,7 +15,7 @@ namespace morula {
 struct DistanceOptions {
   /// Down to the nearest pair of facets. false: the lower bound is that of the leaf spheres, and only the facets of the
   /// nearest pair of leaves are looked at.
-  bool exact = true;
+  bool to_facets = true;
   double tolerance = 0;  ///< stop when upper - lower is not more
   /// Stop after so many pair tests, of spheres or facets, and those of one leaf; or after some time, by `clock`, looked
   /// at before each leaf and every 64 tests.
@@ -41,7 +41,7 @@ struct [[nodiscard]] DistanceBounds {
   bool crossing = false;   ///< a facet of one meets a facet of the other
   bool farther = false;    ///< proved to be farther apart than stop_above
   bool complete = false;   ///< ended as asked: the nearest facets, the tolerance, a threshold; false: by the budget
-  bool certified = false;  ///< PosedTree::covers of both; else lower is not a proof
+  bool certified = false;  ///< SphereState::covers of both; else lower is not a proof
   std::size_t sphere_tests = 0, facet_tests = 0;  ///< work done
 };
 

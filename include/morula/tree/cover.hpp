@@ -87,7 +87,7 @@ struct CoveredTree;
 struct KnownPose {
   std::string name;
   std::vector<Vec3> positions;               ///< one per mesh vertex
-  std::shared_ptr<const CoveredTree> built;  ///< of the mesh with these positions; carries no poses of its own
+  std::shared_ptr<const CoveredTree> model;  ///< of the mesh with these positions; carries no poses of its own
 };
 
 /// A tree with its proof.
@@ -110,7 +110,8 @@ struct CoveredTree {
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct CoverOptions {
-  bool nested = false;  ///< every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp)
+  bool nested =
+      false;  ///< every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp)
 };
 /// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,
@@ -123,8 +124,8 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// one patch where it is convex, fewer where it is not. No node's farthest corner is
 /// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
-/// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers = serial_workers());
+/// longer are left out. mesh: the one that the tree was built for; validate(mesh, model) finds nothing.
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers = serial_workers());
 
 struct [[nodiscard]] Certificate {
   bool covered = true;
@@ -149,6 +150,6 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. The same of the trees
 /// for known poses, at these. Empty: all hold.
-std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built);
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& model);
 
 }  // namespace morula

@@ -37,7 +37,7 @@ struct BudgetGiven : Given {};
 struct ColliderGiven : Given {};
 struct ShapeGiven : Given {};
 struct ObstacleGiven : Given {};
-struct PlacementGiven : Given {};
+struct TransformGiven : Given {};
 
 /// An argument that is one of a few names.
 struct Chosen {
@@ -109,7 +109,7 @@ MORULA_GIVEN(BudgetGiven, "morula.typing.Budget")
 MORULA_GIVEN(ColliderGiven, "morula.typing.ColliderLike")
 MORULA_GIVEN(ShapeGiven, "morula.typing.Shape")
 MORULA_GIVEN(ObstacleGiven, "morula.typing.Obstacle")
-MORULA_GIVEN(PlacementGiven, "morula.typing.Placement")
+MORULA_GIVEN(TransformGiven, "morula.typing.Transform")
 #undef MORULA_GIVEN
 
 #define MORULA_CHOSEN(Type, TypeName)                                                     \

@@ -24,7 +24,7 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double radius_a = a.radius, radius_b = b.radius;
   const double smaller = std::min(radius_a, radius_b), sum = radius_a + radius_b;
   const Vec3 between = center_a - center_b;
-  // Placements may be so far apart that squares overflow: what touches there does so only for want of digits.
+  // Transforms may be so far apart that squares overflow: what touches there does so only for want of digits.
   const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 

@@ -14,7 +14,7 @@ namespace morula::detail {
 /// What questions about the same two bodies share: their leaves, read once. For one thread at a time.
 class SurfaceScratch {
  public:
-  /// Begins a batch: placements, positions and spheres stay as they are until the next. Both colliders current. The
+  /// Begins a batch: transforms, positions and spheres stay as they are until the next. Both colliders current. The
   /// same collider may be both. Allocates when the bodies are others than before, or more is read than ever before.
   void start(const Collider& a, const Collider& b);
   /// The same with shares that others keep, until the next batch: several scratches may take them from one place.
@@ -32,7 +32,7 @@ class SurfaceScratch {
 };
 
 /// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
-/// closest_point() in the body's own coordinates, to positions that no rounding of a placement has touched; ties go to
+/// closest_point() in the body's own coordinates, to positions that no rounding of a transform has touched; ties go to
 /// the lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and
 /// 16 ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);

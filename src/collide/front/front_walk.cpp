@@ -31,15 +31,15 @@ void FrontWalk::place(const CollideOptions& options) {
     trees_.emplace_back(*pair.a, *pair.b, options.margin, options.level.value_or(none));
 }
 
-void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result) {
+void FrontWalk::start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result) {
   place(options);
-  keeps_ = keeps;
+  keeps_ = accepts;
   front.level = options.level.value_or(none);
   front.margin = options.margin;
   front.pairs.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    begin_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
+    begin_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), accepts);
     bodies.roots = Front::Verdict::untested;
     bodies.opened_roots = none;
   }
@@ -90,7 +90,8 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
 // difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
 double FrontWalk::traveled_since(const Front::Opened& before) const {
   const Front::Pair& bodies = front.pairs[before.pair];
-  return (bodies.a.path_length[before.a] - before.path_length_a) + (bodies.b.path_length[before.b] - before.path_length_b);
+  return (bodies.a.path_length[before.a] - before.path_length_a) +
+         (bodies.b.path_length[before.b] - before.path_length_b);
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
@@ -174,7 +175,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
 void FrontWalk::test_roots(Run& run) {
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.takes(1)) continue;
+    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.try_spend(1)) continue;
     ++run.meter.done;
     const bool overlap = trees_[i].overlaps(0, 0);
     bodies.roots = overlap ? Front::Verdict::overlapping : Front::Verdict::separated;
@@ -192,7 +193,7 @@ void FrontWalk::fill_round(Run& run) {
     const TreePair& trees = trees_[pair.pair];
     const Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth),
                     still_holds(run.options, pair), std::numeric_limits<double>::infinity()};
-    if (!run.meter.takes(slot.tests())) {
+    if (!run.meter.try_spend(slot.tests())) {
       aside_.push_back(pair);
     } else if (!reachable(run.options, pair)) {
       run.meter.give_back(slot.tests());

@@ -21,7 +21,7 @@ class FrontWalk {
   ContactExtras extras;
 
   /// Arguments have been checked. keeps: the front is to be carried into the next frame, which costs a little.
-  void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
+  void start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result);
   void resume(const CollideOptions& options, Workers& workers, Contacts& result);
   void carry(const CollideOptions& options, Workers& workers, Contacts& result);
   /// A front from outside. Before anything else is done with it, it has to be of these pairs, and well formed: with no

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Placed pair: one body's spheres seen from the other, and how pair tests survive rounding.
 //
-// Local coordinates of a body are about its origin, without its placement. A test looks at a sphere (c_a, r_a) of a and
+// Local coordinates of a body are about its origin, without its transform. A test looks at a sphere (c_a, r_a) of a and
 // a sphere (c_b, r_b) of b, moved into a's coordinates by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and
 // W = R origin + t. It says "separated" only when no point of the world lies in both regions. Let e = 2^-24, v = 2^-53,
 // |.|_1 the sum of absolute coordinates, U the largest |coordinate| of u, A the sum over both bodies of the largest

@@ -3,7 +3,7 @@
 // A body's spheres in the world, grown so that they contain the world's surface in real numbers.
 //
 // Let u = 2^-53, c and r a node's center (in double about the origin of the mesh) and radius, A a bound of
-// |coordinates| in the sphere, T the largest |coordinate| of the translation, d = deviation_from_rigid(placement). The
+// |coordinates| in the sphere, T the largest |coordinate| of the translation, d = deviation_from_rigid(transform). The
 // body promises: the region's points lie within r of c, for the caller's positions x (docs/update_cost.md, Numbers).
 // The world's facets are hulls of vertices v = fl(R x + t), so a point of one is R q + t + e with q in the region and e
 // a mean of rounding errors.
@@ -23,13 +23,13 @@ namespace morula::detail {
 class PlacedSpheres {
  public:
   explicit PlacedSpheres(const Collider& collider)
-      : placement_(collider.placement()),
-        spheres_(collider.pose().spheres),
-        origin_(collider.pose().origin),
-        // mutant placed-stretch: `2 * deviation_from_rigid(placement_) + 0x1p` -> `0x1p`
+      : transform_(collider.transform()),
+        spheres_(collider.sphere_state().spheres),
+        origin_(collider.sphere_state().origin),
+        // mutant placed-stretch: `2 * deviation_from_rigid(transform_) + 0x1p` -> `0x1p`
         // mutant placed-stretch-less: `2` -> `0.25`
-        stretch_(1 + 2 * deviation_from_rigid(placement_) + 0x1p-49),
-        translation_(max_norm(placement_.translation)) {}
+        stretch_(1 + 2 * deviation_from_rigid(transform_) + 0x1p-49),
+        translation_(max_norm(transform_.translation)) {}
 
   Sphere operator()(std::uint32_t node) const {
     const Spheref& s = spheres_[node];
@@ -37,11 +37,11 @@ class PlacedSpheres {
     const double radius = s.radius;
     // mutant placed-rounding: `0x1p-46` -> `0`
     const double pad = 0x1p-46 * (max_norm(center) + radius + translation_);
-    return {placement_(center), radius * stretch_ + pad};
+    return {transform_(center), radius * stretch_ + pad};
   }
 
  private:
-  RigidTransform placement_;
+  RigidTransform transform_;
   std::span<const Spheref> spheres_;
   Vec3 origin_;
   double stretch_, translation_;

@@ -25,8 +25,8 @@ class TreePair {
   /// level: of the nodes at which to end; larger than both depths for the leaves.
   TreePair(const Collider& a, const Collider& b, double margin, std::uint32_t level)
       : placed_(placed_pair(a, b, margin)),
-        spheres_a_(a.pose().spheres),
-        spheres_b_(b.pose().spheres),
+        spheres_a_(a.sphere_state().spheres),
+        spheres_b_(b.sphere_state().spheres),
         tree_a_(&a.tree()),
         tree_b_(&b.tree()),
         level_(level) {}

@@ -145,7 +145,7 @@ class Exchange {
   Exchange(const FitInput& input, std::vector<BuildNode>& nodes)
       : mesh_(input.mesh), lines_(input.lines), nodes_(nodes), pad_(input.pad), boxes_(nodes.size()) {}
 
-  void look(Workers& workers) {
+  void visit(Workers& workers) {
     workers.run(nodes_.size(), [&](std::size_t i) {
       std::vector<Vec3> corners;
       corner_positions(mesh_, nodes_[i].region, corners);
@@ -292,7 +292,7 @@ class Exchange {
 
 void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
   Exchange level(input, nodes);
-  level.look(workers);
+  level.visit(workers);
   for (int round = 0; round < rounds; ++round) {
     level.trade(workers);
     level.refit(workers);

@@ -73,7 +73,7 @@ struct FitKernels {
   float (*outside)(const GridLines& lines, const LineBall& ball);
   /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have. go_on: sums begin with
   /// that of the cell before the first, else with nothing.
-  void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on);
+  void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float overlap_weight, bool go_on);
   /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
   /// a higher number.
   void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,

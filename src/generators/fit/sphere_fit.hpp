@@ -13,6 +13,6 @@ namespace morula::detail {
 /// the object: the bound of how far the sphere sticks out. Starts from the better of `start` and the smallest sphere's
 /// center. Returns the exact radius max |x − c|, without pad.
 /// Cost: some forty evaluations, each over a few hundred extreme points and one closest-point query.
-Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
+Sphere recenter(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
 
 }  // namespace morula::detail

@@ -116,11 +116,11 @@ class Bursting {
       }
       changes[change_of[heir]].samples.add(sample);
     });
-    for (Change& change : changes) refit(change);
+    for (Change& change : changes) recenter(change);
     return changes;
   }
 
-  void refit(Change& change) {
+  void recenter(Change& change) {
     const Member& before = members_[change.member];
     points_.clear();
     change.samples.for_each([&](std::size_t k) { points_.push_back(samples_[k]); });

@@ -54,12 +54,12 @@ class Optimization {
     return shares;
   }
 
-  // C.7 refit: every ball to where it sticks out least with the samples it has, then the samples anew.
-  Shares refitted(Shares best, int rounds) const {
+  // C.7 recenter: every ball to where it sticks out least with the samples it has, then the samples anew.
+  Shares recentered(Shares best, int rounds) const {
     for (int round = 0; round < rounds; ++round) {
       Shares moved = best;
       for (Share& s : moved) {
-        const Sphere ball = refit(points_of(s), s.ball.center, node_.shape.distance());
+        const Sphere ball = recenter(points_of(s), s.ball.center, node_.shape.distance());
         const double distance = node_.shape.distance()(ball.center);
         if (const double p = std::max(0.0, ball.radius + distance); p < s.protrusion)
           s = {ball, distance, p, std::move(s.samples)};
@@ -89,7 +89,7 @@ class Optimization {
       if (!improved) break;
     }
     std::erase_if(shares, [](const Share& s) { return s.samples.empty(); });
-    return refitted(std::move(shares), 1);
+    return recentered(std::move(shares), 1);
   }
 
   static std::vector<Sphere> spheres_of(const Shares& shares) {
@@ -213,8 +213,8 @@ void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer,
   if (optimizer == Optimizer::none || proposal.spheres.empty() || node.samples.empty()) return;
   const Optimization optimization(node);
   Shares shares = optimization.shared_out(proposal.spheres);
-  if (optimizer == Optimizer::refit) {
-    shares = optimization.refitted(std::move(shares), 3);
+  if (optimizer == Optimizer::recenter) {
+    shares = optimization.recentered(std::move(shares), 3);
   } else {
     shares = optimization.searched(std::move(shares));
   }

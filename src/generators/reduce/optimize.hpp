@@ -9,7 +9,7 @@ namespace morula::detail {
 
 /// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing.
 /// Searches centers for a small worst protrusion bound of spheres that just hold the samples shared out among them:
-/// balance lets it be larger by the share `excess`. The radii handed over are then of equal power. Cost: refit some
+/// balance lets it be larger by the share `excess`. The radii handed over are then of equal power. Cost: recenter some
 /// hundred closest-point queries, simplex a few thousand, balance several times that.
 void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer, double excess);
 

@@ -70,7 +70,7 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   std::uint32_t block_count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
   Vec3 from_of(std::uint32_t vertex) const {
     const Vec3 p = from ? (*from)[vertex] : rest[vertex];
-    return followed && followed->is_placed ? followed->spheres.placement()(p) : p;
+    return followed && followed->is_placed ? followed->spheres.transform()(p) : p;
   }
   Vec3 to_of(std::uint32_t vertex) const { return to ? (*to)[vertex] : from_of(vertex); }
 

@@ -262,8 +262,8 @@ void HeightFields::find_directions(std::uint32_t first_block, std::uint32_t last
   const SurfaceTreeState& s = *state_;
   const bool is_placed = s.followed && s.followed->is_placed;
   with_reader(s.from, s.rest, [&](const auto& read) {
-    // mutant height-field-placed: `s.followed->spheres.placement()(read(v))` -> `read(v)`
-    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.placement()(read(v)) : read(v); };
+    // mutant height-field-placed: `s.followed->spheres.transform()(read(v))` -> `read(v)`
+    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.transform()(read(v)) : read(v); };
     for (std::uint32_t block = first_block; block < last_block; ++block) {
       const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
       unsigned directions = 63;

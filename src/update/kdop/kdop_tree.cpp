@@ -132,16 +132,16 @@ struct KDopTree::State {
   }
 };
 
-KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& built, int k, Workers& workers) {
+KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& model, int k, Workers& workers) {
   const StandardFloats standard;
   require_known(k);
-  require_belonging(mesh, built);
-  LeafOrder order = depth_first_leaves(built.tree);
+  require_belonging(mesh, model);
+  LeafOrder order = depth_first_leaves(model.tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
-  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, hull_tolerance);
-  assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, every_leaf, hull_tolerance).empty());
-  state_ = std::make_unique<State>(State{built.tree, mesh.vertex_count(), k, slab_directions(k),
-                                         LocalPoints(mesh, built.cover, ownership), std::move(order.leaves)});
+  const Ownership ownership = share_points(mesh, model.cover, order, every_leaf, hull_tolerance);
+  assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, every_leaf, hull_tolerance).empty());
+  state_ = std::make_unique<State>(State{model.tree, mesh.vertex_count(), k, slab_directions(k),
+                                         LocalPoints(mesh, model.cover, ownership), std::move(order.leaves)});
   state_->bind(ownership);
   const LocalPoints::Frame rest = state_->local.move(mesh.positions, workers);
   if (!rest.finite)

@@ -75,14 +75,14 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
                        std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
   guide_rest_ = mesh.positions[guide];
   for (const std::uint32_t v : used_vertices) rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
-  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
-  for (const CutPoint& c : built.cover.cut_points)
+  for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
+  for (const CutPoint& c : model.cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   for (std::size_t j = 0; j < modes.mode_count; ++j) {
     const std::span<const Vec3> mode = modes.mode(j);
@@ -127,10 +127,10 @@ ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
 }
 
 ModalRule::ModalRule(const Binding& binding)
-    : mode_count_(binding.options.modes.mode_count), slot_(binding.built.tree.node_count(), no_node) {
+    : mode_count_(binding.options.modes.mode_count), slot_(binding.model.tree.node_count(), no_node) {
   const Mesh& mesh = binding.mesh;
-  const CoveredTree& built = binding.built;
-  const SphereTree& tree = built.tree;
+  const CoveredTree& model = binding.model;
+  const SphereTree& tree = model.tree;
   const UpdateOptions& options = binding.options;
   for (std::size_t level = 0; level < tree.level_count(); ++level)
     if (binding.rule_of_level[level] == Rule::modal)
@@ -145,13 +145,13 @@ ModalRule::ModalRule(const Binding& binding)
   const LeafOrder order = depth_first_leaves(tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
   // mutant hull-tolerance-for-modes: `0` -> `0x1p-30`
-  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
-  assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
+  const Ownership ownership = share_points(mesh, model.cover, order, every_leaf, 0);
+  assert(ownership_faults(mesh, tree, model.cover, order, ownership, every_leaf, 0).empty());
   parallel_for(binding.workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
     const std::uint32_t node = nodes_[slot].node;
     nodes_[slot].rest.center = tree.spheres[node].center;
-    bind(slot, mesh, built.cover, options.modes,
-         corners_of(ownership, built.cover, order.begin[node], order.end[node]));
+    bind(slot, mesh, model.cover, options.modes,
+         corners_of(ownership, model.cover, order.begin[node], order.end[node]));
   });
   for (std::size_t i = 0; i < linear_rows_.size(); ++i) {
     const LinearModeRow& row = linear_rows_[i];

@@ -25,7 +25,7 @@ struct ModalPose {
 class ModalPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+  ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   std::size_t mode_count() const { return reach_.size(); }

@@ -112,7 +112,7 @@ PaperRules::PaperRules(const Binding& binding)
     : boxes_of_centers_(binding.options.details.approach2_inner_boxes == RuleOptions::InnerBoxes::child_centers),
       wraps_smallest_(binding.options.details.wrapped_center == RuleOptions::WrappedCenter::smallest),
       distance_floor_(binding.options.details.distance_floor) {
-  const SphereTree& tree = binding.built.tree;
+  const SphereTree& tree = binding.model.tree;
   level_begin_.push_back(0);
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
@@ -143,7 +143,7 @@ PaperRules::PaperRules(const Binding& binding)
 
 void PaperRules::bind_links(const Binding& binding) {
   const Mesh& mesh = binding.mesh;
-  const SphereTree& tree = binding.built.tree;
+  const SphereTree& tree = binding.model.tree;
   const RuleOptions& options = binding.options.details;
   BindReport& report = binding.report;
   const auto is_traditional = [](const Node& n) { return n.rule == Rule::traditional || n.rule == Rule::weighted; };

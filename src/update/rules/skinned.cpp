@@ -72,13 +72,13 @@ class ShareSum {
 class SkinnedRule final : public RuleEngine {
  public:
   explicit SkinnedRule(const Binding& binding) {
-    ShareSum sum(binding.options.skin, binding.built.cover);
+    ShareSum sum(binding.options.skin, binding.model.cover);
     for (std::uint32_t node = 0; node < binding.rule_of_node.size(); ++node) {
       if (binding.rule_of_node[node] != Rule::skinned) continue;
       const std::vector<Share> shares = sum.shares_of(node);
       const auto begin = static_cast<std::uint32_t>(shares_.size());
       shares_.insert(shares_.end(), shares.begin(), shares.end());
-      nodes_.push_back({node, begin, static_cast<std::uint32_t>(shares_.size()), binding.built.tree.spheres[node]});
+      nodes_.push_back({node, begin, static_cast<std::uint32_t>(shares_.size()), binding.model.tree.spheres[node]});
     }
   }
   std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<SkinnedRule>(*this); }

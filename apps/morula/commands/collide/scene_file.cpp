@@ -18,7 +18,7 @@
 namespace morula::cli {
 namespace {
 
-const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "place", "turn",
+const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "translate", "rotate",
                                           "path", "static", "groups", "meets",  "weight"};
 
 /// A value in the file, and how messages call it.
@@ -83,14 +83,14 @@ Json parse(const std::filesystem::path& file) {
   }
 }
 
-RigidTransform placement_of(const Place& body) {
-  const Vec3 place = body.has("place") ? body.at("place").vector() : Vec3{};
-  if (!body.has("turn")) return {.translation = place};
-  const std::vector<double> turn = body.at("turn").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
+RigidTransform transform_of(const Place& body) {
+  const Vec3 translation = body.has("translate") ? body.at("translate").vector() : Vec3{};
+  if (!body.has("rotate")) return {.translation = translation};
+  const std::vector<double> turn = body.at("rotate").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
   Vec3 axis{turn[0], turn[1], turn[2]};
-  if (axis == Vec3{}) body.at("turn").refuse("the axis has no direction: give one such as 0, 0, 1");
+  if (axis == Vec3{}) body.at("rotate").refuse("the axis has no direction: give one such as 0, 0, 1");
   axis = axis / max_norm(axis);
-  return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, place);
+  return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, translation);
 }
 
 /// Where the files of a scene are.
@@ -139,7 +139,7 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   body.mesh = folders.file(place.at("mesh"));
   if (place.has("tree")) body.tree = folders.file(place.at("tree"));
   if (place.has("motion")) body.motion = folders.motion(place.at("motion"));
-  body.placement = placement_of(place);
+  body.transform = transform_of(place);
   if (place.has("path")) {
     const Place path = place.at("path");
     if (!path.json().is_array() || path.size() == 0) path.refuse("give a list of points, one per frame");
@@ -148,9 +148,9 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   if (place.has("static")) body.is_static = place.at("static").flag();
   if (body.is_static && (!body.motion.empty() || !body.path.empty()))
     place.at("static").refuse("a static body has neither motion nor path: leave them out, or say false");
-  if (place.has("groups")) body.of = place.at("groups").mask();
-  if (body.of == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
-  if (place.has("meets")) body.with = place.at("meets").mask();
+  if (place.has("groups")) body.category = place.at("groups").mask();
+  if (body.category == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
+  if (place.has("meets")) body.mask = place.at("meets").mask();
   if (place.has("weight")) body.weight = place.at("weight").number();
   if (body.weight < 0) place.at("weight").refuse("weights are 0 or more");
   return body;

@@ -31,7 +31,7 @@ double least_height(const Mesh& mesh, std::span<const ClipPlane> planes);
 /// options and four spheres, or by an octree, again and again. After: every leaf stays, or no smaller sphere over its
 /// part may, which may_stay(leaf, part) says, or there are too many of them.
 void divide_until(const std::function<bool(const Sphere&)>& stays,
-                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& built,
+                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& model,
                   const BuildOptions& options);
 
 }  // namespace morula::robot

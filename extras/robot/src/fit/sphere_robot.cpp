@@ -57,14 +57,14 @@ SphereRobot::SphereRobot(const Robot& robot, const RobotSpheres& spheres, const 
       if (ignored.count(std::minmax(links_[a], links_[b])) == 0) pairs_.emplace_back(a, b);
     }
   }
-  pose(rest_values(robot_));
+  set_joint_values(rest_values(robot_));
 }
 
-void SphereRobot::pose(std::span<const double> values) {
-  place(link_poses(robot_, values));
+void SphereRobot::set_joint_values(std::span<const double> values) {
+  set_link_poses(link_poses(robot_, values));
 }
 
-void SphereRobot::place(std::span<const RigidTransform> link_poses) {
+void SphereRobot::set_link_poses(std::span<const RigidTransform> link_poses) {
   if (link_poses.size() != robot_.links.size()) {
     throw std::invalid_argument("SphereRobot::place: one pose per link of the robot");
   }
@@ -168,10 +168,10 @@ bool SphereRobot::collides(const ObstacleBox& obstacle) {
                   [&](const Sphere& s) { return meets_box(s, obstacle, 0); });
 }
 
-bool SphereRobot::collides(const PosedTree& other, const RigidTransform& placement) {
+bool SphereRobot::collides(const SphereState& other, const RigidTransform& transform) {
   const SphereTree& tree = *other.tree;
   other_.resize(tree.node_count());
-  for (std::uint32_t i = 0; i < tree.node_count(); ++i) other_[i] = moved_by(placement, other.sphere(i));
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i) other_[i] = moved_by(transform, other.sphere(i));
   std::vector<std::uint32_t> waiting;
   if (!other.nested) {
     for (std::uint32_t i = 0; i < tree.node_count(); ++i) {

@@ -72,7 +72,7 @@ class SdfReader {
 
   const XMLElement& find_model() const {
     const XMLElement* model = nullptr;
-    const auto look = [&](const XMLElement& in) {
+    const auto visit = [&](const XMLElement& in) {
       for (const XMLElement* at = in.FirstChildElement("model"); at != nullptr; at = at->NextSiblingElement("model")) {
         if (model != nullptr) {
           xml_.fail(*at, fmt::format("there are two models, {} and {}: a robot is one; save them apart",
@@ -81,10 +81,10 @@ class SdfReader {
         model = at;
       }
     };
-    look(xml_.root());
+    visit(xml_.root());
     for (const XMLElement* world = xml_.root().FirstChildElement("world"); world != nullptr;
          world = world->NextSiblingElement("world")) {
-      look(*world);
+      visit(*world);
     }
     if (model == nullptr) xml_.fail(xml_.root(), "there is no <model>");
     return *model;

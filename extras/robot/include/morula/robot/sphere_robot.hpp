@@ -4,7 +4,7 @@
 #pragma once
 
 #include <morula/robot/self_collision.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <utility>
 
 namespace morula::robot {
@@ -24,11 +24,11 @@ class SphereRobot {
   /// Throws std::invalid_argument for links without spheres, and for spheres that are none.
   SphereRobot(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
 
-  /// By the coordinates of a configuration: one value per joint of robot.independent_joints. Throws std::invalid_argument for another
-  /// number of them.
-  void pose(std::span<const double> values);
+  /// By the coordinates of a configuration: one value per joint of robot.independent_joints. Throws
+  /// std::invalid_argument for another number of them.
+  void set_joint_values(std::span<const double> values);
   /// By the poses of all links, in the robot's order. Throws std::invalid_argument for another number of them.
-  void place(std::span<const RigidTransform> link_poses);
+  void set_link_poses(std::span<const RigidTransform> link_poses);
 
   /// Links that have spheres, ascending, as indices of robot.links.
   std::span<const std::size_t> links() const { return links_; }
@@ -44,7 +44,7 @@ class SphereRobot {
   /// Does a sphere of the robot meet a leaf's sphere of another tree: a body's, or that of a scene of spheres
   /// (PosedSpheres, tree_from_spheres)? Inner spheres have to contain what is below them, as those of every tree for
   /// which pose.nested holds do; of others every leaf is asked.
-  bool collides(const PosedTree& other, const RigidTransform& placement = {});
+  bool collides(const SphereState& other, const RigidTransform& transform = {});
 
   std::size_t sphere_tests() const { return sphere_tests_; }  ///< of all queries so far
 

@@ -89,7 +89,7 @@ struct SphOrigin {
 /// "none", "bbox-center" or "x,y,z".
 std::string name(const SphOrigin& origin);
 
-/// What is measured of every sphere set that is looked at, beside its bare area and gap, which always are.
+/// What is measured of every sphere set that is looked at, beside its uncovered area and gap, which always are.
 struct Measures {
   bool paper_grid = true;    ///< looseness on the paper's grid
   bool lattice = true;       ///< looseness on one lattice for all samples, `resolution` voxels along the rest diagonal

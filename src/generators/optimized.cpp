@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Method morula: the balls of each node are sought, from several starts, where they take in least empty space together.
+// Method optimized: the balls of each node are sought, from several starts, where they take in least empty space
+// together.
 //
 //   starts   one ball over the region, split until there are enough; then what the paper's reducers propose
 //   seeds    inscribed balls that need to grow least, spread over the region
@@ -416,7 +417,7 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
                   {.divide = OptimizedDivider(input, deep, fast, none, {}, workers), .lines = &input.lines}, workers);
 }
 
-CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_optimized(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const Effort effort = effort_for(run);
   const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;
