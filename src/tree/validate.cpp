@@ -152,9 +152,9 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover) {
 static std::vector<std::string> faults_at_rest(const MeshView& mesh, const CoveredTree& model) {
   std::vector<std::string> faults = validate(model.tree);
   if (!faults.empty()) return faults;
-  // mutant validate-vertex-count: `built.cover.vertex_count != mesh.vertex_count()` -> `false`
+  // mutant validate-vertex-count: `model.cover.vertex_count != mesh.vertex_count()` -> `false`
   if (model.cover.vertex_count != mesh.vertex_count()) return {"the cover is for another number of vertices"};
-  // mutant validate-facet-count: `built.cover.facet_count != mesh.facet_count()` -> `false`
+  // mutant validate-facet-count: `model.cover.facet_count != mesh.facet_count()` -> `false`
   if (model.cover.facet_count != mesh.facet_count()) return {"the cover is for another number of facets"};
   faults = validate(model.tree, model.cover);
   if (!faults.empty()) return faults;

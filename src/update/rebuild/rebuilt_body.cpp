@@ -31,7 +31,7 @@ RebuildOptions in_range(RebuildOptions o) {
 
 void require_poses(const Mesh& mesh, const CoveredTree& model) {
   for (const KnownPose& pose : model.poses)
-    // mutant known-size-at-use: `pose.built || pose.positions.size() != mesh.vertex_count()` -> `pose.built`
+    // mutant known-size-at-use: `pose.model || pose.positions.size() != mesh.vertex_count()` -> `pose.model`
     if (!pose.model || pose.positions.size() != mesh.vertex_count())
       throw std::invalid_argument("rebuild: the known pose \"" + pose.name + "\" is not one of this mesh");
 }
