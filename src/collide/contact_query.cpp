@@ -219,7 +219,7 @@ ContactStatus ContactQuery::resume(Workers& workers) {
   if (const Status status = s.usable(); !status) return {status};
   if (const Status status = s.fits(true); !status) return {status};
   s.begin_reading();
-  // mutant contacts-overlap_weight-away: `s.front_from_outside || s.lacks_contacts` -> `s.front_from_outside`
+  // mutant contacts-taken-away: `s.front_from_outside || s.lacks_contacts` -> `s.front_from_outside`
   if (s.front_from_outside || s.lacks_contacts) s.walk.list_finished(s.options, s.contacts);
   s.walk.resume(s.options, workers, s.contacts);
   return s.done(own);

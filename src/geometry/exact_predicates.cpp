@@ -114,7 +114,7 @@ bool is_exact_difference(double x, double y, double difference) {
 bool exact_difference(const Vec3& p, const Vec3& base, Number* row) {
   for (int axis = 0; axis < 3; ++axis) {
     const double difference = p[axis] - base[axis];
-    // mutant difference-overlap_weight-for-exact: `)) return` -> `) && false) return`
+    // mutant difference-taken-for-exact: `)) return` -> `) && false) return`
     if (!is_exact_difference(p[axis], base[axis], difference)) return false;
     row[axis] = number(difference);
   }

@@ -69,7 +69,7 @@ class NeededCuts {
           else
             needed_.push_back(c);
         }
-      // mutant owned-facet-overlap_weight-for-whole: `(std::all_of ... && lie_in_facet())` -> `lie_in_facet()`
+      // mutant owned-facet-taken-for-whole: `(std::all_of ... && lie_in_facet())` -> `lie_in_facet()`
       if (points_.empty() || (std::all_of(facet.begin(), facet.end(), owns) && lie_in_facet())) continue;
       for (const std::uint32_t v : facet)
         // mutant owned-by-any-leaf: `if (owns(v)) points_.push_back` -> `points_.push_back`
