@@ -253,7 +253,7 @@ def test_files_are_those_of_the_command(arm, tmp_path, command):
 @pytest.mark.parametrize("file", ["mjcf/arm.xml", "sdf/arm.sdf"])
 def test_other_descriptions_are_robots_too(file):
     other = morula.robot.read_robot(robots / "arm_description" / file)
-    assert other.format == file[: file.index("/")] and len(other.own) >= 3
+    assert other.format == file[: file.index("/")] and len(other.independent_joints) >= 3
 
 
 def test_mujoco_puts_links_where_we_do(tmp_path):
@@ -283,11 +283,11 @@ def test_mujoco_puts_links_where_we_do(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))
     data = mujoco.MjData(model)
     spheres = morula.robot.SphereRobot(ours, morula.robot.fit_spheres(ours, spheres=4))
-    names = [ours.joints[j].name for j in ours.own]
+    names = [ours.joints[j].name for j in ours.independent_joints]
     assert sorted(names) == ["roll", "slide", "turn"]
     generator = numpy.random.default_rng(4)
     for _ in range(10):
-        values = numpy.array([generator.uniform(ours.joints[j].lower, ours.joints[j].upper) for j in ours.own])
+        values = numpy.array([generator.uniform(ours.joints[j].lower, ours.joints[j].upper) for j in ours.independent_joints])
         for name, value in zip(names, values):
             data.joint(name).qpos[0] = value
         mujoco.mj_forward(model, data)

@@ -175,7 +175,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
   std::vector<std::uint32_t> waiting;
   if (!other.nested) {
     for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-      if (tree.is_leaf(i) && meets(other_[i])) return true;
+      if (tree.is_leaf(i) && collides(other_[i])) return true;
     }
     return false;
   }
@@ -186,7 +186,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
     waiting.pop_back();
     Sphere asked = other_[node];
     if (!tree.is_leaf(node)) asked.radius += 2 * rounding(asked);
-    if (!meets(asked)) continue;
+    if (!collides(asked)) continue;
     if (tree.is_leaf(node)) return true;
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) waiting.push_back(tree.first_child[node] + k);
   }

@@ -56,7 +56,7 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     figure.y_unit = kind.unit;
     bool known = false;
     for (const Curve& curve : curves) {
-      const Run* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
+      const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
       Series series{curve.name, kind.bare && curve.role == SeriesRole::method ? SeriesRole::bare : curve.role, {}, {}};
       for (const Sample& sample : cell->samples) {
