@@ -34,7 +34,7 @@ def test_contacts_are_those_of_the_command(command, tmp_path, budget, text):
     command("deform", "limb.obj", "-o", "motion", "--bend", "90", "--frames", "4")
     path = [[0, 3, 0], [0, 1, 0.2], [0.1, 0.3, 0.2], [0, 3, 0]]
     bodies = [
-        {"name": "floor", "mesh": "limb.obj", "static": True, "place": [0, 0.6, 0]},
+        {"name": "floor", "mesh": "limb.obj", "static": True, "translate": [0, 0.6, 0]},
         {"name": "limb", "mesh": "limb.obj", "motion": "motion"},
         {"name": "tool", "mesh": "limb.obj", "path": path, "weight": 2},
     ]

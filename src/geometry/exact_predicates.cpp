@@ -206,7 +206,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const {
   const int sign = exact_orient3d((*t_)[0], (*t_)[1], (*t_)[2], d);
   // Only as good as double makes it, but not on the other side; NaN after an overflow.
-  // mutant exact-side-accepts-its-value: `0 || !(value * sign > 0)` -> `0`
+  // mutant exact-side-keeps-its-value: `0 || !(value * sign > 0)` -> `0`
   if (sign == 0 || !(value * sign > 0)) value = 0;
   return {sign, value};
 }

@@ -23,8 +23,8 @@ void require_good_options(const SceneOptions& options) {
   require_usable(CollideOptions{.margin = options.margin, .budget = options.budget});
 }
 
-void require_masks(std::uint32_t of) {
-  if (of == 0) throw std::invalid_argument("the mask `of` is 0: a body of no group meets nobody; give it a group");
+void require_masks(std::uint32_t category) {
+  if (category == 0) throw std::invalid_argument("category is 0: a body of no group meets nobody; give it a group");
 }
 
 }  // namespace

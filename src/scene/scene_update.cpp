@@ -458,7 +458,7 @@ SceneStatus SceneState::update(Workers& workers) {
 // As if all bodies had just been added. Only the touches that were told of remain, whose end is still to be told.
 void SceneState::start_over() noexcept {
   published.clear(), ended.clear();
-  // mutant scene-interrupted-lists: `near.clear(), next_near.clear(), work_.proven_clear` -> `work_.proven_clear`
+  // mutant scene-interrupted-lists: `near.clear(), next_near.clear(), work_.clear` -> `work_.clear`
   near.clear(), next_near.clear(), work_.clear(), chosen_.clear();
   parted_fronts.clear(), spare_fronts.clear(), fronts.clear();
   extras_.forget();

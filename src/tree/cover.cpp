@@ -214,7 +214,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
   });
 
   model.cover = with_fewer_cuts(mesh, model, workers);
-  // mutant cover-accepts-nested: `options.nested || tree.nested` -> `options.nested`
+  // mutant cover-keeps-nested: `options.nested || tree.nested` -> `options.nested`
   if (options.nested || tree.nested) make_nested(model.tree);
 
   BuildReport& report = model.report;

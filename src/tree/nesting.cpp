@@ -37,7 +37,7 @@ Sphere nested_sphere(const Sphere& sphere, std::span<const Sphere> children) {
   const Sphere smallest = around(enclosing_sphere_of_spheres(children).center, children);
   const bool holds =
       std::all_of(children.begin(), children.end(), [&](const Sphere& child) { return encloses(sphere, child); });
-  // mutant nest-accepts-what-does-not-hold: `holds ? sphere : around(sphere.center, children)` -> `sphere`
+  // mutant nest-keeps-what-does-not-hold: `holds ? sphere : around(sphere.center, children)` -> `sphere`
   const Sphere about_its_center = holds ? sphere : around(sphere.center, children);
   return smallest.radius < about_its_center.radius ? smallest : about_its_center;
 }

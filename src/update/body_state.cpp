@@ -20,7 +20,7 @@ void Body::State::show() noexcept {
   posed.tree = &model->tree;
   posed.spheres = spheres;
   posed.origin = origin;
-  posed.cover_id = ownership;
+  posed.cover_id = cover_id;
   posed.frame = frames;
   posed.current = current;
   posed.complete = !lazy;

@@ -241,7 +241,7 @@ class Pair {
 
   void add_shapes(Sum& sum, Random& random) const {
     const auto any = [&] { return random.uniform(-1, 1); };
-    const TouchOptions options{.nearest = true, .list = true};
+    const TouchOptions options{.nearest = true, .collect_all = true};
     const auto add_touch = [&](const Touch& t) {
       sum.add(t.deepest.has_value()).add(t.touches).add(t.lower).add(t.facets.size()).add(t.leaves);
       if (t.deepest) sum.add(t.deepest->point).add(t.deepest->depth).add(t.deepest->normal);

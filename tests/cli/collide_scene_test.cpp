@@ -21,8 +21,8 @@ struct SceneBench : Workbench {
     require("build limb.obj -o limb.morula --method octree --depth 2");
     require("deform limb.obj -o motion --bend 90 --frames 3");
     write("room.json", R"({"bodies": [
-      {"name": "floor", "mesh": "limb.obj", "tree": "limb.morula", "static": true, "turn": [0, 0, 1, 90],
-       "place": [0.2, 0.6, 0]},
+      {"name": "floor", "mesh": "limb.obj", "tree": "limb.morula", "static": true, "rotate": [0, 0, 1, 90],
+       "translate": [0.2, 0.6, 0]},
       {"name": "limb", "mesh": "limb.obj", "tree": "limb.morula", "motion": "motion", "groups": [0, 3]},
       {"name": "tool", "mesh": "limb.obj", "tree": "limb.morula", "path": [[0, 3, 0], [0.1, 0.3, 0.2], [0, 3, 0]],
        "meets": [3], "weight": 2}]})");
@@ -133,10 +133,10 @@ TEST(CollideScene, names_file_key_and_remedy_of_what_it_refuses) {
   };
   bench.refuse(R"({"bodies": [7]})", "bad.json: bodies[0]: give an object");
   bench.refuse(R"({"bodies": [{"tree": "limb.morula"}]})", "bad.json: bodies[0]: there is no mesh");
-  body(R"("plase": [0, 0, 0])", ": there is no key 'plase'; did you mean 'place'?");
-  body(R"("place": [0, 1])", ".place: give 3 numbers");
-  body(R"("place": [0, 1, "x"])", ".place[2]: give a number");
-  body(R"("turn": [0, 0, 0, 90])", ".turn: the axis has no direction");
+  body(R"("translat": [0, 0, 0])", ": there is no key 'translat'; did you mean 'translate'?");
+  body(R"("translate": [0, 1])", ".translate: give 3 numbers");
+  body(R"("translate": [0, 1, "x"])", ".translate[2]: give a number");
+  body(R"("rotate": [0, 0, 0, 90])", ".rotate: the axis has no direction");
   body(R"("path": [])", ".path: give a list of points");
   bench.refuse(R"({"bodies": [{"mesh": "limb.obj", "weight": 1e999}]})", "bad.json: this cannot be read as JSON");
   body(R"("static": "yes")", ".static: give true or false");

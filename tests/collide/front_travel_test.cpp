@@ -59,8 +59,7 @@ TEST(FrontTravel, no_gap_changes_by_more_than_was_traveled) {
     const Pairs now(a, b);
     const std::size_t count_b = tree_b.node_count();
     const auto check = [&](std::uint32_t i, std::uint32_t j, std::uint32_t above_i, std::uint32_t above_j) {
-      const double change =
-          std::abs(now.uncovered_distance[i * count_b + j] - first.uncovered_distance[i * count_b + j]);
+      const double change = std::abs(now.gap[i * count_b + j] - first.gap[i * count_b + j]);
       const double traveled = bodies.a.path_length[above_i] + bodies.b.path_length[above_j];
       closest = std::min(closest, traveled - change);
       return change <= traveled * (1 + 1e-12) + 1e-13;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Posed trees: everything that has spheres over a tree can be asked, and colliders survive moves of what they borrow.
+// Sphere states: everything that has spheres over a tree can be asked, and colliders survive moves of what they borrow.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -168,7 +168,7 @@ TEST(FitKernels, points_go_to_the_ball_of_least_power_and_lowest_number) {
     std::vector<std::uint32_t> order;
     for (std::uint32_t b = 0; b < 12; ++b) {
       const auto place = [&] { return std::round(uniform(random, -3, 3)); };
-      const float px = set_transform(), py = set_transform(), pz = set_transform();
+      const float px = place(), py = place(), pz = place();
       balls.push_back({{px, py, pz}, std::round(uniform(random, 0, 4))});
       order.insert(order.begin() + static_cast<std::ptrdiff_t>(below(random, order.size() + 1)), b);
     }

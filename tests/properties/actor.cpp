@@ -115,7 +115,7 @@ void Actor::reach_all(Dice& dice, Record& record) {
       judge({mesh_, built_->tree, built_->cover, points_, balls_of(spheres), reached}, dice, record, {.cuts = 40},
             "-lazy");
     }
-    body_->reach(node);
+    body_->refresh_children(node);
     for (std::uint32_t c = 0; c < built_->tree.child_count[node]; ++c)
       open.push_back(built_->tree.first_child[node] + c);
   }

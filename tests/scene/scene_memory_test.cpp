@@ -70,7 +70,7 @@ TEST(SceneMemory, a_near_pair_of_small_bodies_holds_less_than_16_kilobytes) {
     heap.fill(scene);
     std::size_t near = 0;
     for (int frame = 0; frame < 12; ++frame) {
-      heap.set_transform(random, 1.0);
+      heap.place(random, 1.0);
       near = std::max(near, scene.update().near_pairs);
     }
     ASSERT_GT(near, 400u);
@@ -85,7 +85,7 @@ TEST(SceneMemory, a_near_pair_of_larger_bodies_holds_twice_what_it_lists_and_a_l
   ASSERT_EQ(heap.facet_count(), 588u);
   for (const bool extras : {false, true}) {
     Random random(3);
-    heap.set_transform(random, 1.0);
+    heap.place(random, 1.0);
     const std::size_t before = live_bytes;
     Scene scene({.surfaces = extras, .find_crossings = extras});
     heap.fill(scene);
@@ -105,12 +105,12 @@ TEST(SceneMemory, pairs_that_are_apart_for_a_while_give_back_what_they_held) {
   heap.fill(scene);
   std::size_t near = 0;
   for (int frame = 0; frame < 12; ++frame) {
-    heap.set_transform(random, 1.0);
+    heap.place(random, 1.0);
     near = std::max(near, scene.update().near_pairs);
   }
   const std::size_t touching = live_bytes - before;
   for (int frame = 0; frame < 70; ++frame) {
-    heap.set_transform(random, 30.0);
+    heap.place(random, 30.0);
     ASSERT_TRUE(scene.update());
   }
   ASSERT_TRUE(scene.pairs().empty());
@@ -118,7 +118,7 @@ TEST(SceneMemory, pairs_that_are_apart_for_a_while_give_back_what_they_held) {
   EXPECT_LT(apart, touching / 4);
   EXPECT_LT(apart / near, 2 * kilobyte);
   // They come back as what they were.
-  heap.set_transform(random, 1.0);
+  heap.place(random, 1.0);
   ASSERT_TRUE(scene.update());
   EXPECT_GT(scene.pairs().size(), 200u);
 }

@@ -226,7 +226,7 @@ struct ContactSubject : Subject {
 
   ContactSubject() { query.add(world().a, world().b); }
   void set(const Hook& hook, bool short_budget) override {
-    CollideOptions next{.surfaces = true, .exact = true, .containment = true};
+    CollideOptions next{.surfaces = true, .find_crossings = true, .containment = true};
     if (reaches)
       next.reach = [hook](const Collider&, std::uint32_t) {
         if (hook) hook();
@@ -376,7 +376,7 @@ struct TouchSubject : Subject {
   bool has_callbacks() const override { return false; }
   bool asks_interrupts() const override { return false; }
   void set(const Hook&, bool) override {}
-  Status run(Workers&) override { return query.run(world().a, Sphere{{0.7, 0, 0}, 0.4}, {.list = true}).status; }
+  Status run(Workers&) override { return query.run(world().a, Sphere{{0.7, 0, 0}, 0.4}, {.collect_all = true}).status; }
   Numbers results() const override {
     if (!query.result().status) return {0, 0, 0};  // the same
     return {double(query.result().facets.size()), double(query.result().leaves.size()), query.result().lower};
@@ -805,7 +805,7 @@ TEST(MovedDuringCalls, other_queries_may_read_the_same) {
   World w;
   CrossingQuery other;
   long calls = 0;
-  ContactQuery query({.exact = true, .reach = [&](const Collider&, std::uint32_t) {
+  ContactQuery query({.find_crossings = true, .reach = [&](const Collider&, std::uint32_t) {
                         if (++calls == 5) {
                           EXPECT_TRUE(other.run(w.a, w.b));
                         }
@@ -911,7 +911,7 @@ TEST(EndedFunctions, pass_on_what_callbacks_throw_and_give_the_same_when_they_ar
     return pairs;
   });
   each_time([&](const Hook& hook) {
-    CollideOptions options{.budget = std::chrono::hours(1), .exact = true};
+    CollideOptions options{.budget = std::chrono::hours(1), .find_crossings = true};
     options.clock = [&] { return hook(), std::chrono::nanoseconds(0); };
     options.reach = [&](const Collider&, std::uint32_t) { return hook(), true; };
     return Numbers{double(collide(w.a, w.b, options).crossings.size())};

@@ -289,15 +289,15 @@ TEST(Proximity, masks_of_two_surfaces_ask_both_sides) {
     const SurfaceTree tree_a(a), tree_b(b);
     PairFilter filter{.masks_a = {some_bits(a.facets.size()), some_bits(a.facets.size())},
                       .masks_b = {some_bits(b.facets.size()), some_bits(b.facets.size())}};
-    if (round == 4) filter.masks_a.of.clear(), filter.masks_b.with.clear();
-    if (round == 5) filter.masks_a.with.clear(), filter.masks_b.of.clear();
+    if (round == 4) filter.masks_a.category.clear(), filter.masks_b.mask.clear();
+    if (round == 5) filter.masks_a.mask.clear(), filter.masks_b.category.clear();
     const auto or_ones = [](const std::vector<std::uint32_t>& bits, std::size_t count) {
       return bits.empty() ? std::vector<std::uint32_t>(count, ~0u) : bits;
     };
-    const auto of_a = or_ones(filter.masks_a.of, a.facets.size()),
-               with_a = or_ones(filter.masks_a.with, a.facets.size());
-    const auto of_b = or_ones(filter.masks_b.of, b.facets.size()),
-               with_b = or_ones(filter.masks_b.with, b.facets.size());
+    const auto of_a = or_ones(filter.masks_a.category, a.facets.size()),
+               with_a = or_ones(filter.masks_a.mask, a.facets.size());
+    const auto of_b = or_ones(filter.masks_b.category, b.facets.size()),
+               with_b = or_ones(filter.masks_b.mask, b.facets.size());
     ProximityQuery all({.distance = 0.2}), masked({.distance = 0.2, .filter = filter});
     SurfaceCrossingQuery all_crossings, masked_crossings({.filter = filter});
     ASSERT_TRUE(all.run(tree_a, tree_b) && masked.run(tree_a, tree_b));

@@ -155,9 +155,9 @@ TEST(SurfaceQueries, go_on_with_the_filter_that_is_set_now) {
   const SurfaceTree tree(mesh);
   const auto options = [&](Budget budget) {
     ProximityOptions result{.distance = 0.05, .filter = {}, .budget = budget};
-    result.filter.masks_a.of.assign(mesh.facets.size(), 1);
-    for (std::size_t f = 0; f < mesh.facets.size(); f += 3) result.filter.masks_a.of[f] = 2;
-    result.filter.masks_a.with.assign(mesh.facets.size(), 2);
+    result.filter.masks_a.category.assign(mesh.facets.size(), 1);
+    for (std::size_t f = 0; f < mesh.facets.size(); f += 3) result.filter.masks_a.category[f] = 2;
+    result.filter.masks_a.mask.assign(mesh.facets.size(), 2);
     return result;
   };
   ProximityQuery whole(options({})), pieces(options(256));

@@ -14,8 +14,8 @@ export const colorings = [
 ];
 const measures = [
   ['looseness', 'Looseness'],
-  ['uncovered_area', 'Bare area'],
-  ['gap', 'Gap'],
+  ['uncovered_area', 'Uncovered area'],
+  ['uncovered_distance', 'Uncovered distance'],
   ['growth', 'Growth'],
 ];
 
@@ -151,13 +151,13 @@ export class Panel {
     }
     const frame = state.get('frame');
     const measured = scene.entry.measured !== null;
-    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Bare area', 'Gap'] : ['Largest growth'])];
+    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Uncovered area', 'Uncovered distance'] : ['Largest growth'])];
     const rows = scene.levelSets.map((nodes, level) => {
       const cells = measured
         ? [
             element('td', {}, figure(scene.measured('looseness', level, frame))),
             element('td', { class: scene.measured('uncovered_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('uncovered_area', level, frame))),
-            element('td', {}, figure(scene.measured('gap', level, frame))),
+            element('td', {}, figure(scene.measured('uncovered_distance', level, frame))),
           ]
         : [element('td', {}, figure(nodes.reduce((most, node) => Math.max(most, scene.growth(frame, node)), 0)))];
       const dot = element('i', { class: 'dot', style: `background:${levelColors[level % levelColors.length]}` });

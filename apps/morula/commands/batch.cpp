@@ -374,7 +374,7 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_flag(command, "--retry", o.retry, "The same, and try again what failed");
   add_flag(command, "--no-trees", o.no_trees, "Keep the table alone");
   add_flag(command, "--measure", o.measure,
-           "Also measure looseness, uncovered area, gap and protrusion of every level, as columns");
+           "Also measure looseness, uncovered area and distance, and protrusion of every level, as columns");
   add_flag(command, "--quiet", o.quiet, "No progress on stderr");
   add_option(command, "--method", o.method, "As of morula build, as are the next ones")->type_name("NAME");
   add_option(command, "--quality", o.quality, "draft, fast, default, best")->type_name("NAME");

@@ -142,7 +142,7 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& m
   if (!o.poses.empty()) {
     std::vector<std::string> names;
     for (const KnownPose& pose : model.poses) names.push_back(pose.name);
-    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.model}, {"worst", poses.worst}};
+    json["poses"] = {{"source", o.poses}, {"trees", names}, {"trees_built", poses.trees_built}, {"worst", poses.worst}};
   }
   if (o.report) json["seconds"]["report"] = seconds.report;
   return json;

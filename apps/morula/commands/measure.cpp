@@ -145,7 +145,7 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
                why_no_inside(report), fmt::join(ranges, "; "));
   }
   if (no_looseness) {
-    fmt::print("n/a: {}, so inside and outside are not defined; uncovered area and gap do not need them.\n",
+    fmt::print("n/a: {}, so inside and outside are not defined; uncovered area and distance do not need them.\n",
                why_no_inside(report));
   } else if (!o.no_protrusion && !report.has_volume()) {
     fmt::print("n/a: {}, so protrusion cannot be answered.\n", why_no_inside(report));
@@ -153,7 +153,7 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
   fmt::print(
       "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
       "{} in mesh units (diagonal {}).\n",
-      o.no_protrusion ? "gap is" : "gap and protrusion (worst, mean) are", figure(report.box.diagonal()));
+      o.no_protrusion ? "uncovered distance is" : "uncovered distance and protrusion (worst, mean) are", figure(report.box.diagonal()));
   if (o.curobo) {
     fmt::print(
         "\ncuRobo's figures, from samples\n{}Covered: share of the interior; outside: share of the spheres' surfaces, "

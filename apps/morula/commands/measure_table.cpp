@@ -90,7 +90,7 @@ std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames) {
 std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::vector<LevelMeasure>& worst,
                           bool with_protrusion) {
   const Columns columns{.frame = frames.size() > 1, .protrusion = with_protrusion};
-  std::vector<std::string> header{"level",  "spheres", "looseness", "missed", "uncovered area", "uncovered_distance",
+  std::vector<std::string> header{"level",  "spheres", "looseness", "missed", "uncovered area", "uncovered distance",
                                   "covered"};
   if (columns.frame) header.insert(header.begin(), "frame");
   if (columns.protrusion) header.insert(header.end(), {"protrusion", "mean"});
@@ -119,7 +119,7 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
 std::string sampled_table(const std::vector<MeasuredFrame>& frames) {
   const bool several = frames.size() > 1;
   std::vector<std::string> header{"level", "spheres",  "covered", "outside", "mean",   "p95",
-                                  "max",   "gap mean", "p95",     "max",     "volumes"};
+                                  "max",   "uncovered mean", "p95",     "max",     "volumes"};
   if (several) header.insert(header.begin(), "frame");
   Table table(header, several ? 1 : 0);
   for (const MeasuredFrame& frame : frames) {

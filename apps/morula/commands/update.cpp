@@ -381,7 +381,7 @@ void add_update(CLI::App& app, Run& run) {
   add_flag(*command, "--check,!--no-check", o->check,
            "Check the certificate of levels that promise cover in every frame (default: on)");
   add_flag(*command, "--measure", o->measure,
-           "Measure looseness, uncovered area and gap of every level in every frame");
+           "Measure looseness, uncovered area and distance of every level in every frame");
   add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and uncovered area too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

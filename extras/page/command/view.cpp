@@ -224,7 +224,7 @@ void add_view(CLI::App& app, Run& run) {
           ->expected(1)
           ->take_all();
   add_flag(*command, "--measure,!--no-measure", o->measure,
-           "Measure looseness, uncovered area and gap of every frame and level (default: on)");
+           "Measure looseness, uncovered area and distance of every frame and level (default: on)");
   add_option(*command, "--study", o->study, "Results to show beside the body: the study.json of a study")
       ->type_name("FILE");
   add_option(*command, "--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");

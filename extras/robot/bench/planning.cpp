@@ -192,7 +192,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
     for (int repeat = 0; repeat < settings.repeats; ++repeat) {
       result.seconds.push_back(seconds_of([&] {
         each(by_trees, [&](const std::vector<RigidTransform>& at) {
-          moving.place(at);
+          moving.set_link_poses(at);
           return std::any_of(boxes.begin(), boxes.end(),
                              [&](const robot::ObstacleBox& b) { return moving.collides(b); }) ||
                  moving.self_collision().has_value();

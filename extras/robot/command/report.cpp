@@ -15,7 +15,7 @@ namespace morula::cli {
 using robot::IgnoreReason;
 
 std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& spheres) {
-  Table table({"link", "facets", "spheres", "uncovered_distance", "protrusion mean", "p95", "max", "outside volume",
+  Table table({"link", "facets", "spheres", "uncovered distance", "protrusion mean", "p95", "max", "outside volume",
                "union volume", "mass"});
   const auto or_na = [](const std::optional<double>& value) { return value ? figure(*value) : "n/a"; };
   double outside = 0, all = 0, mass = 0, worst = 0;

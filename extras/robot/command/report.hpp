@@ -10,7 +10,7 @@
 
 namespace morula::cli {
 
-/// Per link: spheres, gap, protrusion, volumes, mass.
+/// Per link: spheres, uncovered distance, protrusion, volumes, mass.
 std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& spheres);
 /// "base: spheres reach at most 0.01 beyond the plane", for every link with clip planes.
 std::vector<std::string> clip_lines(const robot::Robot& robot, const robot::RobotSpheres& spheres);

@@ -203,7 +203,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   fmt::print("{}\n", robot_table(robot, spheres));
   fmt::print("covers   {}{}\n",
              spheres.covered() ? "yes: every point of every link is in a sphere, with the numbers of the files"
-                               : "no: a link is bare where its gap is above 0",
+                               : "no: a link is uncovered where its uncovered distance is above 0",
              o.clips.empty() ? "" : "; what clip planes cut off is left out");
   for (const std::string& line : clip_lines(robot, spheres)) fmt::print("clipped  {}\n", line);
   if (o.inner > 0) fmt::print("inside   {}\n", inner_text(spheres));

@@ -99,7 +99,7 @@ void bind_robot_fit(nb::module_& m) {
          nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
-        options.max_total = total;
+        options.max_total = max_total;
         options.link_spheres = link_spheres;
         options.max_protrusion = max_protrusion;
         options.max_protrusion_share = max_protrusion_share;

@@ -61,22 +61,22 @@ void bind_sphere_robot(nb::module_& m) {
           },
           nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(), doc::SphereRobot_SphereRobot)
       .def(
-          "pose",
+          "set_joint_values",
           [](HeldRobot& self, ArrayGiven given) {
             const std::vector<double> values = values_of(given);
-            self.locked([&] { self.robot.pose(values); });
+            self.locked([&] { self.robot.set_joint_values(values); });
           },
-          nb::arg("values"), doc::SphereRobot_pose)
+          nb::arg("values"), doc::SphereRobot_set_joint_values)
       .def(
-          "place",
+          "set_link_poses",
           [](HeldRobot& self, nb::handle given) {
             const std::vector<RigidTransform> poses = poses_of(given, "link_poses");
-            self.locked([&] { self.robot.place(poses); });
+            self.locked([&] { self.robot.set_link_poses(poses); });
           },
           nb::arg("link_poses"),
-          nb::sig("def place(self, link_poses: collections.abc.Sequence[morula._morula.RigidTransform] | "
+          nb::sig("def set_link_poses(self, link_poses: collections.abc.Sequence[morula._morula.RigidTransform] | "
                   "morula.typing.FloatArray) -> None"),
-          doc::SphereRobot_place)
+          doc::SphereRobot_set_link_poses)
       .def_prop_ro(
           "links",
           [](const HeldRobot& self) {
@@ -101,7 +101,7 @@ void bind_sphere_robot(nb::module_& m) {
               SignalCheck check;
               std::vector<std::uint8_t> collides(shape[0]);
               for (std::size_t i = 0; i < shape[0]; ++i) {
-                self.robot.pose(std::span(all).subspan(i * shape[1], shape[1]));
+                self.robot.set_joint_values(std::span(all).subspan(i * shape[1], shape[1]));
                 collides[i] = self.robot.self_collision().has_value();
                 if (i % 64 == 63) check();
               }
@@ -110,7 +110,7 @@ void bind_sphere_robot(nb::module_& m) {
             return Copy<bool, -1>(reinterpret_cast<bool*>(found->data()), {found->size()}, owner);
           },
           nb::arg("values"),
-          "pose() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "
+          "set_joint_values() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "
           "stays in the last one.")
       .def(
           "collides",

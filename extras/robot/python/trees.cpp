@@ -33,8 +33,8 @@ void bind_robot_trees(nb::module_& m) {
       .property(
           "mesh", [](const robot::RobotTree& t) { return std::make_shared<Mesh>(t.mesh); }, doc::RobotTree_mesh)
       .property(
-          "built", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.model); },
-          doc::RobotTree_built)
+          "model", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.model); },
+          doc::RobotTree_model)
       .field("links", &robot::RobotTree::links, doc::RobotTree_links)
       .field("vertex_begin", &robot::RobotTree::vertex_begin, doc::RobotTree_vertex_begin);
   m.def(

@@ -228,7 +228,7 @@ TEST(SelfCollision, lists_neighbors_what_touches_at_rest_and_what_never_meets) {
   std::vector<std::vector<RigidTransform>> poses;
   for (int k = 0; k < 3000; ++k) {
     std::vector<double> values;
-    for (const std::size_t joint : arm_robot.own)
+    for (const std::size_t joint : arm_robot.independent_joints)
       values.push_back(random.uniform(arm_robot.joints[joint].lower, arm_robot.joints[joint].upper));
     poses.push_back(robot::link_poses(arm_robot, values));
   }

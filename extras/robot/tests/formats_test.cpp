@@ -42,11 +42,11 @@ void expect_same(const robot::Robot& a, const robot::Robot& b, bool limits) {
       for (const Vec3& p : {Vec3{1, 0, 0}, Vec3{0, 1, 0}}) expect_near(own->origin(p), other->origin(p), link.name);
     }
   }
-  ASSERT_EQ(a.own.size(), b.own.size());
+  ASSERT_EQ(a.independent_joints.size(), b.independent_joints.size());
   Random random(5);
   for (int round = 0; round < 20; ++round) {
-    std::vector<double> p, q(b.own.size());
-    for (const std::size_t j : a.own) {
+    std::vector<double> p, q(b.independent_joints.size());
+    for (const std::size_t j : a.independent_joints) {
       const robot::Joint& joint = a.joints[j];
       const std::size_t found = b.find_joint(joint.name);
       ASSERT_NE(found, robot::none) << joint.name;
@@ -58,7 +58,8 @@ void expect_same(const robot::Robot& a, const robot::Robot& b, bool limits) {
         EXPECT_EQ(joint.effort, b.joints[found].effort);
       }
       p.push_back(random.uniform(joint.lower, joint.upper));
-      q[static_cast<std::size_t>(std::find(b.own.begin(), b.own.end(), found) - b.own.begin())] = p.back();
+      q[static_cast<std::size_t>(std::find(b.independent_joints.begin(), b.independent_joints.end(), found) -
+                                 b.independent_joints.begin())] = p.back();
     }
     const auto at_a = robot::link_poses(a, p), at_b = robot::link_poses(b, q);
     for (std::size_t i = 0; i < a.links.size(); ++i) {

@@ -28,7 +28,7 @@ TEST_F(Formats, mjcf_joints_turn_about_their_own_place_one_after_the_other) {
   const robot::Robot two = mjcf(
       "<body name='a'><body name='b' pos='0 0 1'><joint name='s' type='slide' axis='1 0 0' range='0 3'/>"
       "<joint name='h' axis='0 0 1' pos='1 0 0'/><joint name='k' axis='1 0 0'/></body></body>");
-  ASSERT_EQ(two.own.size(), 3u);
+  ASSERT_EQ(two.independent_joints.size(), 3u);
   // Slid by 2, then about (3, 0, 1), then about its own x, which points along y now.
   expect_near(point_of(two, "b", {2, right, right}, {0, 1, 0}), {3, -1, 2}, "a chain");
   const robot::Robot held = mjcf(
@@ -117,7 +117,7 @@ TEST_F(Formats, of_mjcf_the_world_is_a_link_only_where_it_is_needed) {
   EXPECT_EQ(placed.links[placed.root].name, "world");
   expect_near(origin_of(placed, "a", {}), {0, 0, 1}, "its place is kept");
   EXPECT_EQ(mjcf("<body name='a'/><body name='b'/>").links.size(), 3u);
-  EXPECT_EQ(mjcf("<body name='a'><joint name='j'/></body>").own.size(), 1u);
+  EXPECT_EQ(mjcf("<body name='a'><joint name='j'/></body>").independent_joints.size(), 1u);
   EXPECT_EQ(mjcf("<body/><body/><body name='body'/>").find_link("body_2"), 1u)
       << "names are made up beside those given";
 }
@@ -133,7 +133,7 @@ TEST_F(Formats, mjcf_replicates_are_copies_whose_names_end_with_their_numbers) {
       "size='.1'/></body></replicate></replicate></body>",
       "<contact><exclude body1='f' body2='h'/><exclude body1='hub' body2='h'/><exclude body1='f-0' body2='f-2'/>"
       "</contact><equality><joint joint1='k' joint2='j' polycoef='0 2 0 0 0'/></equality>");
-  const std::vector<double> still(arms.own.size(), 0);
+  const std::vector<double> still(arms.independent_joints.size(), 0);
   expect_near(origin_of(arms, "f-0", still), {0.5, 0, 0}, "the first stands where it would");
   expect_near(origin_of(arms, "f-1", still), {1, 0.5, 0}, "turned, and away from it");
   expect_near(origin_of(arms, "h-2", still), {0.5, 1, 0}, "away from the second, in its axes");

@@ -531,8 +531,8 @@ TEST(ProveApart, one_box_reaches_to_the_ends_of_every_range) {
     expect(verdict(made, cart, post, {}, {0, 0, -2 - apart}, radius));
     // One after the other: the arm is straight at the end of its range.
     Maker two;
-    const std::size_t upper = two.rotate(0, "upper", {}, {0, 0, 1}),
-                      lower = two.rotate(upper, "lower", {1, 0, 0}, {0, 0, 1}), far = two.fix(0, "far", {});
+    const std::size_t upper = two.turn(0, "upper", {}, {0, 0, 1}),
+                      lower = two.turn(upper, "lower", {1, 0, 0}, {0, 0, 1}), far = two.fix(0, "far", {});
     expect(verdict(two, lower, far, {0.5, 0, 0}, {0, 1.5 + apart, 0}, radius));
   }
 }

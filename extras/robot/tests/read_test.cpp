@@ -46,7 +46,7 @@ TEST(ReadRobot, links_joints_and_what_moves_by_itself) {
   EXPECT_EQ(own, "turn lift bend reach roll ");
   EXPECT_EQ(read.joints[read.find_joint("lift")].axis, (Vec3{0, 1, 0})) << "axes become unit";
   EXPECT_EQ(read.links[0].inertial->mass, 4);
-  EXPECT_EQ(robot::read_robot(gripper_file).own.size(), 1u) << "what follows another is no coordinate";
+  EXPECT_EQ(robot::read_robot(gripper_file).independent_joints.size(), 1u) << "what follows another is no coordinate";
 }
 
 TEST(ReadRobot, what_readers_of_others_take_is_taken_with_a_note) {

@@ -77,7 +77,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
     std::vector<double> values;
     for (const std::size_t j : read.independent_joints)
       values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
-    moving.pose(values);
+    moving.set_joint_values(values);
     flat.poses = robot::link_poses(read, values);
     const std::vector<Sphere> posed = moving.spheres();
     EXPECT_EQ(posed.front(), flat.at(0, 0));
@@ -141,10 +141,10 @@ TEST(SphereRobot, ignored_pairs_are_never_asked_and_copies_move_apart) {
   robot::SphereRobot two = one;
   std::vector<double> values = robot::rest_values(read);
   values[0] = 1;
-  two.pose(values);
+  two.set_joint_values(values);
   EXPECT_FALSE(one.spheres() == two.spheres());
-  EXPECT_THROW(one.pose(std::vector{1.0}), std::invalid_argument);
-  EXPECT_THROW(one.place({}), std::invalid_argument);
+  EXPECT_THROW(one.set_joint_values(std::vector{1.0}), std::invalid_argument);
+  EXPECT_THROW(one.set_link_poses({}), std::invalid_argument);
 }
 
 }  // namespace

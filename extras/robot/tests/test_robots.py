@@ -176,16 +176,16 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
             (i, j) for i, j in itertools.combinations(range(len(places)), 2)
             if frozenset((robot.links[i], robot.links[j])) not in skip and meet(places[i], places[j])
         ]
-        robot.pose(values)
+        robot.set_joint_values(values)
         numpy.testing.assert_allclose(robot.spheres(), numpy.concatenate(places), atol=1e-12)
         assert robot.self_collision() == (pairs[0] if pairs else None)
         expected.append(bool(pairs))
         ball = (*generator.uniform(-0.5, 0.5, 3), generator.uniform(0, 0.2))
         assert robot.collides(ball) == meet(numpy.concatenate(places), numpy.array([ball]))
         # By poses of links, both ways to give them.
-        robot.place(poses)
+        robot.set_link_poses(poses)
         same = robot.spheres()
-        robot.place(numpy.array([pose.matrix for pose in poses]))
+        robot.set_link_poses(numpy.array([pose.matrix for pose in poses]))
         assert numpy.array_equal(same, robot.spheres())
     assert robot.self_collisions(configurations).tolist() == expected
     assert 0 < robot.sphere_tests
@@ -195,7 +195,7 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
 
 def test_boxes_and_trees_are_obstacles(arm, spheres):
     robot = morula.robot.SphereRobot(arm, spheres)
-    robot.pose(morula.robot.rest_values(arm))
+    robot.set_joint_values(morula.robot.rest_values(arm))
     now = robot.spheres()
     generator = numpy.random.default_rng(9)
     for _ in range(40):
@@ -253,7 +253,7 @@ def test_files_are_those_of_the_command(arm, tmp_path, command):
 @pytest.mark.parametrize("file", ["mjcf/arm.xml", "sdf/arm.sdf"])
 def test_other_descriptions_are_robots_too(file):
     other = morula.robot.read_robot(robots / "arm_description" / file)
-    assert other.format == file[: file.index("/")] and len(other.own) >= 3
+    assert other.format == file[: file.index("/")] and len(other.independent_joints) >= 3
 
 
 def test_mujoco_puts_links_where_we_do(tmp_path):
@@ -283,11 +283,11 @@ def test_mujoco_puts_links_where_we_do(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "arm.xml"))
     data = mujoco.MjData(model)
     spheres = morula.robot.SphereRobot(ours, morula.robot.fit_spheres(ours, spheres=4))
-    names = [ours.joints[j].name for j in ours.own]
+    names = [ours.joints[j].name for j in ours.independent_joints]
     assert sorted(names) == ["roll", "slide", "turn"]
     generator = numpy.random.default_rng(4)
     for _ in range(10):
-        values = numpy.array([generator.uniform(ours.joints[j].lower, ours.joints[j].upper) for j in ours.own])
+        values = numpy.array([generator.uniform(ours.joints[j].lower, ours.joints[j].upper) for j in ours.independent_joints])
         for name, value in zip(names, values):
             data.joint(name).qpos[0] = value
         mujoco.mj_forward(model, data)
@@ -297,7 +297,7 @@ def test_mujoco_puts_links_where_we_do(tmp_path):
             numpy.testing.assert_allclose(pose[:3, 3], body.xpos, atol=1e-9)
             numpy.testing.assert_allclose(pose[:3, :3], body.xmat.reshape(3, 3), atol=1e-9)
         # The spheres contain MuJoCo's ball at the end.
-        spheres.pose(values)
+        spheres.set_joint_values(values)
         ball = data.geom_xpos[model.ngeom - 1]
         reach = numpy.linalg.norm(spheres.spheres()[:, :3] - ball, axis=1) + 0.05 - spheres.spheres()[:, 3]
         assert reach.min() < 1e-6
@@ -314,7 +314,7 @@ values = numpy.zeros(len(arm.independent_joints))
 long = threading.Thread(target=robot.self_collisions, args=(numpy.zeros((200000, len(values))),))
 long.start()
 while long.is_alive():
-    robot.pose(values)
+    robot.set_joint_values(values)
     robot.collides((9, 9, 9, 0.1))
     assert len(robot.spheres()) == robot.sphere_count
 print("done")

@@ -116,7 +116,7 @@ study::Touch let_limbs_touch(const Demo& demo, const std::filesystem::path& fold
 }
 
 /// The commands that give one cell of the table again.
-std::string recipe(const study::Plan& plan, const study::Run& cell, const std::string& folder) {
+std::string recipe(const study::Plan& plan, const study::MotionRun& cell, const std::string& folder) {
   const std::string stem = (std::filesystem::path(folder) / plan.body_of(cell.key.source).name).string();
   return fmt::format(
       "  morula deform {0}.obj -o motion.npy --{1} --frames {2}\n"
@@ -152,7 +152,7 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
   const std::string body = demo.body(trees.front()).name;
   fmt::print("- demo.csv, contacts.csv and demo.json: every figure with all digits\n");
   fmt::print("- {0}-touching-a.obj and {0}-touching-b.obj: the two limbs in the middle of their motion\n", body);
-  const std::vector<const study::Run*> cells = demo.cells(trees.front());
+  const std::vector<const study::MotionRun*> cells = demo.cells(trees.front());
   if (!cells.empty()) {
     const std::string stem = file_stem(body, demo.plan.motions[cells.front()->key.motion]);
     fmt::print("- {0}.obj with {0}-exact.sph and {0}-approach2.sph: the body at the full amount, and its spheres\n",

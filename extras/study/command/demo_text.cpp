@@ -14,7 +14,7 @@
 namespace morula::cli {
 namespace {
 
-using study::Run;
+using study::MotionRun;
 using study::TreeFigures;
 
 /// The frames that are shown, the one at the full amount among them, are of the leaves.
@@ -22,19 +22,19 @@ const study::LevelFigures& leaves(const study::Sample& sample) {
   return sample.levels.back();
 }
 
-const study::LevelFigures& at_rest(const Run& cell) {
+const study::LevelFigures& at_rest(const MotionRun& cell) {
   return leaves(cell.samples.front());
 }
 
-double rest_looseness(const Run& cell) {
+double rest_looseness(const MotionRun& cell) {
   return at_rest(cell).looseness_fixed().value_or(0);
 }
 
-std::string rule_name(const Demo& demo, const Run& cell) {
+std::string rule_name(const Demo& demo, const MotionRun& cell) {
   return demo.plan.rules[cell.key.rule].name;
 }
 
-bool is(const Demo& demo, const Run& cell, Rule rule) {
+bool is(const Demo& demo, const MotionRun& cell, Rule rule) {
   return demo.plan.rules[cell.key.rule].key() == study::RuleKey(rule);
 }
 
@@ -42,7 +42,7 @@ std::string looseness_cell(const std::optional<double>& looseness, double uncove
   return fmt::format("{} ({} bare)", figure_or_na(looseness), uncovered_area == 0 ? "0" : percent(uncovered_area));
 }
 
-std::string worst_cell(const Run& cell) {
+std::string worst_cell(const MotionRun& cell) {
   const bool known = at_rest(cell).looseness_fixed().has_value();
   return looseness_cell(known ? std::optional(cell.worst_looseness_fixed()) : std::nullopt,
                         cell.worst_uncovered_area());
@@ -51,34 +51,34 @@ std::string worst_cell(const Run& cell) {
 /// The median over motions of one rule's time.
 double typical_microseconds(const Demo& demo, const TreeFigures& tree, std::size_t rule) {
   std::vector<double> times;
-  for (const Run* cell : demo.cells(tree))
+  for (const MotionRun* cell : demo.cells(tree))
     if (cell->key.rule == rule) times.push_back(1e6 * cell->update_seconds.value());
   return median(times);
 }
 
 struct Pair {
-  const Run* a;
-  const Run* b;
+  const MotionRun* a;
+  const MotionRun* b;
 };
 
 /// Cells of two rules with the same body, method and motion.
 std::vector<Pair> pairs(const Demo& demo, Rule a, Rule b) {
   std::vector<Pair> list;
-  for (const Run& cell : demo.result.cells) {
+  for (const MotionRun& cell : demo.result.cells) {
     if (!is(demo, cell, a)) continue;
-    const Run* other = demo.result.find({cell.key.source, cell.key.motion, demo.plan.find_rule(b).value()});
+    const MotionRun* other = demo.result.find({cell.key.source, cell.key.motion, demo.plan.find_rule(b).value()});
     if (other != nullptr) list.push_back({&cell, other});
   }
   return list;
 }
 
-std::string where(const Demo& demo, const Run& cell) {
+std::string where(const Demo& demo, const MotionRun& cell) {
   return fmt::format("{}, {} tree, {}", demo.plan.body_of(cell.key.source).name,
                      demo.plan.sources[cell.key.source].method,
                      study::describe_all(demo.plan.motions[cell.key.motion]));
 }
 
-bool fails_to_cover(const Run& cell) {
+bool fails_to_cover(const MotionRun& cell) {
   return !cell.certificate || !cell.certificate->covered || cell.worst_uncovered_area() > 0;
 }
 
@@ -90,8 +90,8 @@ std::string share_of(std::size_t count, std::size_t total) {
 std::string cover_finding(const Demo& demo) {
   std::size_t frames = 0;
   std::size_t cases = 0;
-  const Run* worst = nullptr;
-  for (const Run& cell : demo.result.cells) {
+  const MotionRun* worst = nullptr;
+  for (const MotionRun& cell : demo.result.cells) {
     if (!is(demo, cell, Rule::exact)) continue;
     ++cases;
     frames += cell.samples.size();
@@ -146,9 +146,9 @@ std::string approach1_finding(const Demo& demo) {
 }
 
 std::string cost_finding(const Demo& demo) {
-  const auto loosening = [](const Run& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
-  const Run* most = nullptr;
-  for (const Run& cell : demo.result.cells) {
+  const auto loosening = [](const MotionRun& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
+  const MotionRun* most = nullptr;
+  for (const MotionRun& cell : demo.result.cells) {
     if (!is(demo, cell, Rule::exact) || rest_looseness(cell) == 0) continue;
     if (most == nullptr || loosening(cell) > loosening(*most)) most = &cell;
   }
@@ -172,9 +172,9 @@ std::string cost_finding(const Demo& demo) {
 
 }  // namespace
 
-std::vector<const study::Run*> Demo::cells(const TreeFigures& tree) const {
-  std::vector<const Run*> list;
-  for (const Run& cell : result.cells)
+std::vector<const study::MotionRun*> Demo::cells(const TreeFigures& tree) const {
+  std::vector<const MotionRun*> list;
+  for (const MotionRun& cell : result.cells)
     if (cell.key.source == tree.source) list.push_back(&cell);
   return list;
 }
@@ -186,15 +186,15 @@ std::string demo_table(const Demo& demo) {
   Table table(header, 3);
   for (const TreeFigures& tree : demo.result.trees) {
     table.add_rule();
-    const std::vector<const Run*> cells = demo.cells(tree);
+    const std::vector<const MotionRun*> cells = demo.cells(tree);
     std::vector<std::string> rest{demo.body(tree).name, demo.method(tree), "at rest"};
     std::vector<std::string> back{"", "", "back at rest"};
     std::vector<std::string> times{"", "", "time per frame"};
     for (std::size_t rule = 0; rule < rules.size(); ++rule) {
-      const auto has_rule = [&](const Run* cell) { return cell->key.rule == rule; };
+      const auto has_rule = [&](const MotionRun* cell) { return cell->key.rule == rule; };
       const auto any = std::find_if(cells.begin(), cells.end(), has_rule);
       if (any == cells.end()) continue;
-      const bool returns = std::none_of(cells.begin(), cells.end(), [&](const Run* cell) {
+      const bool returns = std::none_of(cells.begin(), cells.end(), [&](const MotionRun* cell) {
         return has_rule(cell) && !cell->returns_to_rest.value();
       });
       rest.push_back(looseness_cell(at_rest(**any).looseness_fixed(), at_rest(**any).uncovered_area()));
@@ -206,7 +206,7 @@ std::string demo_table(const Demo& demo) {
     table.add(rest);
     for (std::size_t motion = 0; motion < demo.plan.motions.size(); ++motion) {
       std::vector<std::string> row{"", "", study::describe_all(demo.plan.motions[motion])};
-      for (const Run* cell : cells)
+      for (const MotionRun* cell : cells)
         if (cell->key.motion == motion) row.push_back(worst_cell(*cell));
       if (row.size() > 3) table.add(row);
     }
@@ -226,7 +226,7 @@ std::string demo_csv(const Demo& demo) {
       "microseconds_per_frame,"
       "nanoseconds_per_vertex,returns_to_rest\n";
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
-  for (const Run& cell : demo.result.cells) {
+  for (const MotionRun& cell : demo.result.cells) {
     const study::NamedMesh& body = demo.plan.body_of(cell.key.source);
     const double seconds = cell.update_seconds.value();
     for (const study::Sample& s : cell.samples) {
@@ -244,7 +244,7 @@ std::string demo_csv(const Demo& demo) {
   return text;
 }
 
-Json cell_json(const Demo& demo, const Run& cell) {
+Json cell_json(const Demo& demo, const MotionRun& cell) {
   Json frames = Json::array();
   for (const study::Sample& s : cell.samples) {
     Json frame{{"frame", s.sample}, {"parameter", s.parameter}};
@@ -258,7 +258,7 @@ Json cell_json(const Demo& demo, const Run& cell) {
             {"rule", rule_name(demo, cell)},
             {"worst_looseness", at_rest(cell).looseness_fixed() ? Json(cell.worst_looseness_fixed()) : Json(nullptr)},
             {"worst_uncovered_area", cell.worst_uncovered_area()},
-            {"worst_gap", cell.worst_gap()},
+            {"worst_uncovered_distance", cell.worst_uncovered_distance()},
             {"microseconds_per_frame", 1e6 * seconds},
             {"nanoseconds_per_vertex", 1e9 * seconds / vertices},
             {"returns_to_rest", cell.returns_to_rest.value()},
@@ -275,7 +275,7 @@ Json demo_json(const Demo& demo) {
     const Mesh& mesh = demo.body(tree).mesh;
     const SphereTree& spheres = demo.result.model[tree.source].tree;
     Json cells = Json::array();
-    for (const Run* cell : demo.cells(tree)) cells.push_back(cell_json(demo, *cell));
+    for (const MotionRun* cell : demo.cells(tree)) cells.push_back(cell_json(demo, *cell));
     Json skipped = Json::array();
     for (const study::Skipped& s : demo.result.skipped)
       if (s.body == demo.plan.sources[tree.source].body) skipped.push_back(s.reason);

@@ -22,7 +22,7 @@ struct Story {
     plan.of_levels = {1};
     result.trees = {{0, {{1, 0, 0}, {4, 1, 0}}, 0}};
     for (std::size_t rule = 0; rule < 2; ++rule) {
-      Run cell;
+      MotionRun cell;
       cell.key = {0, 0, rule};
       cell.returns_to_rest = true;
       for (std::size_t sample = 0; sample < 2; ++sample) {

@@ -114,7 +114,7 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
       EXPECT_TRUE(cell["returns_to_rest"].get<bool>()) << tree["method"] << cell["motion"] << cell["rule"];
       if (cell["rule"] == "exact") {
         EXPECT_EQ(cell["worst_uncovered_area"].get<double>(), 0);
-        EXPECT_EQ(cell["worst_gap"].get<double>(), 0);
+        EXPECT_EQ(cell["worst_uncovered_distance"].get<double>(), 0);
         EXPECT_TRUE(cell["certificate"]["covered"].get<bool>());
       }
       if (cell["rule"] == "approach2") {

@@ -34,7 +34,7 @@ TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   EXPECT_EQ(result.mixes.size(), 0u);
   EXPECT_TRUE(result.skipped.empty());
   const std::size_t rule = plan.find_rule(Rule::approach2).value();
-  const Run* cell = result.find({1, 1, rule});
+  const MotionRun* cell = result.find({1, 1, rule});
   ASSERT_NE(cell, nullptr);
   ASSERT_EQ(cell->samples.size(), 4u);
 
@@ -50,7 +50,7 @@ TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   EXPECT_EQ(figures->spheres, leaves.size());
   EXPECT_EQ(figures->looseness(), looseness(moved, leaves, {.resolution = 24}).looseness);
   EXPECT_EQ(figures->uncovered_area(), coverage(moved, leaves).uncovered_area);
-  EXPECT_EQ(figures->gap(), coverage(moved, leaves).uncovered_distance / bounding_box(rest).diagonal());
+  EXPECT_EQ(figures->uncovered_distance(), coverage(moved, leaves).uncovered_distance / bounding_box(rest).diagonal());
   EXPECT_TRUE(cell->returns_to_rest.value());
   EXPECT_FALSE(cell->certificate);
   EXPECT_FALSE(cell->update_seconds);
@@ -68,7 +68,7 @@ TEST(StudyRun, cells_ascend_and_each_is_found_by_its_key) {
   }
   EXPECT_EQ(result.find({4, 0, 0}), nullptr);
   EXPECT_EQ(result.find({0, 0, 3}), nullptr);
-  const Run* anew = result.find({0, 0, 2});
+  const MotionRun* anew = result.find({0, 0, 2});
   ASSERT_NE(anew, nullptr);
   EXPECT_EQ(anew->samples.size(), 2u);  // rest and the full amount
   EXPECT_FALSE(anew->returns_to_rest);
@@ -94,7 +94,7 @@ TEST(StudyRun, there_and_back_certified_and_timed) {
   plan.measures = {.paper_grid = false, .protrusion = false, .certificate = true, .timed_updates = 2};
   Workers two(2);
   const Result result = run(plan, two);
-  for (const Run& cell : result.cells) {
+  for (const MotionRun& cell : result.cells) {
     ASSERT_EQ(cell.samples.size(), 3u);
     const LevelFigures &first = cell.samples[0].levels.at(0), &last = cell.samples[2].levels.at(0);
     EXPECT_EQ(first.looseness_fixed(), last.looseness_fixed());

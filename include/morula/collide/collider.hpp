@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Collider: one side of a collision query. A posed tree, where it is, and the surface that its nodes own.
+// Collider: one side of a collision query. A sphere state, its transform, and the surface that its nodes own.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Pair walk: down the tree of node pairs of two posed trees. For queries of one's own.
+// Pair walk: down the tree of node pairs of two sphere states. For queries of one's own.
 #pragma once
 
 #include <cstddef>

@@ -110,8 +110,7 @@ struct CoveredTree {
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct CoverOptions {
-  bool nested =
-      false;  ///< every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp)
+  bool nested = false;  ///< every sphere of the result contains its children's, as after make_nested()
 };
 /// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Posed tree: a sphere tree with the spheres of one moment, which is what every query on spheres asks.
+// Sphere state: a sphere tree with the spheres of one frame, which every query on spheres reads.
 #pragma once
 
 #include <cstdint>

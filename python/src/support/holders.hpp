@@ -102,7 +102,7 @@ struct Posed {
   /// The positions that the body borrows: none or one.
   virtual std::span<const Positions> borrowed() const { return {}; }
 
-  std::uint64_t frame() const { return pose().frame + (tree_version() << 40); }
+  std::uint64_t frame() const { return sphere_state().frame + (tree_version() << 40); }
 
   mutable std::shared_mutex mutex;
 };

@@ -31,7 +31,7 @@ struct CollideArguments {
   SideFiles a{.letter = 'a'}, b{.letter = 'b'};
   std::string rule = "exact";
   std::string sph_origin = "none";
-  bool exact = false;
+  bool find_crossings = false;
   bool carry = false;
   std::string budget;
   std::string priority = "overlap";
@@ -106,7 +106,7 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   result.achieved_level = found.achieved_level.front();
   if (o.find_crossings) {
     require_good(crossed.run(a.collider(), b.collider()));
-    result.exact_microseconds = 1e6 * watch.lap();
+    result.crossings_microseconds = 1e6 * watch.lap();
     result.crossings.assign(crossed.pairs().begin(), crossed.pairs().end());
   }
   return result;
@@ -287,7 +287,7 @@ void add_collide(CLI::App& app, Run& run) {
              "Vertices and facets, edges and edges that are no farther apart; no spheres")
       ->type_name("LENGTH")
       ->transform(real_number());
-  add_flag(*command, "--crossings", o->exact, "Also the pairs of facets that really intersect");
+  add_flag(*command, "--crossings", o->find_crossings, "Also the pairs of facets that really intersect");
   add_option(*command, "--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
       ->type_name("N|TIME");
   add_option(*command, "--priority", o->priority, "What a budget goes to first: overlap (default) or level")

@@ -83,7 +83,7 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
                                    std::to_string(f.pair_tests),
                                    figure(f.microseconds)};
     if (run.find_crossings)
-      cells.insert(cells.end(), {std::to_string(f.crossings.size()), figure(f.exact_microseconds)});
+      cells.insert(cells.end(), {std::to_string(f.crossings.size()), figure(f.crossings_microseconds)});
     cells.push_back(state_of(f));
     table.add(std::move(cells));
     touching += f.contacts.empty() ? 0 : 1;
@@ -96,7 +96,7 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
   fmt::format_to(out, "summary   {} of {} have contacts; {} µs per frame (median), {}\n", touching,
                  counted(frames.size(), "frame"), figure(median(microseconds)), counted(run.threads, "thread"));
   if (run.find_crossings) {
-    fmt::format_to(out, "exact     the surfaces cross in {} of {}\n", crossing, counted(frames.size(), "frame"));
+    fmt::format_to(out, "crossings the surfaces cross in {} of {}\n", crossing, counted(frames.size(), "frame"));
   }
   if (stopped > 0) {
     fmt::format_to(out,
@@ -145,7 +145,7 @@ Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frame
     for (std::size_t i = 0; i < f.contacts.size(); ++i)
       frame["contacts"].push_back(contact_json(f.contacts[i], i < f.surfaces.size() ? &f.surfaces[i] : nullptr));
     if (run.find_crossings) {
-      frame["exact_microseconds"] = f.exact_microseconds;
+      frame["crossings_microseconds"] = f.crossings_microseconds;
       frame["facet_pairs"] = Json::array();
       for (const Crossing& c : f.crossings)
         frame["facet_pairs"].push_back({{"facet_a", c.facet_a},

@@ -21,7 +21,7 @@ struct CollidedFrame {
   bool finished = false;
   std::size_t pair_tests = 0;
   std::uint32_t achieved_level = 0;
-  double microseconds = 0, exact_microseconds = 0;
+  double microseconds = 0, crossings_microseconds = 0;
 
   /// Of the surfaces; 0 without contacts.
   double deepest() const;
@@ -29,7 +29,7 @@ struct CollidedFrame {
 
 struct CollideRun {
   std::string mesh_a, mesh_b, rule, budget, output, page{};
-  bool exact = false;
+  bool find_crossings = false;
   bool built_a = false, built_b = false;
   unsigned threads = 1;
 };

@@ -18,7 +18,7 @@
 namespace morula::cli {
 namespace {
 
-const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "place", "turn",
+const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "translate", "rotate",
                                           "path", "static", "groups", "meets",  "weight"};
 
 /// A value in the file, and how messages call it.
@@ -84,13 +84,13 @@ Json parse(const std::filesystem::path& file) {
 }
 
 RigidTransform transform_of(const Place& body) {
-  const Vec3 place = body.has("place") ? body.at("place").vector() : Vec3{};
-  if (!body.has("turn")) return {.translation = place};
-  const std::vector<double> turn = body.at("turn").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
+  const Vec3 translation = body.has("translate") ? body.at("translate").vector() : Vec3{};
+  if (!body.has("rotate")) return {.translation = translation};
+  const std::vector<double> turn = body.at("rotate").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
   Vec3 axis{turn[0], turn[1], turn[2]};
-  if (axis == Vec3{}) body.at("turn").refuse("the axis has no direction: give one such as 0, 0, 1");
+  if (axis == Vec3{}) body.at("rotate").refuse("the axis has no direction: give one such as 0, 0, 1");
   axis = axis / max_norm(axis);
-  return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, place);
+  return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, translation);
 }
 
 /// Where the files of a scene are.

@@ -57,14 +57,14 @@ SphereRobot::SphereRobot(const Robot& robot, const RobotSpheres& spheres, const 
       if (ignored.count(std::minmax(links_[a], links_[b])) == 0) pairs_.emplace_back(a, b);
     }
   }
-  pose(rest_values(robot_));
+  set_joint_values(rest_values(robot_));
 }
 
-void SphereRobot::pose(std::span<const double> values) {
-  place(link_poses(robot_, values));
+void SphereRobot::set_joint_values(std::span<const double> values) {
+  set_link_poses(link_poses(robot_, values));
 }
 
-void SphereRobot::place(std::span<const RigidTransform> link_poses) {
+void SphereRobot::set_link_poses(std::span<const RigidTransform> link_poses) {
   if (link_poses.size() != robot_.links.size()) {
     throw std::invalid_argument("SphereRobot::place: one pose per link of the robot");
   }
@@ -175,7 +175,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
   std::vector<std::uint32_t> waiting;
   if (!other.nested) {
     for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-      if (tree.is_leaf(i) && meets(other_[i])) return true;
+      if (tree.is_leaf(i) && collides(other_[i])) return true;
     }
     return false;
   }
@@ -186,7 +186,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
     waiting.pop_back();
     Sphere asked = other_[node];
     if (!tree.is_leaf(node)) asked.radius += 2 * rounding(asked);
-    if (!meets(asked)) continue;
+    if (!collides(asked)) continue;
     if (tree.is_leaf(node)) return true;
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) waiting.push_back(tree.first_child[node] + k);
   }

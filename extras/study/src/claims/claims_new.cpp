@@ -15,19 +15,20 @@ struct Bare {
   std::size_t bare = 0;   // cases with surface bare in some sample
   std::size_t total = 0;  // cases
   double worst = 0;
-  double worst_gap = 0;
+  double worst_uncovered_distance = 0;
   Case where;
 };
 
 Bare bare_of(const Evidence& evidence, const RuleKey& rule) {
   Bare found;
   for (const Case& c : evidence.cases()) {
-    const Run* cell = evidence.cell(c, rule);
+    const MotionRun* cell = evidence.cell(c, rule);
     if (cell == nullptr) continue;
     double worst = 0;
     for (const Sample& s : cell->samples) {
       worst = std::max(worst, cell->at(s.sample, c.level)->uncovered_area());
-      found.worst_gap = std::max(found.worst_gap, cell->at(s.sample, c.level)->gap());
+      found.worst_uncovered_distance =
+          std::max(found.worst_uncovered_distance, cell->at(s.sample, c.level)->uncovered_distance());
     }
     ++found.total;
     found.bare += worst > 0 ? 1 : 0;
@@ -52,7 +53,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
       claim.numbers = fmt::format("In {} of {} cases, up to {} of the surface{}, with gaps up to {} of the diagonal.",
                                   found.bare, found.total, percent(found.worst),
                                   found.worst > 0 ? fmt::format(" ({})", evidence.text(found.where)) : "",
-                                  percent(found.worst_gap));
+                                  percent(found.worst_uncovered_distance));
     }
     claims.push_back(std::move(claim));
   }

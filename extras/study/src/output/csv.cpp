@@ -55,9 +55,9 @@ std::string cells_csv(const Plan& plan, const Result& result) {
   std::string text =
       "body,method,motion,rule,sample,parameter,level,spheres,looseness,looseness_box,looseness_fixed,missed_volume,"
       "uncovered_area,uncovered_distance,protrusion_worst,protrusion_mean,returns_to_rest\n";
-  for (const std::vector<Run>* list : {&result.cells, &result.mixes}) {
+  for (const std::vector<MotionRun>* list : {&result.cells, &result.mixes}) {
     const std::vector<FollowRule>& rules = list == &result.cells ? plan.rules : plan.mixes;
-    for (const Run& c : *list) {
+    for (const MotionRun& c : *list) {
       for (const Sample& s : c.samples) {
         for (const LevelFigures& l : s.levels) {
           text += fmt::format(

@@ -29,7 +29,7 @@ std::vector<MeasureKind> measures(ErrorUnit unit) {
        [unit](const LevelFigures& l) { return l.error(unit); }},
       {"-bare", "uncovered area", "uncovered area", "% of the surface", true,
        [](const LevelFigures& l) { return std::optional(100 * l.uncovered_area()); }},
-      {"-gap", "uncovered_distance", "uncovered_distance", "% of the diagonal at rest", true,
+      {"-gap", "uncovered distance", "uncovered distance", "% of the diagonal at rest", true,
        [](const LevelFigures& l) { return std::optional(100 * l.uncovered_distance()); }},
       {"-protrusion", "protrusion", "mean protrusion", "% of the diagonal at rest", false,
        [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
@@ -56,7 +56,7 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     figure.y_unit = kind.unit;
     bool known = false;
     for (const Curve& curve : curves) {
-      const Run* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
+      const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
       Series series{curve.name, kind.bare && curve.role == SeriesRole::method ? SeriesRole::bare : curve.role, {}, {}};
       for (const Sample& sample : cell->samples) {

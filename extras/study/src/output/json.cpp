@@ -96,7 +96,7 @@ Json table_json(const Table& table) {
   return json;
 }
 
-Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Run& cell) {
+Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const MotionRun& cell) {
   Json samples = array_of(cell.samples, [](const Sample& s) -> Json {
     Json levels = array_of(s.levels, [](const LevelFigures& l) -> Json {
       return {{"level", l.level},
@@ -159,8 +159,8 @@ Json cost_json(const Plan& plan, const Cost& cost) {
 std::string study_json(const Study& study) {
   const Plan& plan = study.plan;
   const Result& result = study.result;
-  Json cells = array_of(result.cells, [&](const Run& cell) { return cell_json(plan, plan.rules, cell); });
-  for (const Run& cell : result.mixes) cells.push_back(cell_json(plan, plan.mixes, cell));
+  Json cells = array_of(result.cells, [&](const MotionRun& cell) { return cell_json(plan, plan.rules, cell); });
+  for (const MotionRun& cell : result.mixes) cells.push_back(cell_json(plan, plan.mixes, cell));
   const Json json{
       {"morula", version},
       {"title", "Sphere trees on deforming bodies: the evaluation of Garcia, Bayona, Toharia and Mendoza, again"},

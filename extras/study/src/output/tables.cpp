@@ -15,12 +15,12 @@ struct Summary {
   double bare_worst = 0, gap_worst = 0, protrusion_worst = 0;
   bool known = true;
 
-  void add(const Run& cell, std::size_t level, ErrorUnit unit) {
+  void add(const MotionRun& cell, std::size_t level, ErrorUnit unit) {
     for (const Sample& s : cell.samples) {
       const LevelFigures* l = cell.at(s.sample, level);
       if (l == nullptr) continue;
       bare_worst = std::max(bare_worst, l->uncovered_area());
-      gap_worst = std::max(gap_worst, l->gap());
+      gap_worst = std::max(gap_worst, l->uncovered_distance());
       protrusion_worst = std::max(protrusion_worst, l->protrusion_worst().value_or(0));
       if (s.sample == 0) continue;
       known = known && l->error(unit).has_value();
@@ -65,7 +65,7 @@ Table rule_table(const Plan& plan, const Result& result) {
       false,
       {"body", "method", "motion", "level", "rule", "at rest", "mean", "worst", "bare, %", "gap, %", "protrusion, %"},
       {}};
-  for (const Run& cell : result.cells) {
+  for (const MotionRun& cell : result.cells) {
     for (const std::size_t level : plan.levels()) {
       Summary s;
       s.add(cell, level, plan.unit);
@@ -89,12 +89,12 @@ Table floor_table(const Plan& plan, const Result& result) {
               {"body", "method", "motion", "level", "fresh", "exact", "over fresh", "rebuilt", "over fresh"},
               {}};
   const std::size_t last = plan.samples - 1;
-  for (const Run& cell : result.cells) {
+  for (const MotionRun& cell : result.cells) {
     if (plan.rules[cell.key.rule].kind != study::fresh) continue;
     for (const std::size_t level : plan.levels()) {
       const auto error_of = [&](const RuleKey& rule) -> std::optional<double> {
         const std::optional<std::size_t> place = plan.find_rule(rule);
-        const Run* other = place ? result.find({cell.key.source, cell.key.motion, *place}) : nullptr;
+        const MotionRun* other = place ? result.find({cell.key.source, cell.key.motion, *place}) : nullptr;
         const LevelFigures* l = other == nullptr ? nullptr : other->at(last, level);
         return l == nullptr ? std::nullopt : l->error(plan.unit);
       };
@@ -124,7 +124,7 @@ std::vector<Mix> ranked_mixes(const Plan& plan, const Result& result, const Cost
   std::vector<Mix> mixes;
   for (std::size_t r = 0; r < plan.mixes.size(); ++r) {
     Summary s;
-    for (const Run& cell : result.mixes)
+    for (const MotionRun& cell : result.mixes)
       if (cell.key.rule == r)
         for (const std::size_t level : plan.levels()) s.add(cell, level, plan.unit);
     mixes.push_back({plan.mixes[r].name, s.mean(), s.bare_worst, {}, {}});

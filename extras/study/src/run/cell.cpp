@@ -153,11 +153,11 @@ std::optional<Looseness> loose_from(const Json& json) {
 
 }  // namespace
 
-Run run_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses, const FollowRule& rule,
-             bool with_protrusion, const std::stop_token& stop) {
+MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
+                   const FollowRule& rule, bool with_protrusion, const std::stop_token& stop) {
   const Source& source = plan.sources[key.source];
   const Mesh& rest = plan.bodies[source.body].mesh;
-  Run cell;
+  MotionRun cell;
   cell.key = key;
   const std::unique_ptr<Follower> follower = make_follower(plan, source, model, rule, stop);
   const LoosenessMeter meter(rest);
@@ -187,7 +187,7 @@ Run run_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, cons
   return cell;
 }
 
-std::optional<double> time_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses,
+std::optional<double> time_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
                                 const FollowRule& rule) {
   if (rule.kind != RuleKey::Kind::update) return std::nullopt;
   Body body(plan.body_of(key.source).mesh, model, rule.options);
@@ -203,7 +203,7 @@ std::optional<double> time_cell(const Plan& plan, const RunKey& key, const Cover
   return median(times);
 }
 
-Json stored_json(const Run& cell) {
+Json stored_json(const MotionRun& cell) {
   Json samples = Json::array();
   for (const Sample& s : cell.samples) {
     Json levels = Json::array();
@@ -230,8 +230,8 @@ Json stored_json(const Run& cell) {
   return {{"returns_to_rest", json_of(cell.returns_to_rest)}, {"certificate", certificate}, {"samples", samples}};
 }
 
-Run cell_from_json(const Json& json) {
-  Run cell;
+MotionRun cell_from_json(const Json& json) {
+  MotionRun cell;
   cell.returns_to_rest = value_from<bool>(json.at("returns_to_rest"));
   if (const Json& c = json.at("certificate"); !c.is_null()) cell.certificate = Certificate{c.at(0), c.at(1), c.at(2)};
   for (const Json& s : json.at("samples")) {

@@ -13,7 +13,7 @@ std::optional<double> part_of(const std::optional<Looseness>& looseness, Part pa
 }
 
 template <class Value>
-double worst(const Run& cell, const Value& value) {
+double worst(const MotionRun& cell, const Value& value) {
   double most = 0;
   for (const Sample& s : cell.samples)
     for (const LevelFigures& l : s.levels) most = std::max(most, value(l));
@@ -51,7 +51,7 @@ std::optional<double> LevelFigures::error(ErrorUnit unit) const {
   return unit == ErrorUnit::volume ? looseness() : looseness_box();
 }
 
-const LevelFigures* Run::at(std::size_t sample, std::size_t level) const {
+const LevelFigures* MotionRun::at(std::size_t sample, std::size_t level) const {
   for (const Sample& s : samples) {
     if (s.sample != sample) continue;
     for (const LevelFigures& l : s.levels)
@@ -60,21 +60,21 @@ const LevelFigures* Run::at(std::size_t sample, std::size_t level) const {
   return nullptr;
 }
 
-double Run::worst_looseness_fixed() const {
+double MotionRun::worst_looseness_fixed() const {
   return worst(*this, [](const LevelFigures& l) { return l.looseness_fixed().value_or(0); });
 }
 
-double Run::worst_uncovered_area() const {
+double MotionRun::worst_uncovered_area() const {
   return worst(*this, [](const LevelFigures& l) { return l.coverage.uncovered_area; });
 }
 
-double Run::worst_gap() const {
+double MotionRun::worst_uncovered_distance() const {
   return worst(*this, [](const LevelFigures& l) { return l.coverage.uncovered_distance; });
 }
 
-const Run* Result::find(const RunKey& key) const {
+const MotionRun* Result::find(const MotionRunKey& key) const {
   const auto at = std::lower_bound(cells.begin(), cells.end(), key,
-                                   [](const Run& cell, const RunKey& wanted) { return cell.key < wanted; });
+                                   [](const MotionRun& cell, const MotionRunKey& wanted) { return cell.key < wanted; });
   return at != cells.end() && at->key == key ? &*at : nullptr;
 }
 

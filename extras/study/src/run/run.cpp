@@ -129,12 +129,12 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
 }
 
 struct CellTask {
-  RunKey key;
+  MotionRunKey key;
   std::size_t source;  // among the body's
   std::size_t motion;  // among those that it can make
   const FollowRule* rule;
   bool with_protrusion;
-  Run* result;
+  MotionRun* result;
 };
 
 /// Everything about one body; its trees and poses are dropped at the end, unless somebody wants its trees.
@@ -192,14 +192,14 @@ class BodyRun {
 
   void run_cells() {
     const Plan& plan = c_.plan;
-    std::vector<Run> cells(sources_.size() * poses_.size() * plan.rules.size());
-    std::vector<Run> mixes(body_ == 0 && !sources_.empty() ? poses_.size() * plan.mixes.size() : 0);
+    std::vector<MotionRun> cells(sources_.size() * poses_.size() * plan.rules.size());
+    std::vector<MotionRun> mixes(body_ == 0 && !sources_.empty() ? poses_.size() * plan.mixes.size() : 0);
     std::vector<CellTask> tasks;
     std::size_t next = 0;
     for (std::size_t s = 0; s < sources_.size(); ++s) {
       for (std::size_t m = 0; m < poses_.size(); ++m) {
         for (std::size_t r = 0; r < plan.rules.size(); ++r) {
-          Run* cell = &cells[next++];
+          MotionRun* cell = &cells[next++];
           if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built anew
           tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], true, cell});
         }
@@ -217,9 +217,9 @@ class BodyRun {
       for (const CellTask& task : tasks)
         task.result->update_seconds = time_cell(plan, task.key, trees_[task.source], poses_[task.motion], *task.rule);
     }
-    for (std::vector<Run>* part : {&cells, &mixes}) {
-      std::vector<Run>& all = part == &cells ? c_.result.cells : c_.result.mixes;
-      for (Run& cell : *part)
+    for (std::vector<MotionRun>* part : {&cells, &mixes}) {
+      std::vector<MotionRun>& all = part == &cells ? c_.result.cells : c_.result.mixes;
+      for (MotionRun& cell : *part)
         if (!cell.samples.empty()) all.push_back(std::move(cell));
     }
   }

@@ -26,9 +26,9 @@ class SphereRobot {
 
   /// By the coordinates of a configuration: one value per joint of robot.independent_joints. Throws
   /// std::invalid_argument for another number of them.
-  void pose(std::span<const double> values);
+  void set_joint_values(std::span<const double> values);
   /// By the poses of all links, in the robot's order. Throws std::invalid_argument for another number of them.
-  void place(std::span<const RigidTransform> link_poses);
+  void set_link_poses(std::span<const RigidTransform> link_poses);
 
   /// Links that have spheres, ascending, as indices of robot.links.
   std::span<const std::size_t> links() const { return links_; }

@@ -13,11 +13,11 @@
 namespace morula::study {
 
 /// Places in the plan.
-struct RunKey {
+struct MotionRunKey {
   std::size_t source = 0;
   std::size_t motion = 0;
   std::size_t rule = 0;  ///< in Plan::rules, or in Plan::mixes
-  auto operator<=>(const RunKey&) const = default;
+  auto operator<=>(const MotionRunKey&) const = default;
 };
 
 /// One level set in one pose. What has no answer on an open mesh is empty, and so is what the plan does not measure.
@@ -50,8 +50,8 @@ struct Sample {
   std::vector<LevelFigures> levels;
 };
 
-struct Run {
-  RunKey key;
+struct MotionRun {
+  MotionRunKey key;
   std::optional<bool> returns_to_rest;     ///< the same bits; nothing for `fresh`
   std::optional<Certificate> certificate;  ///< over all samples: covered in all, the worst excess of any
   std::optional<double> update_seconds;    ///< of one update, median over all samples and repeats, one thread
@@ -63,7 +63,7 @@ struct Run {
   double worst_looseness_fixed() const;
   double worst_uncovered_area() const;
   /// In mesh units.
-  double worst_gap() const;
+  double worst_uncovered_distance() const;
 };
 
 }  // namespace morula::study

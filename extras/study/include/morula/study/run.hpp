@@ -36,8 +36,8 @@ struct Skipped {
 struct Result {
   std::vector<TreeFigures> trees;    ///< one per source
   std::vector<TreeFigures> needles;  ///< the same generators on the prism of long thin triangles
-  std::vector<Run> cells;            ///< ascending by key; those that cannot be made are left out
-  std::vector<Run> mixes;            ///< motions × mixes of the first source
+  std::vector<MotionRun> cells;      ///< ascending by key; those that cannot be made are left out
+  std::vector<MotionRun> mixes;      ///< motions × mixes of the first source
   std::vector<PressCell> presses;    ///< ascending by body
   std::vector<PressScene> scenes;    ///< of the presses, one per body that is pressed
   std::vector<Skipped> skipped;
@@ -46,7 +46,7 @@ struct Result {
 
   std::size_t cell_count() const { return cells.size() + mixes.size() + presses.size(); }
   /// nullptr when there is none.
-  const Run* find(const RunKey& key) const;
+  const MotionRun* find(const MotionRunKey& key) const;
 };
 
 /// A stop was requested; finished cells are kept.
