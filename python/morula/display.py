@@ -42,6 +42,6 @@ def tree_html(model: _morula.CoveredTree) -> str:
         for level in range(tree.level_count)
     )
     return (
-        f"<div><b>{html.escape(repr(built).strip('<>'))}</b><br/>{tree_svg(tree)}"
+        f"<div><b>{html.escape(repr(model).strip('<>'))}</b><br/>{tree_svg(tree)}"
         f"<table><tr><th>level</th><th>spheres</th><th>largest radius</th></tr>{rows}</table></div>"
     )

@@ -40,7 +40,7 @@ def test_the_argument_is_named(body):
     assert "depth: 'deep', but an integer, or None is needed" in message(morula.build, mesh, depth="deep")
     assert "method: 3, but one of octree, " in message(morula.build, mesh, method=3)
     assert "at most 1 may have none" in message(morula.build, mesh, "grid")
-    assert message(morula.Collider(body).place, "there").startswith("Collider.set_transform(): transform: ")
+    assert message(morula.Collider(body).set_transform, "there").startswith("Collider.set_transform(): transform: ")
     assert "seed: -1 is out of range" in message(morula.build, mesh, seed=-1)
     assert message(morula.Body, mesh).startswith("Body(): built is missing")
     # Where several are wrong, all are told.
@@ -138,11 +138,11 @@ def test_placements_are_matrices_of_any_precision(body):
     assert numpy.abs(collider.transform.matrix - matrix).max() < 1e-7
     collider.set_transform((1, 2, 3))
     assert collider.transform.translation == (1, 2, 3)
-    assert "transform.T" in message(collider.place, matrix.T, error=ValueError)
-    assert "not finite" in message(collider.place, numpy.full((4, 4), numpy.nan), error=ValueError)
+    assert "transform.T" in message(collider.set_transform, matrix.T, error=ValueError)
+    assert "not finite" in message(collider.set_transform, numpy.full((4, 4), numpy.nan), error=ValueError)
     bent = matrix.copy()
     bent[0, 0] *= 1.001
-    said = message(collider.place, bent, error=ValueError)
+    said = message(collider.set_transform, bent, error=ValueError)
     assert "0.000000" not in said and "deviate by 0.00" in said
     assert collider.transform.translation == (1, 2, 3)
 

@@ -182,9 +182,9 @@ def test_filters_decide_who_meets():
         return [(p.a.place, p.b.place) for p in scene.pairs()]
 
     scene = morula.Scene()
-    ids = [scene.add(c, is_static=i < 2, of=1 << i, with_=0b1111) for i, c in enumerate(colliders)]
+    ids = [scene.add(c, is_static=i < 2, category=1 << i, mask=0b1111) for i, c in enumerate(colliders)]
     assert touching(scene) == [(0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-    scene.set_masks(ids[3], of=8, with_=0b0001)
+    scene.set_masks(ids[3], category=8, mask=0b0001)
     assert touching(scene) == [(0, 2), (0, 3), (1, 2)]
 
     asked = []
@@ -282,7 +282,7 @@ def test_what_is_wrong_is_said_and_changes_nothing(crowd):
         with pytest.raises(ValueError):
             morula.Scene(**wrong)
     with pytest.raises(ValueError):
-        scene.add(collider, of=0)
+        scene.add(collider, category=0)
     with pytest.raises(ValueError):
         scene.remove(morula.BodyId(77, 0))
     with pytest.raises(TypeError, match="collider"):

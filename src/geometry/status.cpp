@@ -59,7 +59,7 @@ std::string message(const Status& status) {
     case Code::no_front:
       return "there is no front: call start() first";
     case Code::other_bodies:
-      return pair + "the front is of other bodies or of another ownership: call start()";
+      return pair + "the front is of other bodies or of another cover: call start()";
     case Code::other_frame:
       return pair + "a body was updated since the front was made: call carry() or start()";
     case Code::other_transform:

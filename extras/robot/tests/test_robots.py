@@ -51,7 +51,7 @@ def test_what_the_file_says_is_there(arm):
 
 
 def test_what_is_printed_is_short(arm, spheres, ignored):
-    assert repr(arm) == f"Robot(name='arm', format='urdf', links=<{len(arm.links)}>, joints=<{len(arm.joints)}>, own=<5>)"
+    assert repr(arm) == f"Robot(name='arm', format='urdf', links=<{len(arm.links)}>, joints=<{len(arm.joints)}>, independent_joints=<5>)"
     base = arm.links[arm.root]
     assert repr(base) == f"Link(name='base', collision=<2>, visual=<{len(base.visual)}>, joint=None)"
     assert repr(spheres) == (

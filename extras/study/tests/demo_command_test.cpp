@@ -145,7 +145,7 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
   }
   const std::string csv = bench.read("demo/demo.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), measurements + 1);
-  for (const char* name : {"limb.obj", "limb-morula.morula", "limb-octree.morula", "limb-stretch-2.obj",
+  for (const char* name : {"limb.obj", "limb-optimized.morula", "limb-octree.morula", "limb-stretch-2.obj",
                            "limb-stretch-2-exact.sph", "limb-bend-90-approach2.sph"}) {
     EXPECT_TRUE(std::filesystem::is_regular_file(bench / (std::string("demo/") + name))) << name;
   }

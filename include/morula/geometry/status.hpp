@@ -42,7 +42,7 @@ struct [[nodiscard]] Status {
     bad_level,   ///< both trees of a pair have fewer levels
     // Fronts
     no_front,         ///< nothing was started
-    other_bodies,     ///< the front is of another number of bodies, or of another ownership
+    other_bodies,     ///< the front is of another number of bodies, or of another cover
     other_frame,      ///< a body was updated: carry() the front
     other_transform,  ///< a body was placed elsewhere: carry() the front
     other_options,    ///< what was started is of another margin, level or distance

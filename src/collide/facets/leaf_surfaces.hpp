@@ -41,7 +41,7 @@ const FacetKernels& facet_kernels();
 class FacetShares {
  public:
   bool is_of(const Collider& collider) const;
-  /// Linear in patches where they are of another ownership, else constant.
+  /// Linear in patches where they are of another cover, else constant.
   void follow(const Collider& collider);
   const float* data() const { return share_.data(); }
 
@@ -54,7 +54,7 @@ class LeafSurfaces {
  public:
   /// Forgets all leaves, not the memory. shares: the collider's, which stay until the next start.
   void start(const Collider& collider, const FacetShares& shares);
-  /// The same with shares of its own: linear in patches once per ownership, constant afterwards.
+  /// The same with shares of its own: linear in patches once per cover, constant afterwards.
   void start(const Collider& collider) {
     own_shares_.follow(collider);
     start(collider, own_shares_);
