@@ -102,7 +102,7 @@ struct Stage {
 
 double built_by(const Mesh& mesh, const BuildOptions& options, Result& result) {
   CoveredTree built;
-  const double seconds = processor_seconds_of([&] { built = build(mesh, options); });
+  const double seconds = processor_seconds_of([&] { built = build(mesh, options, serial_workers()); });
   result.expect(certify(built.cover, mesh.positions, built.tree.spheres).covered, "surface outside the spheres");
   result.expect(built.tree.leaf_count() > 64, "hardly divided");
   return seconds;
@@ -151,7 +151,7 @@ std::vector<Stage> stages() {
        [=](const Mesh& mesh, Result& result) {
          const CoveredTree built = build(mesh, octree);
          std::vector<LevelMeasure> levels;
-         const double seconds = processor_seconds_of([&] { levels = measure(mesh, built.tree); });
+         const double seconds = processor_seconds_of([&] { levels = measure(mesh, built.tree, {}, serial_workers()); });
          for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is bare");
          return seconds;
        }},

@@ -292,7 +292,8 @@ Cover Sharing::assembled() const {
 
 }  // namespace
 
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers) {
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   return Sharing(mesh, built, workers).with_fewer_cuts();
 }

@@ -153,12 +153,22 @@ INSTANTIATE_TEST_SUITE_P(Quick, BuildReported, testing::Values(Quality::fast),
 INSTANTIATE_TEST_SUITE_P(Long, BuildReported, testing::Values(Quality::standard),
                          [](const auto& tested) { return std::string(name(tested.param)); });
 
+TEST(BuildLimits, a_limit_of_no_time_leaves_the_root_and_covers) {
+  const Mesh mesh = sample_body("limb", 12);
+  const CoveredTree built = build(mesh, {.method = Method::octree, .time_limit_seconds = 0});
+  EXPECT_FALSE(built.report.complete);
+  EXPECT_EQ(built.tree.node_count(), 1u);
+  EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
+}
+
 TEST(BuildLimits, refuses_numbers_that_are_none) {
   const Mesh mesh = sample_body("bar", 3);
   for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(build(mesh, {.time_limit_seconds = bad}), std::invalid_argument);
     EXPECT_THROW(build(mesh, {.max_protrusion = bad}), std::invalid_argument);
   }
+  EXPECT_THROW(build(mesh, {.max_protrusion = 0}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.spheres = 0}), std::invalid_argument);
   EXPECT_THROW(build(mesh, {.spheres = std::numeric_limits<std::size_t>::max()}), std::invalid_argument);
   EXPECT_THROW(build(mesh, {.method = Method::grid, .quality = Quality::best}), std::invalid_argument);
 }

@@ -28,6 +28,6 @@ struct [[nodiscard]] Coverage {
 /// Same bits for any number of workers. Throws std::invalid_argument for bad spheres.
 /// Cost: O(F log n + pieces), the gap by branch and bound on the bare pieces only (at most 2²⁰ steps; should they run
 /// out, gap_upper is still proven).
-Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers& workers = serial_workers());
+Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, WorkersOrAll workers = {});
 
 }  // namespace morula

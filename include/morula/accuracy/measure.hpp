@@ -32,10 +32,10 @@ struct MeasureOptions {
 
 /// One entry per level. tree: in mesh coordinates, at rest or of a frame whose positions the mesh has.
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options = {},
-                                  Workers& workers = serial_workers());
+                                  WorkersOrAll workers = {});
 
 /// The same of spheres that are in no tree, as one level, 0. At least one.
 LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const MeasureOptions& options = {},
-                             Workers& workers = serial_workers());
+                             WorkersOrAll workers = {});
 
 }  // namespace morula

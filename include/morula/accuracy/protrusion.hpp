@@ -25,6 +25,6 @@ struct Protrusion {
 };
 /// Same bits for any number of workers.
 Protrusion protrusion(const SignedDistance& object, std::span<const Sphere> spheres, double tolerance = 1e-2,
-                      Workers& workers = serial_workers());
+                      WorkersOrAll workers = {});
 
 }  // namespace morula
