@@ -22,7 +22,7 @@ static morula_body* read_body(const char* mesh_file, const char* tree_file, doub
   must(morula_mesh_read(mesh_file, &mesh));
   must(morula_model_read(tree_file, mesh, &model));
   must(morula_body_create(mesh, model, NULL, &body)); /* it keeps the mesh and the model alive */
-  must(morula_body_place(body, (double[]){1, 0, 0, 0, 1, 0, 0, 0, 1}, (double[]){0, y, 0}));
+  must(morula_body_set_transform(body, (double[]){1, 0, 0, 0, 1, 0, 0, 0, 1}, (double[]){0, y, 0}));
   morula_model_destroy(model);
   morula_mesh_destroy(mesh);
   return body;

@@ -13,9 +13,9 @@ namespace {
 // [build]
 void build() {
   const morula::Mesh mesh = morula::read_mesh("limb.obj");
-  const morula::CoveredTree built = morula::build(mesh);
-  morula::write_tree("built.morula", built);
-  std::printf("build: %zu spheres on %zu levels\n", built.tree.node_count(), built.tree.level_count());
+  const morula::CoveredTree model = morula::build(mesh);
+  morula::write_tree("built.morula", model);
+  std::printf("build: %zu spheres on %zu levels\n", model.tree.node_count(), model.tree.level_count());
 }
 // [end]
 
@@ -39,7 +39,7 @@ void contacts() {
   const morula::Body limb_body(limb, morula::read_covered_tree("limb.morula", limb));
   const morula::Body tool_body(tool, morula::read_covered_tree("tool.morula", tool));
   morula::Collider a(limb, limb_body), b(tool, tool_body);
-  b.place({.translation = {0, 0.75, 0}});
+  b.set_transform({.translation = {0, 0.75, 0}});
   const morula::Contacts found = morula::collide(a, b);  // {.budget = std::chrono::microseconds(200)} ends it early
   double deepest = 0;
   for (const morula::Contact& contact : found.contacts) deepest = std::max(deepest, contact.depth);
@@ -53,7 +53,7 @@ void distance() {
   const morula::Body limb_body(limb, morula::read_covered_tree("limb.morula", limb));
   const morula::Body tool_body(tool, morula::read_covered_tree("tool.morula", tool));
   morula::Collider a(limb, limb_body), b(tool, tool_body);
-  b.place({.translation = {0, 2, 0}});
+  b.set_transform({.translation = {0, 2, 0}});
   const morula::DistanceBounds bounds = morula::distance(a, b);
   std::printf("distance: %.9g, facets %u and %u\n", bounds.upper, bounds.a.facet, bounds.b.facet);
 }
@@ -80,7 +80,7 @@ void scene() {
   std::vector<morula::Collider> row(5, morula::Collider(mesh, body));
   morula::Scene scene;
   for (std::size_t i = 0; i < row.size(); ++i) {
-    row[i].place({.translation = {0, 0.75 * static_cast<double>(i), 0}});
+    row[i].set_transform({.translation = {0, 0.75 * static_cast<double>(i), 0}});
     scene.add(row[i]);
   }
   if (const morula::SceneStatus status = scene.update(); !status) throw std::runtime_error(message(status));

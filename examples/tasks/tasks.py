@@ -11,8 +11,8 @@ import morula
 # [build]
 def build():
     mesh = morula.read_mesh("limb.obj")  # or trimesh.load("limb.obj")
-    built = morula.build(mesh)
-    morula.write_tree("built.morula", built)
+    model = morula.build(mesh)
+    morula.write_tree("built.morula", model)
     print(f"build: {built.tree.node_count} spheres on {built.tree.level_count} levels")
 # [end]
 
@@ -35,7 +35,7 @@ def contacts():
     limb, tool = morula.read_mesh("limb.obj"), morula.read_mesh("tool.obj")
     a = morula.Collider(morula.Body(limb, morula.read_covered_tree("limb.morula", limb)))
     b = morula.Collider(morula.Body(tool, morula.read_covered_tree("tool.morula", tool)))
-    b.place((0, 0.75, 0))
+    b.set_transform((0, 0.75, 0))
     found = morula.collide(a, b)  # budget="200us" ends it early
     print(f"contacts: {len(found)}, deepest {found.depth.max():.9g}")
 # [end]
@@ -46,7 +46,7 @@ def distance():
     limb, tool = morula.read_mesh("limb.obj"), morula.read_mesh("tool.obj")
     a = morula.Collider(morula.Body(limb, morula.read_covered_tree("limb.morula", limb)))
     b = morula.Collider(morula.Body(tool, morula.read_covered_tree("tool.morula", tool)))
-    b.place((0, 2, 0))
+    b.set_transform((0, 2, 0))
     bounds = morula.distance(a, b)
     print(f"distance: {bounds.upper:.9g}, facets {bounds.a.facet} and {bounds.b.facet}")
 # [end]
@@ -71,7 +71,7 @@ def scene():
     scene = morula.Scene()
     for i in range(5):
         collider = morula.Collider(body)
-        collider.place((0, 0.75 * i, 0))
+        collider.set_transform((0, 0.75 * i, 0))
         scene.add(collider)
     scene.update()
     pairs = scene.pairs()

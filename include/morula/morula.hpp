@@ -59,8 +59,8 @@
 #include <morula/surface/swept.hpp>
 #include <morula/tree/ball_tree.hpp>
 #include <morula/tree/nesting.hpp>
-#include <morula/tree/posed_tree.hpp>
 #include <morula/tree/renumber.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <morula/tree/walk.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>

@@ -108,9 +108,9 @@ def test_a_task_has_at_most_15_lines(source):
 def mesh_and_spheres(folder, name, y=0.0):
     """Positions, facets and the spheres of the leaves of a body at rest, as the library moves them, placed."""
     mesh = morula.read_mesh(folder / f"{name}.obj")
-    built = morula.read_covered_tree(folder / f"{name}.morula", mesh)
-    body = morula.Body(mesh, built)
-    leaves = numpy.flatnonzero(numpy.asarray(built.tree.child_count) == 0)
+    model = morula.read_covered_tree(folder / f"{name}.morula", mesh)
+    body = morula.Body(mesh, model)
+    leaves = numpy.flatnonzero(numpy.asarray(model.tree.child_count) == 0)
     shift = numpy.array([0, y, 0])
     spheres = numpy.asarray(body.copy_spheres())[leaves]
     return numpy.array(mesh.positions) + shift, numpy.array(mesh.facets), spheres + numpy.append(shift, 0)

@@ -16,7 +16,7 @@ std::string message(const Status& status) {
       return "its vertex count is not the mesh's";
     case Code::non_finite_position:
       return "vertex " + index +
-             " is not finite, or too far away for single precision: coordinates about the centre stay below 1e17";
+             " is not finite, or too far away for single precision: coordinates about the center stay below 1e17";
     case Code::bad_range:
       return "a range of changed vertices ends before it begins, or behind the last vertex";
     case Code::needs_coordinates:
@@ -45,7 +45,7 @@ std::string message(const Status& status) {
       return body + " has spheres alone, and facets are asked for: make its collider with a mesh and a cover";
     case Code::positions_not_current:
       return body + " was not given the positions of this frame: call Collider::set_positions after each update";
-    case Code::placement_too_far:
+    case Code::transform_too_far:
       return body + " is placed 2^200 or more from the origin";
     case Code::surface_not_current:
       return std::string(status.body == 0 ? "the first surface" : "the second surface") +
@@ -62,7 +62,7 @@ std::string message(const Status& status) {
       return pair + "the front is of other bodies or of another ownership: call start()";
     case Code::other_frame:
       return pair + "a body was updated since the front was made: call carry() or start()";
-    case Code::other_placement:
+    case Code::other_transform:
       return pair + "a body was placed elsewhere since the front was made: call carry() or start()";
     case Code::other_options:
       return "what was started is of another margin, level or distance: start anew";

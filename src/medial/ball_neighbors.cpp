@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t leaf_size = 8;
 
-/// A k-d tree of the centres, without nodes: a range's middle element divides it, and axes follow from boxes on the
+/// A k-d tree of the centers, without nodes: a range's middle element divides it, and axes follow from boxes on the
 /// way.
 class CenterTree {
  public:

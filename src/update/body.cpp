@@ -102,37 +102,37 @@ void bind_engines(const Binding& binding, EngineList& engines) {
 
 // Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
 // mesh.
-std::uint64_t ownership_stamp(const CoveredTree& built) {
+std::uint64_t cover_id_of(const CoveredTree& model) {
   Hasher hash;
-  hash.add(tree_hash(built.tree));
-  hash.add(built.cover.vertex_count);
-  hash.add(built.cover.facet_count);
-  for (const std::uint32_t end : built.cover.region_end) hash.add(end);
+  hash.add(tree_hash(model.tree));
+  hash.add(model.cover.vertex_count);
+  hash.add(model.cover.facet_count);
+  for (const std::uint32_t end : model.cover.region_end) hash.add(end);
   return hash.value();
 }
 
 }  // namespace
 
-Body::Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const CoveredTree>(built), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, const CoveredTree& model, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(model), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const CoveredTree>(std::move(built)), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, CoveredTree&& model, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(std::move(model)), std::move(options), workers) {}
 
 Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
   if (!shared) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
-  const CoveredTree& built = *shared;
-  require_belonging(mesh, built);
-  const std::vector<Rule> rule_of_level = rules_of_levels(options, built.tree.level_count());
-  const LeafOrder order = depth_first_leaves(built.tree);
-  const std::vector<Rule> rule_of_node = rules_of_nodes(built.tree, rule_of_level);
-  const std::vector<std::uint8_t> measured = leaves_measured(built.tree, order, rule_of_node, options.conservative);
-  Ownership ownership = share_points(mesh, built.cover, order, measured, hull_tolerance);
-  share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
-  assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
+  const CoveredTree& model = *shared;
+  require_belonging(mesh, model);
+  const std::vector<Rule> rule_of_level = rules_of_levels(options, model.tree.level_count());
+  const LeafOrder order = depth_first_leaves(model.tree);
+  const std::vector<Rule> rule_of_node = rules_of_nodes(model.tree, rule_of_level);
+  const std::vector<std::uint8_t> measured = leaves_measured(model.tree, order, rule_of_node, options.conservative);
+  Ownership ownership = share_points(mesh, model.cover, order, measured, hull_tolerance);
+  share_levels(mesh, model.tree, model.cover, order, hull_tolerance, ownership);
+  assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, measured, hull_tolerance).empty());
   state_ =
-      std::make_shared<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, built.cover, ownership)});
+      std::make_shared<State>(State{std::move(shared), std::move(options), LocalPoints(mesh, model.cover, ownership)});
   State& s = *state_;
   s.posed.shared = state_;
 
@@ -140,11 +140,11 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   if (!rest.finite)
     throw std::invalid_argument(
         "vertex " + std::to_string(rest.first_bad_vertex) +
-        " is too far from the centre for an update, or all are too far from the origin: scale "
-        "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
+        " is too far from the center for an update, or all are too far from the origin: scale "
+        "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   s.origin = rest.origin;
   s.follows = followed_by(rule_of_level, s.options);
-  narrow_spheres(built.tree.spheres, rest.origin, s.spheres);
+  narrow_spheres(model.tree.spheres, rest.origin, s.spheres);
   const std::vector<Spheref> of_tree = s.spheres;
   const auto some_node = [&](const auto& is_so) {
     return std::any_of(rule_of_node.begin(), rule_of_node.end(), is_so);
@@ -154,11 +154,11 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   if (some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) bvh.emplace(mesh, workers);
   if (!s.options.modes.empty()) {
     require_modes(s.options.modes, mesh);
-    s.modal.emplace(mesh, built, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
+    s.modal.emplace(mesh, model, s.options.modes, ownership.vertices, s.local.rest_origin(), s.local.size());
   }
   if (!s.options.skin.empty()) {
     require_skin(s.options.skin, mesh);
-    s.skin.emplace(mesh, built, s.options.skin, ownership.vertices, s.local.rest_origin(), s.local.size());
+    s.skin.emplace(mesh, model, s.options.skin, ownership.vertices, s.local.rest_origin(), s.local.size());
   }
   const bool raises = s.options.conservative && some_node([](Rule rule) { return !covers_alone(rule); });
   const bool reads_points =
@@ -167,7 +167,7 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
 
   const RuleFrame frame{.origin = rest.origin, .points = s.local.points(), .rounding = rest.rounding};
   const Binding binding{.mesh = mesh,
-                        .built = built,
+                        .model = model,
                         .options = s.options,
                         .rule_of_level = rule_of_level,
                         .rule_of_node = rule_of_node,
@@ -185,22 +185,22 @@ Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> shared, UpdateOp
   bind_engines(binding, s.engines);
   for (const auto& engine : s.engines) s.work.points_tested += engine->tested_points();
   if (raises) {
-    s.raised.emplace(built.tree, order, ownership, raised_nodes(rule_of_node));
+    s.raised.emplace(model.tree, order, ownership, raised_nodes(rule_of_node));
     for (const Rule rule : rule_of_node) s.wraps.push_back(rule == Rule::wrapped ? 1 : 0);
     s.work.points_tested += s.raised->tested_points();
     s.raise(rest.rounding, workers);
   }
-  s.ownership = ownership_stamp(built);
-  s.reached.resize(built.tree.node_count());
+  s.cover_id = cover_id_of(model);
+  s.reached.resize(model.tree.node_count());
   s.coordinates_reached.resize(s.options.modes.mode_count);
   s.posed.covers = s.options.conservative || std::all_of(rule_of_level.begin(), rule_of_level.end(),
                                                          [](Rule rule) { return traits(rule).covers; });
   // A node of one that reads children contains their spheres; raised radii see to that, too.
   s.posed.nested = true;
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    s.posed.nested = s.posed.nested && (built.tree.is_leaf(node) || rule_of_node[node] == Rule::wrapped);
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    s.posed.nested = s.posed.nested && (model.tree.is_leaf(node) || rule_of_node[node] == Rule::wrapped);
   s.show();
-  s.work.nodes_updated = built.tree.node_count();
+  s.work.nodes_updated = model.tree.node_count();
   if (reads_points) {
     s.work.vertices_read = s.local.vertex_count();
     s.work.cut_points_moved = s.local.cut_point_count();
@@ -274,14 +274,14 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
   return s.shown(s.counted_lazily(s.follow_lazily(coordinates, nodes), nodes));
 }
 
-std::size_t Body::reach(std::uint32_t node) noexcept {
+std::size_t Body::refresh_children(std::uint32_t node) noexcept {
   const StandardFloats standard;
-  const std::size_t brought = state_->reach(node);
+  const std::size_t brought = state_->refresh_children(node);
   state_->show();
   return brought;
 }
 
-bool Body::is_reached(std::uint32_t node) const {
+bool Body::is_fresh(std::uint32_t node) const {
   return !state_->lazy || state_->reached[node] != 0;
 }
 
@@ -300,7 +300,7 @@ Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinate
       if (const auto sphere = engine->sphere_alone(node, {.origin = pose.origin, .modes = &pose}))
         return {pose.origin + Vec3(sphere->center), static_cast<double>(sphere->radius)};
   }
-  return {s.built->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
+  return {s.model->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
 }
 
 std::span<const Spheref> Body::spheres() const {
@@ -328,7 +328,7 @@ void Body::copy_spheres(std::vector<Sphere>& spheres) const {
 }
 
 SphereTree Body::current_tree() const {
-  SphereTree tree = state_->built->tree;
+  SphereTree tree = state_->model->tree;
   tree.nested = state_->posed.nested;
   copy_spheres(tree.spheres);
   return tree;
@@ -350,7 +350,7 @@ std::uint64_t Body::hash() const {
   return hash.value();
 }
 
-const PosedTree& Body::pose() const {
+const SphereState& Body::sphere_state() const {
   return state_->posed;
 }
 
@@ -362,16 +362,16 @@ bool Body::is_current() const {
   return state_->current;
 }
 
-std::uint64_t Body::ownership() const {
-  return state_->ownership;
+std::uint64_t Body::cover_id() const {
+  return state_->cover_id;
 }
 
 const SphereTree& Body::rest_tree() const {
-  return state_->built->tree;
+  return state_->model->tree;
 }
 
 const Cover& Body::cover() const {
-  return state_->built->cover;
+  return state_->model->cover;
 }
 
 const UpdateOptions& Body::options() const {
@@ -383,12 +383,12 @@ const BindReport& Body::bind_report() const {
 }
 
 std::size_t Body::vertex_count() const {
-  return state_->built->cover.vertex_count;
+  return state_->model->cover.vertex_count;
 }
 
-Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, bool fits_leaves,
+Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves,
                               Workers& workers) {
-  Body body(mesh, std::move(built), {}, workers);
+  Body body(mesh, std::move(model), {}, workers);
   if (fits_leaves) body.state_->fit_leaves(workers);
   return body;
 }

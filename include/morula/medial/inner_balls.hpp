@@ -22,7 +22,7 @@ struct InnerBallOptions {
 };
 
 /// Medial balls of a mesh, each as large as its distance to the surface allows less the margin: no facet reaches into
-/// one, and the surface winds round its centre, so the whole of it is inside. None of a mesh that is not closed and
+/// one, and the surface winds round its center, so the whole of it is inside. None of a mesh that is not closed and
 /// oriented (object.has_volume()). object: of this mesh. Same bits for any number of workers.
 std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDistance& object,
                                           const InnerBallOptions& options = {}, WorkersOrAll workers = {});

@@ -32,7 +32,7 @@ struct MedialBalls {
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             WorkersOrAll workers = {});
 
-/// Interior Voronoi balls of surface samples [hubbard1996]: centres inside the object, no sample inside a ball, to
+/// Interior Voronoi balls of surface samples [hubbard1996]: centers inside the object, no sample inside a ball, to
 /// within 2⁻²⁰ of the samples' box. Between the samples surface can be inside. Samples in one plane have none. Adjacent
 /// are balls that share three samples. Throws std::invalid_argument for samples beyond 2^100 of the origin. Cost: about
 /// 10 µs and seven signed distances a sample.

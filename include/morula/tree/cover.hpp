@@ -87,7 +87,7 @@ struct CoveredTree;
 struct KnownPose {
   std::string name;
   std::vector<Vec3> positions;               ///< one per mesh vertex
-  std::shared_ptr<const CoveredTree> built;  ///< of the mesh with these positions; carries no poses of its own
+  std::shared_ptr<const CoveredTree> model;  ///< of the mesh with these positions; carries no poses of its own
 };
 
 /// A tree with its proof.
@@ -100,8 +100,8 @@ struct CoveredTree {
 };
 
 struct CoverOptions {
-  /// Every sphere of the result contains its children's, as after nest() (tree/nesting.hpp). A tree that says it is
-  /// nested stays so anyway.
+  /// Every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp). A tree that says it
+  /// is nested stays so anyway.
   bool nested = false;
 };
 
@@ -110,7 +110,7 @@ struct CoverOptions {
 /// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch
 /// outside its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute
 /// sphere). A sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same
-/// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
+/// center, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options = {},
@@ -121,14 +121,14 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// A facet that several leaves share goes whole to one of them, the one with the most of it first, whose sphere and all
 /// spheres above reach as far already; else what one has of it to another, likewise. What a leaf has of a facet becomes
 /// one patch where it is convex, fewer where it is not. No node's farthest corner is
-/// farther from its centre than before, so spheres that covered cover, and an update at rest grows none; in motion they
+/// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
-/// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, WorkersOrAll workers = {});
+/// longer are left out. mesh: the one that the tree was built for; validate(mesh, model) finds nothing.
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, WorkersOrAll workers = {});
 
 struct [[nodiscard]] Certificate {
   bool covered = true;
-  double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
+  double worst_excess = 0;  ///< largest |corner − center| − radius over all nodes; ≤ 0 when covered
   std::uint32_t worst_node = no_node;
 };
 
@@ -149,6 +149,6 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. The same of the trees
 /// for known poses, at these. Empty: all hold.
-std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built);
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& model);
 
 }  // namespace morula

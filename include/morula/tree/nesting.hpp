@@ -27,10 +27,10 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
 /// Makes inner spheres contain their children's, from the deepest level up, and sets tree.nested.
 ///
 /// Leaves stay as they are. A sphere that contains its children's stays, unless the smallest sphere around these is
-/// smaller; any other becomes the smaller of {same centre, larger radius} and {smallest sphere around the children's},
+/// smaller; any other becomes the smaller of {same center, larger radius} and {smallest sphere around the children's},
 /// with radii rounded up. So what a node's leaves contain its sphere contains: a tree that covers still does, with the
 /// pads that certify() asks for. Throws std::invalid_argument, and changes nothing, for a tree that fails validate(),
 /// or when no sphere around some children is finite.
-void nest(SphereTree& tree);
+void make_nested(SphereTree& tree);
 
 }  // namespace morula

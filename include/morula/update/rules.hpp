@@ -16,7 +16,7 @@ namespace morula {
 
 /// How a node's sphere follows the deformed surface [garcia2005, sec. 3]. rule_table says what is known of each.
 enum class Rule : std::uint8_t {
-  traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
+  traditional,  ///< center: mean displacement of the enclosed vertices; radius: farthest of them
   weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
@@ -73,12 +73,12 @@ std::span<const Rule> position_rules();
 /// Questions that the papers leave open. Defaults are the literal readings, but for modal_bound.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
-  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's centre
+  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's center
   enum class InnerCenter : std::uint8_t { children, linked_vertices };
   InnerCenter approach1_inner_center = InnerCenter::children;
   enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
   InnerBoxes approach2_inner_boxes = InnerBoxes::child_spheres;
-  /// Of `wrapped`: the centre moves with the mean of the children's, or from there to where it has to reach least,
+  /// Of `wrapped`: the center moves with the mean of the children's, or from there to where it has to reach least,
   /// within a few percent: the smallest sphere around theirs.
   enum class WrappedCenter : std::uint8_t { children, smallest };
   WrappedCenter wrapped_center = WrappedCenter::children;

@@ -19,7 +19,7 @@ struct Candidates {
 
 class Pruner {
  public:
-  Pruner(std::vector<Grown>& nodes, const Judge& judge) : nodes_(nodes), judge_(judge), candidates_(nodes.size()) {
+  Pruner(std::vector<Grown>& nodes, const LeafScore& score) : nodes_(nodes), score_(score), candidates_(nodes.size()) {
     parent_.resize(nodes.size(), no_node);
     for (std::uint32_t i = 0; i < nodes.size(); ++i)
       for (const std::uint32_t child : nodes[i].children) parent_[child] = i;
@@ -74,7 +74,7 @@ class Pruner {
       const Grown &a = nodes_[pair.first], &b = nodes_[pair.second];
       auto known = of.joins.find(pair);
       if (known == of.joins.end())
-        known = of.joins.emplace(pair, judge_.join(a.node, a.verdict, b.node, b.verdict)).first;
+        known = of.joins.emplace(pair, score_.join(a.node, a.verdict, b.node, b.verdict)).first;
       if (!of.best || known->second.cost < of.joins.at(*of.best).cost) of.best = pair;
     }
   }
@@ -107,7 +107,7 @@ class Pruner {
     children.clear();
     nodes_[kept].node.region = {};
     nodes_[parent].node.region = std::move(node.region);
-    if (join.verdict.worth < nodes_[parent].verdict.worth) {
+    if (join.verdict.gain < nodes_[parent].verdict.gain) {
       nodes_[parent].node.sphere = join.sphere;
       nodes_[parent].verdict = join.verdict;
     }
@@ -119,7 +119,7 @@ class Pruner {
   }
 
   std::vector<Grown>& nodes_;
-  const Judge& judge_;
+  const LeafScore& score_;
   std::vector<Candidates> candidates_;  // of each node
   std::vector<std::uint32_t> parent_;
   std::set<std::pair<double, std::uint32_t>> queue_;  // the cheapest first
@@ -127,8 +127,8 @@ class Pruner {
 
 }  // namespace
 
-void prune(std::vector<Grown>& nodes, std::size_t most, const Judge& judge, const BuildRun& run, Workers& workers) {
-  Pruner(nodes, judge)(most, run, workers);
+void prune(std::vector<Grown>& nodes, std::size_t most, const LeafScore& score, const BuildRun& run, Workers& workers) {
+  Pruner(nodes, score)(most, run, workers);
 }
 
 }  // namespace morula::detail

@@ -24,6 +24,6 @@ struct Grown {
 /// Joins two sibling leaves after the other, those first that then take in least more, until at most `most` leaves are
 /// left; a node whose children have become one is that leaf. nodes: the root first. Nodes that are joined away are no
 /// longer among their parent's children.
-void prune(std::vector<Grown>& nodes, std::size_t most, const Judge& judge, const BuildRun& run, Workers& workers);
+void prune(std::vector<Grown>& nodes, std::size_t most, const LeafScore& score, const BuildRun& run, Workers& workers);
 
 }  // namespace morula::detail

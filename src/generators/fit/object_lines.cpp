@@ -97,7 +97,7 @@ ObjectLines::Axis ObjectLines::trace(const Mesh& mesh, const std::vector<Vec3>& 
   return result;
 }
 
-// Normals where lines cross the surface, spread over neighbouring blocks.
+// Normals where lines cross the surface, spread over neighboring blocks.
 void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
   constexpr int most_blocks = 64;
   const int longest = *std::max_element(count_.begin(), count_.end());
@@ -137,7 +137,7 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
         }
       }
   }
-  // Each block and its two neighbours along an axis: numbers `apart` before and after in a row of the block's own.
+  // Each block and its two neighbors along an axis: numbers `apart` before and after in a row of the block's own.
   for (int pass = 0; pass < 2; ++pass)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count_[axis]);

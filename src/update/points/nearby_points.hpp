@@ -18,7 +18,7 @@ class NearbyPoints {
  public:
   /// Borrows all but the tree. Every vertex that a facet uses is owned by some leaf.
   NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership);
-  /// Adds the vertices whose distance to the centre is at most the radius. Cost: leaves, and what those near own.
+  /// Adds the vertices whose distance to the center is at most the radius. Cost: leaves, and what those near own.
   void add(const Sphere& around, Marks& points) const;
 
  private:

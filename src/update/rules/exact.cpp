@@ -45,7 +45,7 @@ float find_core(const Binding& binding, std::uint32_t node, std::span<std::uint3
 void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& nearby, Marks& scratch,
                 Anchors& anchors) {
   constexpr double reach = 1.3;
-  const Sphere& at_rest = binding.built.tree.spheres[node];
+  const Sphere& at_rest = binding.model.tree.spheres[node];
   for (const std::uint32_t p : owned_points(binding, node)) scratch.add(p);
   nearby.add({at_rest.center, reach * at_rest.radius}, scratch);
   std::vector<std::uint32_t> candidates;
@@ -58,13 +58,13 @@ void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& 
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding)
-    : walk_(binding.built.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+    : walk_(binding.model.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   std::vector<std::uint32_t> cores(core_size * node_count), levels;
   std::vector<float> radii(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
-  const NearbyPoints nearby(binding.mesh, binding.built.tree, binding.order, binding.ownership);
+  const NearbyPoints nearby(binding.mesh, binding.model.tree, binding.order, binding.ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     Marks scratch(binding.local.points().size());
     for (std::size_t k = begin; k < end; ++k) {
@@ -75,7 +75,7 @@ ExactRule::ExactRule(const Binding& binding)
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
   anchors_.pack();
   for (const std::uint32_t node : walk_.nodes())
-    levels.push_back(static_cast<std::uint32_t>(binding.built.tree.level_of(node)));
+    levels.push_back(static_cast<std::uint32_t>(binding.model.tree.level_of(node)));
   cores_ = PackedCores(cores, radii, levels);
   incremental_.emplace(binding, walk_.chains(), anchors_, cores_);
 }

@@ -12,7 +12,7 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 4 * nodes_at_once;
-// Points that may come to be the nearest to a leaf's centre, in radii.
+// Points that may come to be the nearest to a leaf's center, in radii.
 constexpr float farthest_near = 2;
 // A leaf that costs no more than this times what it cost where the tree was made is good: a rigid motion changes no
 // cost by more than rounding does, and what a builder chose with care stays.
@@ -26,9 +26,9 @@ Vec3f at(const LocalPoint& p) {
 
 }  // namespace
 
-// The points nearest to a centre on all sides of it are, turned inside out about it, the outermost: y = x / |x|² takes
-// a sphere through the centre to a plane, so the farthest y along a direction is the x that a sphere which grows from
-// the centre that way meets first.
+// The points nearest to a center on all sides of it are, turned inside out about it, the outermost: y = x / |x|² takes
+// a sphere through the center to a plane, so the farthest y along a direction is the x that a sphere which grows from
+// the center that way meets first.
 LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
                    std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers)
     : nodes_(nodes.begin(), nodes.end()) {
