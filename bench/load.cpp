@@ -102,7 +102,7 @@ struct Stage {
 
 double built_by(const Mesh& mesh, const BuildOptions& options, Result& result) {
   CoveredTree model;
-  const double seconds = processor_seconds_of([&] { model = build(mesh, options); });
+  const double seconds = processor_seconds_of([&] { model = build(mesh, options, serial_workers()); });
   result.expect(certify(model.cover, mesh.positions, model.tree.spheres).covered, "surface outside the spheres");
   result.expect(model.tree.leaf_count() > 64, "hardly divided");
   return seconds;
@@ -151,7 +151,7 @@ std::vector<Stage> stages() {
        [=](const Mesh& mesh, Result& result) {
          const CoveredTree model = build(mesh, octree);
          std::vector<LevelMeasure> levels;
-         const double seconds = processor_seconds_of([&] { levels = measure(mesh, model.tree); });
+         const double seconds = processor_seconds_of([&] { levels = measure(mesh, model.tree, {}, serial_workers()); });
          for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is bare");
          return seconds;
        }},

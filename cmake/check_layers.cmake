@@ -30,7 +30,7 @@ set(height_io 8)
 # experiments
 set(height_surface 9)
 set(height_scene 9)
-set(height_c 9)
+set(height_c 10)
 
 # Extras: the other extras that each uses; what of the library's private headers all may include.
 set(extras grains page robot study)

@@ -95,7 +95,7 @@ Result flat_set_of(const Input& input, BuildOptions options, std::size_t spheres
   const auto own = loose(flat, flat.tree.level_count() - 1);
   if (!own) return result;
   result.figures.push_back({"looseness", *own});
-  options.spheres = 0;
+  options.spheres.reset();
   options.branching = static_cast<int>(spheres);
   options.depth = 1;
   const CoveredTree one_level = build(input.mesh, options, *settings.workers);

@@ -9,7 +9,8 @@
  * Options are structs that begin with their size: fill them by their _init function, then set what you want. A program
  * that was compiled with an older header keeps working: what it does not know has its default.
  *
- * Handles keep alive what they were made from: a mesh may be destroyed after its model, a model after its body.
+ * Handles keep alive what they were made from: a mesh may be destroyed before its model, a model before its body, a
+ * body before the scene that it was added to.
  * One handle is for one thread at a time; different handles are independent, also bodies of one model. */
 #ifndef MORULA_MORULA_H
 #define MORULA_MORULA_H
@@ -78,17 +79,20 @@ typedef struct morula_sphere {
   double x, y, z, radius;
 } morula_sphere;
 
+/* No node: the parent of the root, the children of a leaf. */
+#define MORULA_NO_NODE UINT32_MAX
+
 typedef struct morula_build_options {
   size_t size;               /* of this struct, set by morula_build_options_init */
   const char* method;        /* octree, grid, hubbard, spawn, medial, combined, optimized */
   const char* quality;       /* of method optimized: draft, fast, default, best */
   int branching;             /* most children of a node, 2 to 64 */
   int depth;                 /* levels below the root, 0 to 8; -1: by the number of facets */
-  size_t spheres;            /* not 0: a flat set of at most so many */
-  double max_protrusion;     /* not 0: no leaf sticks out farther than this length */
-  double time_limit_seconds; /* not 0: what is not divided by then stays as it is, and covers */
+  size_t spheres;            /* a flat set of at most so many; 0: a tree by depth and branching */
+  double max_protrusion;     /* no leaf sticks out farther than this length, mesh units; 0: no limit */
+  double time_limit_seconds; /* what is not divided by then stays as it is, and covers; 0: no limit */
   uint64_t seed;
-  int threads; /* 1 or more */
+  int threads; /* 0: one per processor */
   int nested;  /* not 0: every sphere contains its children's */
   /* Called now and then on the calling thread with the share that is done, 0 to 1; not 0 stops the build. */
   int (*progress)(double share, void* user);
@@ -110,10 +114,10 @@ MORULA_API size_t morula_model_level_count(const morula_model* model);
 MORULA_API size_t morula_model_leaf_count(const morula_model* model);
 /* One per node, level by level from the root, which is node 0. As long as the model lives. */
 MORULA_API const morula_sphere* morula_model_spheres(const morula_model* model);
-/* 0xffffffff for a leaf; children are adjacent. */
+/* MORULA_NO_NODE for a leaf; children are adjacent. */
 MORULA_API const uint32_t* morula_model_first_child(const morula_model* model);
 MORULA_API const uint32_t* morula_model_child_count(const morula_model* model);
-/* 0xffffffff for the root. */
+/* MORULA_NO_NODE for the root. */
 MORULA_API const uint32_t* morula_model_parent(const morula_model* model);
 /* The nodes whose spheres cover the surface at a level: those of the level, and leaves above it. Writes at most
  * `capacity` of them, ascending, and their number to *count, which may be more. nodes may be NULL with capacity 0. */
@@ -209,6 +213,42 @@ typedef struct morula_distance {
 
 /* Of the surfaces, down to the nearest facets. */
 MORULA_API morula_status morula_distance_of(const morula_body* a, const morula_body* b, morula_distance* distance);
+
+/* ---- Questions about one body. ---- */
+
+/* Self-contact: the pairs of facets of the body that intersect, decided exactly, without pairs that share a vertex. Two
+ * indices each, the lower one first, in ascending order. Writes at most `capacity` pairs, and their number to *count,
+ * which may be more. pairs may be NULL with capacity 0. The first call sorts the facets; later ones begin with that. */
+MORULA_API morula_status morula_self_crossings(morula_body* body, uint32_t* pairs, size_t capacity, size_t* count);
+
+/* ---- Scenes: many bodies, and which of them touch. ---- */
+
+typedef struct morula_scene morula_scene;
+
+/* Two bodies whose leaf spheres overlap, or are no farther apart than the margin. */
+typedef struct morula_scene_pair {
+  morula_body *a, *b;
+  const morula_contact* contacts; /* of a and b */
+  size_t contact_count;
+  int32_t began;    /* 1: the bodies were apart before the last update */
+  int32_t finished; /* 0: the budget ended before every contact was looked into */
+} morula_scene_pair;
+
+/* options: NULL for the defaults; the budget is that of one update, for all pairs together. threads: 1 or more; a
+ * budget of time uses one. */
+MORULA_API morula_status morula_scene_create(const morula_contact_options* options, int threads, morula_scene** scene);
+MORULA_API void morula_scene_destroy(morula_scene* scene);
+/* The body is updated and placed as always; the scene looks at it in its own update. is_static, not 0: it never moves,
+ * and two static bodies form no pair. A body that is there already is a bad argument. */
+MORULA_API morula_status morula_scene_add(morula_scene* scene, morula_body* body, int is_static);
+MORULA_API morula_status morula_scene_remove(morula_scene* scene, const morula_body* body);
+/* Once a frame, after the bodies have moved. Where two surfaces cross, their pair is there and the place lies within
+ * one of its contacts, also when the budget ends the search, where the rules cover. Refused, with nothing changed: a
+ * body whose last update was refused. */
+MORULA_API morula_status morula_scene_update(morula_scene* scene);
+MORULA_API size_t morula_scene_pair_count(const morula_scene* scene);
+/* Until the scene is updated or destroyed, or a body is removed. A touch that is no longer there has ended. */
+MORULA_API const morula_scene_pair* morula_scene_pairs(const morula_scene* scene);
 
 #ifdef __cplusplus
 }

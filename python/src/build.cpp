@@ -45,10 +45,10 @@ void bind_build(nb::module_& m) {
 
   m.def(
       "build",
-      [](MeshGiven given, MethodName method, int branching, std::optional<int> depth, std::size_t spheres,
-         double max_protrusion, bool nested, std::uint64_t seed, const std::vector<std::string>& reducers,
-         OptimizerName optimizer, double balance_excess, QualityName quality, double time_limit_seconds,
-         nb::object progress, Threads* workers) {
+      [](MeshGiven given, MethodName method, int branching, std::optional<int> depth,
+         std::optional<std::size_t> spheres, std::optional<double> max_protrusion, bool nested, std::uint64_t seed,
+         const std::vector<std::string>& reducers, OptimizerName optimizer, double balance_excess, QualityName quality,
+         std::optional<double> time_limit_seconds, nb::object progress, Threads* workers) {
         BuildOptions options;
         options.method = method_of(method);
         options.branching = branching;
@@ -69,16 +69,19 @@ void bind_build(nb::module_& m) {
         return without_gil([&] { return std::make_shared<CoveredTree>(build(*mesh, options, CallWorkers(workers))); });
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "optimized", nb::arg("branching") = 8,
-      nb::arg("depth") = nb::none(), nb::arg("spheres") = 0, nb::arg("max_protrusion") = 0.0, nb::arg("nested") = false,
-      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimizer") = "none",
-      nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default", nb::arg("time_limit_seconds") = 0.0,
-      nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::arg("depth") = nb::none(), nb::arg("spheres") = nb::none(), nb::arg("max_protrusion") = nb::none(),
+      nb::arg("nested") = false, nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{},
+      nb::arg("optimizer") = "none", nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default",
+      nb::arg("time_limit_seconds") = nb::none(), nb::arg("progress").none().sig("None") = nb::none(),
+      nb::arg("workers") = nb::none(),
       nb::sig(
           "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'optimized', branching: int = 8, "
-          "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
+          "depth: int | None = None, spheres: int | None = None, max_protrusion: float | None = None, nested: bool "
+          "= False, "
           "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimizer: "
           "morula.typing.Optimizer = 'none', "
-          "balance_excess: float = 0.0, quality: morula.typing.Quality = 'default', time_limit_seconds: float = 0.0, "
+          "balance_excess: float = 0.0, quality: morula.typing.Quality = 'default', time_limit_seconds: float | "
+          "None = None, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> CoveredTree"),
       (with_arguments(doc::build,
@@ -95,7 +98,7 @@ void bind_build(nb::module_& m) {
                        {"quality", doc::BuildOptions_quality},
                        {"time_limit_seconds", doc::BuildOptions_time_limit_seconds},
                        {"progress", "called with a BuildProgress now and then; what it raises ends the build"},
-                       {"workers", "threads; none: the caller's"}}) +
+                       {"workers", "threads; none: one per processor"}}) +
        build_text)
           .c_str());
 

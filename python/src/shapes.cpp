@@ -193,14 +193,15 @@ void bind_shapes(nb::module_& m) {
   m.def(
       "inner_ball_candidates",
       [](MeshGiven given, const SignedDistance& object, std::size_t candidates, double margin, double min_radius,
-         double max_radius, std::uint64_t seed, Threads* workers) {
+         std::optional<double> max_radius, std::uint64_t seed, Threads* workers) {
         const auto mesh = mesh_of(given);
         const InnerBallOptions options{candidates, margin, min_radius, max_radius, seed};
         return own_spheres(
             without_gil([&] { return inner_ball_candidates(*mesh, object, options, CallWorkers(workers)); }));
       },
       nb::arg("mesh"), nb::arg("object"), nb::kw_only(), nb::arg("candidates") = 2000, nb::arg("margin") = 0.0,
-      nb::arg("min_radius") = 0.0, nb::arg("max_radius") = 0.0, nb::arg("seed") = 1, nb::arg("workers") = nb::none(),
+      nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(), nb::arg("seed") = 1,
+      nb::arg("workers") = nb::none(),
       with_arguments(doc::inner_ball_candidates, {{"candidates", doc::InnerBallOptions_candidates},
                                                   {"margin", doc::InnerBallOptions_margin},
                                                   {"min_radius", doc::InnerBallOptions_min_radius},

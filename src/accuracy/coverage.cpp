@@ -284,7 +284,8 @@ class FacetRange {
 
 }  // namespace
 
-Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers& workers) {
+Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_some_usable(spheres, "coverage");
   require_usable_scale(mesh);

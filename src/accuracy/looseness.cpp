@@ -157,7 +157,8 @@ struct Counted {
 
 }  // namespace
 
-Looseness looseness(const MeshView& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid, Workers& workers) {
+Looseness looseness(const MeshView& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   return LoosenessMeter(mesh).measure(mesh.positions, spheres, grid, workers);
 }

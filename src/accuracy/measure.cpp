@@ -44,7 +44,8 @@ class Meter {
 }  // namespace
 
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options,
-                                  Workers& workers) {
+                                  WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);
@@ -59,7 +60,8 @@ std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, 
 }
 
 LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const MeasureOptions& options,
-                             Workers& workers) {
+                             WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);

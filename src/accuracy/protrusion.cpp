@@ -170,7 +170,8 @@ BallProtrusion protrusion(const SignedDistance& object, const Sphere& ball, doub
 }
 
 Protrusion protrusion(const SignedDistance& object, std::span<const Sphere> spheres, double tolerance,
-                      Workers& workers) {
+                      WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_usable(spheres, "protrusion");
   require_usable_tolerance(tolerance);

@@ -59,15 +59,17 @@ morula_status morula_body_create(const morula_mesh* mesh, const morula_model* mo
     require_pointer(model, "model");
     const morula_body_options wanted = over_defaults(options, &morula_body_options_init);
     require_pointer(wanted.rules, "rules");
-    *body =
-        new morula_body(*mesh, *model, {.rules = rules_from(wanted.rules), .conservative = wanted.conservative != 0},
-                        thread_count(wanted.threads));
+    const UpdateOptions rules{.rules = rules_from(wanted.rules), .conservative = wanted.conservative != 0};
+    const auto made = std::make_shared<morula_body>(*mesh, *model, rules, thread_count(wanted.threads));
+    made->of_caller = made;
+    *body = made.get();
     return MORULA_OK;
   });
 }
 
 void morula_body_destroy(morula_body* body) {
-  delete body;
+  if (body == nullptr) return;
+  const std::shared_ptr<morula_body> last = std::move(body->of_caller);
 }
 
 morula_status morula_body_update_double(morula_body* body, const double* positions, size_t vertex_count,
@@ -114,12 +116,7 @@ morula_status morula_body_certify(const morula_body* body, const double* positio
     require_pointer(covered, "covered");
     *covered = 0;
     require_pointer(body, "body");
-    if (vertex_count != body->body.vertex_count())
-      throw std::invalid_argument("positions: " + std::to_string(vertex_count) + " vertices, but the mesh has " +
-                                  std::to_string(body->body.vertex_count()));
-    std::vector<Sphere> spheres;
-    body->body.copy_spheres(spheres);
-    *covered = certify(body->body.cover(), view_of(positions, vertex_count, 0), spheres).covered ? 1 : 0;
+    *covered = body->body.certify(view_of(positions, vertex_count, 0)).covered ? 1 : 0;
     return MORULA_OK;
   });
 }

@@ -6,6 +6,7 @@
 #include <morula/morula.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <memory>
 #include <morula/collide/collider.hpp>
@@ -13,7 +14,10 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
+#include <morula/scene/scene.hpp>
+#include <morula/surface/surface_crossings.hpp>
 #include <morula/update/body.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,12 +38,31 @@ struct morula_body {
   morula::Workers workers;
   morula::Body body;
   morula::Collider collider;  // borrows mesh and body: a handle never moves
+  // Of morula_self_crossings, made by its first call.
+  std::optional<morula::SurfaceTree> surface;
+  morula::SurfaceCrossingQuery self_crossings;
+  // The caller's share of the handle, until morula_body_destroy: scenes have others.
+  std::shared_ptr<morula_body> of_caller;
 };
 
 struct morula_contacts {
   morula::ContactQuery query;
   std::vector<morula_contact> found;
   bool finished = false;
+};
+
+struct morula_scene {
+  struct Member {
+    std::shared_ptr<morula_body> body;
+    morula::BodyId id;
+  };
+  morula_scene(const morula::SceneOptions& options, unsigned threads) : workers(threads), scene(options) {}
+
+  morula::Workers workers;
+  std::vector<Member> members;  // before the scene, which borrows their colliders
+  morula::Scene scene;
+  std::vector<morula_scene_pair> pairs;
+  std::vector<morula_contact> contacts;  // of all pairs, one pair after the other
 };
 
 namespace morula::detail {
@@ -49,6 +72,9 @@ morula_status fails(morula_status code, const char* words) noexcept;
 
 /// A status of ours, as this interface tells it.
 morula_status told(const Status& status);
+
+/// A contact as this interface has it.
+morula_contact contact_of(const Contact& contact);
 
 /// Runs what may throw.
 template <class Call>
@@ -89,6 +115,21 @@ morula_status guarded(const Call& call) noexcept {
   } catch (...) {
     return of_current_exception();
   }
+}
+
+/// Level, margin and budget, for CollideOptions and SceneOptions alike. Throws std::invalid_argument.
+template <class Options>
+Options contact_options(const morula_contact_options* given) {
+  const morula_contact_options wanted = over_defaults(given, &morula_contact_options_init);
+  Options options;
+  options.margin = wanted.margin;
+  if (wanted.level < -1) throw std::invalid_argument("level is below -1");
+  if (wanted.level >= 0) options.level = static_cast<std::uint32_t>(wanted.level);
+  if (wanted.pair_tests >= 0 && wanted.nanoseconds >= 0)
+    throw std::invalid_argument("pair_tests and nanoseconds are both set: one budget at a time");
+  if (wanted.pair_tests >= 0) options.budget = wanted.pair_tests;
+  if (wanted.nanoseconds >= 0) options.budget = std::chrono::nanoseconds(wanted.nanoseconds);
+  return options;
 }
 
 }  // namespace morula::detail

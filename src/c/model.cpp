@@ -106,7 +106,7 @@ void morula_build_options_init(morula_build_options* options) {
   options->branching = 8;
   options->depth = -1;
   options->seed = 1;
-  options->threads = 1;
+  options->threads = 0;
 }
 
 morula_status morula_build(const morula_mesh* mesh, const morula_build_options* options, morula_model** model) {
@@ -118,19 +118,19 @@ morula_status morula_build(const morula_mesh* mesh, const morula_build_options* 
     std::stop_source stop;
     BuildOptions by{.method = named(wanted.method, &method_from_name, "method"),
                     .branching = wanted.branching,
-                    .spheres = wanted.spheres,
-                    .max_protrusion = wanted.max_protrusion,
                     .nested = wanted.nested != 0,
                     .seed = wanted.seed,
                     .quality = named(wanted.quality, &quality_from_name, "quality"),
-                    .time_limit_seconds = wanted.time_limit_seconds,
                     .stop = stop.get_token()};
     if (wanted.depth != -1) by.depth = wanted.depth;
+    if (wanted.spheres != 0) by.spheres = wanted.spheres;
+    if (wanted.max_protrusion != 0) by.max_protrusion = wanted.max_protrusion;
+    if (wanted.time_limit_seconds != 0) by.time_limit_seconds = wanted.time_limit_seconds;
     if (wanted.progress != nullptr)
       by.progress = [&](const BuildProgress& progress) {
         if (wanted.progress(progress.share, wanted.user) != 0) stop.request_stop();
       };
-    Workers workers(thread_count(wanted.threads));
+    Workers workers(wanted.threads == 0 ? 0 : thread_count(wanted.threads));
     *model = handle_of(build(*mesh->mesh, by, workers));
     return MORULA_OK;
   });

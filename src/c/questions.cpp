@@ -5,6 +5,7 @@
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
+#include <tuple>
 
 #include "c/handles.hpp"
 
@@ -22,18 +23,28 @@ void copy(const Vec3& from, double* to) {
   to[0] = from.x, to[1] = from.y, to[2] = from.z;
 }
 
-CollideOptions options_from(const morula_contact_options& wanted) {
-  CollideOptions options{.margin = wanted.margin};
-  if (wanted.level < -1) throw std::invalid_argument("level is below -1");
-  if (wanted.level >= 0) options.level = static_cast<std::uint32_t>(wanted.level);
-  if (wanted.pair_tests >= 0 && wanted.nanoseconds >= 0)
-    throw std::invalid_argument("pair_tests and nanoseconds are both set: one budget at a time");
-  if (wanted.pair_tests >= 0) options.budget = wanted.pair_tests;
-  if (wanted.nanoseconds >= 0) options.budget = std::chrono::nanoseconds(wanted.nanoseconds);
-  return options;
+/// As many pairs as the caller has room for, and how many there are.
+template <class Pairs, class Indices>
+void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pairs, std::size_t capacity,
+                 std::size_t* count) {
+  for (const auto& pair : found) {
+    if (*count < capacity) std::tie(pairs[2 * *count], pairs[2 * *count + 1]) = indices(pair);
+    ++*count;
+  }
 }
 
 }  // namespace
+
+morula_contact morula::detail::contact_of(const Contact& contact) {
+  morula_contact to{};
+  to.node_a = contact.node_a, to.node_b = contact.node_b;
+  to.finished = contact.finished ? 1 : 0;
+  copy(contact.point, to.point);
+  copy(contact.normal, to.normal);
+  to.depth = contact.depth;
+  to.error_bound = contact.error_bound;
+  return to;
+}
 
 morula_status morula_overlap(const morula_body* a, const morula_body* b, int* overlaps) {
   return guarded([&] {
@@ -73,7 +84,7 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
     require_pointer(contacts, "contacts");
     require_bodies(a, b);
     ContactQuery& query = contacts->query;
-    query.set_options(options_from(over_defaults(options, &morula_contact_options_init)));
+    query.set_options(contact_options<CollideOptions>(options));
     query.clear();
     query.add(a->collider, b->collider);
     const ContactStatus status = query.run();
@@ -81,15 +92,7 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
     std::vector<morula_contact> found;
     found.swap(contacts->found);
     found.clear();
-    for (const Contact& contact : query.contacts().contacts) {
-      morula_contact& to = found.emplace_back();
-      to.node_a = contact.node_a, to.node_b = contact.node_b;
-      to.finished = contact.finished ? 1 : 0;
-      copy(contact.point, to.point);
-      copy(contact.normal, to.normal);
-      to.depth = contact.depth;
-      to.error_bound = contact.error_bound;
-    }
+    for (const Contact& contact : query.contacts().contacts) found.push_back(contact_of(contact));
     contacts->found.swap(found);
     contacts->finished = status.finished;
     return MORULA_OK;
@@ -115,10 +118,26 @@ morula_status morula_crossings(const morula_body* a, const morula_body* b, uint3
     if (capacity != 0) require_pointer(pairs, "pairs");
     CrossingQuery query;
     if (const Status status = query.run(a->collider, b->collider); !status) return told(status);
-    for (const Crossing& crossing : query.pairs()) {
-      if (*count < capacity) pairs[2 * *count] = crossing.facet_a, pairs[2 * *count + 1] = crossing.facet_b;
-      ++*count;
-    }
+    write_pairs(
+        query.pairs(), [](const Crossing& pair) { return std::tuple(pair.facet_a, pair.facet_b); }, pairs, capacity,
+        count);
+    return MORULA_OK;
+  });
+}
+
+morula_status morula_self_crossings(morula_body* body, uint32_t* pairs, size_t capacity, size_t* count) {
+  return guarded([&]() -> morula_status {
+    require_pointer(count, "count");
+    *count = 0;
+    require_pointer(body, "body");
+    if (capacity != 0) require_pointer(pairs, "pairs");
+    if (!body->surface) body->surface.emplace(*body->mesh);
+    if (const Status status = body->surface->follow(body->collider); !status) return told(status);
+    const SurfaceQueryStatus status = body->self_crossings.run(*body->surface, body->workers);
+    if (!status) return told(status);
+    write_pairs(
+        body->self_crossings.pairs(), [](const FeaturePair& pair) { return std::tuple(pair.a, pair.b); }, pairs,
+        capacity, count);
     return MORULA_OK;
   });
 }

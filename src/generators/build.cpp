@@ -100,15 +100,20 @@ void require_used(const BuildOptions& options) {
                                 std::string(name(options.quality)) + " is for method optimized");
 }
 
-void require_length(double value, const char* what) {
-  if (!(value >= 0) || !std::isfinite(value))
-    throw std::invalid_argument(std::string("build: ") + what + " is not a number of at least 0");
+void require_numbers(const BuildOptions& options) {
+  constexpr std::size_t most_spheres = 100'000'000;
+  if (options.spheres && (*options.spheres == 0 || *options.spheres > most_spheres))
+    throw std::invalid_argument("build: " + std::to_string(*options.spheres) + " spheres are not in 1…100000000");
+  if (options.max_protrusion && !(*options.max_protrusion > 0 && std::isfinite(*options.max_protrusion)))
+    throw std::invalid_argument("build: the greatest protrusion is not a number above 0");
+  if (options.time_limit_seconds && !(*options.time_limit_seconds >= 0 && std::isfinite(*options.time_limit_seconds)))
+    throw std::invalid_argument("build: the time limit is not a number of at least 0");
 }
 
 // A level that is asked for has its parts, also where they are as large as the whole: parts of a ball that move apart
 // need to be parts.
 void remove_useless_divisions(const BuildOptions& options, CoveredTree& model) {
-  if (options.spheres > 0 || options.max_protrusion > 0) return;
+  if (options.spheres || options.max_protrusion) return;
   const std::size_t leaves = remove_equal_children(model, !options.depth);
   if (leaves == 0) return;
   model.report.notes.push_back(
@@ -174,7 +179,8 @@ std::span<const Quality> all_qualities() {
   return quality_names.values;
 }
 
-CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& workers) {
+CoveredTree build(const Mesh& mesh, const BuildOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   const Entry& chosen = entry(options.method);
   if (options.branching < 2 || options.branching > max_branching)
@@ -182,11 +188,7 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   if (options.depth && (*options.depth < 0 || *options.depth > max_depth))
     throw std::invalid_argument("build: depth " + std::to_string(*options.depth) + " is not in 0…8");
   require_used(options);
-  constexpr std::size_t most_spheres = 100'000'000;
-  if (options.spheres > most_spheres)
-    throw std::invalid_argument("build: " + std::to_string(options.spheres) + " spheres are more than 100000000");
-  require_length(options.max_protrusion, "the greatest protrusion");
-  require_length(options.time_limit_seconds, "the time limit");
+  require_numbers(options);
   require_usable(mesh);
   require_usable_scale(mesh);
   const BuildRun run(options, mesh);

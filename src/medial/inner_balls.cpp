@@ -20,7 +20,8 @@ constexpr int lattice_points = 40;  // along the longest side: what tells how mu
 }  // namespace
 
 std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDistance& object,
-                                          const InnerBallOptions& options, Workers& workers) {
+                                          const InnerBallOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   if (!object.has_volume()) return {};
   std::vector<Vec3> points, normals;
   for (const SurfacePoint& sample : sample_surface(mesh, options.candidates, options.seed)) {
@@ -32,7 +33,7 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
   for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::BallSharing::none, workers)) {
     ask_now_and_then();
     ball.radius -= options.margin;
-    if (options.max_radius > 0) ball.radius = std::min(ball.radius, options.max_radius);
+    if (options.max_radius) ball.radius = std::min(ball.radius, *options.max_radius);
     if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;
     // The distance to the surface is exact. Its sign may err where a surface passes through itself; the number of times
     // that a closed surface winds round a point away from it is a whole one.

@@ -18,7 +18,8 @@ constexpr std::size_t neighbor_count = 8;
 }  // namespace
 
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
-                            Workers& workers) {
+                            WorkersOrAll given) {
+  Workers& workers = given;
   MedialBalls medial;
   medial.balls = shrunken_balls(shape, points, normals, BallSharing::none, workers);
   connect_overlapping(medial, neighbor_count, workers);

@@ -256,4 +256,12 @@ Workers& serial_workers() {
   return workers;
 }
 
+WorkersOrAll::operator Workers&() {
+  if (used_ == nullptr) {
+    own_ = inside_chunk ? std::make_unique<Workers>() : std::make_unique<Workers>(0u);
+    used_ = own_.get();
+  }
+  return *used_;
+}
+
 }  // namespace morula

@@ -154,11 +154,8 @@ std::size_t Cover::most_patches_of_a_facet() const {
   return most;
 }
 
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers) {
-  return cover(mesh, tree, {.nested = false}, workers);
-}
-
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options, Workers& workers) {
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);

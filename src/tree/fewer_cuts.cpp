@@ -292,7 +292,8 @@ Cover Sharing::assembled() const {
 
 }  // namespace
 
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers) {
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   return Sharing(mesh, model, workers).with_fewer_cuts();
 }

@@ -334,6 +334,15 @@ SphereTree Body::current_tree() const {
   return tree;
 }
 
+Certificate Body::certify(const PositionView& positions, Workers& workers) const {
+  if (positions.size() != vertex_count())
+    throw std::invalid_argument("certify: " + std::to_string(positions.size()) + " positions, but the mesh has " +
+                                std::to_string(vertex_count()) + " vertices");
+  std::vector<Sphere> now;
+  copy_spheres(now);
+  return morula::certify(cover(), positions, now, workers);
+}
+
 std::uint64_t Body::hash() const {
   Hasher hash;
   hash.add(state_->origin);

@@ -123,7 +123,7 @@ Claims shapes(Workers& workers) {
           build(mesh, {.method = method, .branching = 6, .depth = 2, .quality = quality}, workers);
       const std::string of = " of " + std::string(name) + " by " + std::string(morula::name(method));
       claims.push_back({"tree" + of, hash_of(model)});
-      claims.push_back({"covered" + of, hash_of(cover(mesh, shrunk(model.tree), workers))});
+      claims.push_back({"covered" + of, hash_of(cover(mesh, shrunk(model.tree), {}, workers))});
       if (method == Method::octree || method == Method::grid) {
         claims.push_back({"figures" + of, figures(mesh, model.tree, {.resolution = 48}, workers)});
         claims.push_back({"bare figures" + of, figures(mesh, shrunk(model.tree), {.resolution = 48}, workers)});

@@ -12,6 +12,8 @@
 #include <morula/collide/distance.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/scene/scene.hpp>
+#include <morula/surface/surface_crossings.hpp>
 #include <morula/update/body.hpp>
 #include <support/scratch_folder.hpp>
 #include <thread>
@@ -154,6 +156,126 @@ TEST(CInterface, gives_the_bits_of_the_other_one) {
   }
 }
 
+TEST(CInterface, finds_crossings_of_a_body_with_itself) {
+  const Handles c;
+  const Mesh mesh = sample_body("limb", 12);
+  std::size_t count = 77;
+  ASSERT_EQ(morula_self_crossings(c.a, nullptr, 0, &count), MORULA_OK) << morula_message();
+  EXPECT_EQ(count, 0u) << "at rest";
+
+  // One half over the other: in two frames, of which the second moves it aside.
+  std::vector<Vec3> folded = mesh.positions;
+  for (Vec3& p : folded) p.x = p.x < 0 ? -0.875 * p.x : p.x;
+  ASSERT_EQ(morula_body_update_double(c.a, &folded[0].x, folded.size(), 0), MORULA_OK);
+  SurfaceTree surface(mesh);
+  SurfaceCrossingQuery query;
+  ASSERT_TRUE(surface.update(folded));
+  ASSERT_TRUE(query.run(surface));
+  ASSERT_EQ(morula_self_crossings(c.a, nullptr, 0, &count), MORULA_OK) << morula_message();
+  ASSERT_EQ(count, query.pairs().size());
+  ASSERT_GT(count, 2u);
+  std::vector<std::uint32_t> pairs(2 * count, 77);
+  ASSERT_EQ(morula_self_crossings(c.a, pairs.data(), count - 1, &count), MORULA_OK);
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    EXPECT_EQ(pairs[2 * i], query.pairs()[i].a);
+    EXPECT_EQ(pairs[2 * i + 1], query.pairs()[i].b);
+  }
+  EXPECT_EQ(pairs.back(), 77u) << "written beyond the capacity";
+  ASSERT_EQ(morula_body_update_double(c.a, &mesh.positions[0].x, mesh.vertex_count(), 0), MORULA_OK);
+  ASSERT_EQ(morula_self_crossings(c.a, nullptr, 0, &count), MORULA_OK);
+  EXPECT_EQ(count, 0u);
+
+  folded[3].y = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(morula_body_update_double(c.a, &folded[0].x, folded.size(), 0), MORULA_REFUSED);
+  EXPECT_EQ(morula_self_crossings(c.a, nullptr, 0, &count), MORULA_REFUSED);
+  EXPECT_EQ(morula_self_crossings(nullptr, nullptr, 0, &count), MORULA_BAD_ARGUMENT);
+}
+
+TEST(CInterface, scenes_have_the_pairs_and_contacts_of_the_other_one) {
+  const Handles c;
+  const Mesh mesh = sample_body("limb", 12);
+  const Body body(mesh, build(mesh, {.method = Method::octree}));
+  Collider first(mesh, body), second(mesh, body);
+  for (const std::int64_t budget : {-1, 0, 50}) {
+    morula_contact_options options;
+    morula_contact_options_init(&options);
+    options.pair_tests = budget;
+    options.margin = 0.01;
+    SceneOptions same{.margin = 0.01};
+    if (budget >= 0) same.budget = budget;
+    Scene expected(same);
+    static_cast<void>(expected.add(first));
+    static_cast<void>(expected.add(second));
+    morula_scene* scene = nullptr;
+    ASSERT_EQ(morula_scene_create(&options, 2, &scene), MORULA_OK) << morula_message();
+    ASSERT_EQ(morula_scene_add(scene, c.a, 0), MORULA_OK) << morula_message();
+    ASSERT_EQ(morula_scene_add(scene, c.b, 0), MORULA_OK) << morula_message();
+    for (const double height : {0.3, 0.6, 9.0, 0.6}) {
+      const double translation[3] = {0, height, 0};
+      ASSERT_EQ(morula_body_set_transform(c.b, upright, translation), MORULA_OK);
+      second.set_transform({.translation = {0, height, 0}});
+      ASSERT_TRUE(expected.update());
+      ASSERT_EQ(morula_scene_update(scene), MORULA_OK) << morula_message();
+      ASSERT_EQ(morula_scene_pair_count(scene), expected.pairs().size());
+      EXPECT_EQ(expected.pairs().empty(), height == 9.0);
+      for (std::size_t i = 0; i < expected.pairs().size(); ++i) {
+        const ScenePair& want = expected.pairs()[i];
+        const morula_scene_pair& got = morula_scene_pairs(scene)[i];
+        EXPECT_EQ(got.a, c.a);
+        EXPECT_EQ(got.b, c.b);
+        EXPECT_EQ(got.began != 0, want.began);
+        EXPECT_EQ(got.finished != 0, want.finished);
+        ASSERT_EQ(got.contact_count, want.contacts.size());
+        for (std::size_t k = 0; k < want.contacts.size(); ++k) {
+          EXPECT_EQ(got.contacts[k].node_a, want.contacts[k].node_a);
+          EXPECT_EQ(got.contacts[k].node_b, want.contacts[k].node_b);
+          EXPECT_EQ(got.contacts[k].depth, want.contacts[k].depth);
+          EXPECT_EQ(got.contacts[k].point[1], want.contacts[k].point.y);
+        }
+      }
+    }
+    morula_scene_destroy(scene);
+  }
+}
+
+TEST(CInterface, scenes_keep_bodies_until_they_are_removed) {
+  Handles c;
+  morula_scene* scene = nullptr;
+  ASSERT_EQ(morula_scene_create(nullptr, 1, &scene), MORULA_OK);
+  ASSERT_EQ(morula_scene_add(scene, c.a, 1), MORULA_OK);
+  ASSERT_EQ(morula_scene_add(scene, c.b, 0), MORULA_OK);
+  EXPECT_EQ(morula_scene_add(scene, c.b, 0), MORULA_BAD_ARGUMENT) << "twice";
+  morula_body_destroy(c.b);
+  ASSERT_EQ(morula_scene_update(scene), MORULA_OK) << morula_message();
+  ASSERT_EQ(morula_scene_pair_count(scene), 1u);
+  EXPECT_EQ(morula_scene_pairs(scene)[0].b, c.b);
+  ASSERT_EQ(morula_scene_remove(scene, c.b), MORULA_OK);
+  EXPECT_EQ(morula_scene_pair_count(scene), 0u);
+  EXPECT_EQ(morula_scene_remove(scene, c.b), MORULA_BAD_ARGUMENT);
+  ASSERT_EQ(morula_scene_update(scene), MORULA_OK);
+  EXPECT_EQ(morula_scene_pair_count(scene), 0u);
+  c.b = nullptr;
+
+  std::vector<Vec3> positions = sample_body("limb", 12).positions;
+  positions[3].y = std::numeric_limits<double>::quiet_NaN();
+  morula_body* next = nullptr;
+  ASSERT_EQ(morula_body_create(c.mesh, c.model, nullptr, &next), MORULA_OK);
+  EXPECT_EQ(morula_body_update_double(next, &positions[0].x, positions.size(), 0), MORULA_REFUSED);
+  EXPECT_EQ(morula_scene_add(scene, next, 0), MORULA_BAD_ARGUMENT);
+  positions[3].y = 0;
+  ASSERT_EQ(morula_body_update_double(next, &positions[0].x, positions.size(), 0), MORULA_OK);
+  ASSERT_EQ(morula_scene_add(scene, next, 0), MORULA_OK) << morula_message();
+  EXPECT_EQ(morula_body_update_double(next, &positions[0].x, positions.size() - 1, 0), MORULA_REFUSED);
+  EXPECT_EQ(morula_scene_update(scene), MORULA_REFUSED);
+  EXPECT_STRNE(morula_message(), "");
+  morula_body_destroy(next);
+  morula_scene_destroy(scene);
+  EXPECT_EQ(morula_scene_create(nullptr, 0, &scene), MORULA_BAD_ARGUMENT);
+  EXPECT_EQ(scene, nullptr);
+  EXPECT_EQ(morula_scene_update(nullptr), MORULA_BAD_ARGUMENT);
+  EXPECT_EQ(morula_scene_pair_count(nullptr), 0u);
+}
+
 TEST(CInterface, takes_floats_and_strides) {
   const Handles c;
   const Mesh mesh = sample_body("limb", 12);
@@ -229,7 +351,7 @@ TEST(CInterface, tells_faults_by_codes_and_words) {
   EXPECT_EQ(morula_build(c.mesh, &options, &model), MORULA_BAD_ARGUMENT);
   EXPECT_NE(words().find("_init"), std::string::npos) << words();
   morula_build_options_init(&options);
-  options.threads = 0;
+  options.threads = -1;
   EXPECT_EQ(morula_build(c.mesh, &options, &model), MORULA_BAD_ARGUMENT);
   morula_build_options_init(&options);
   int calls = 0;

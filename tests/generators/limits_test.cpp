@@ -8,6 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numeric>
+#include <optional>
 #include <thread>
 
 namespace morula {
@@ -21,7 +22,7 @@ TEST(BuildStop, ends_the_build_soon_after_it_is_requested_from_the_progress_call
   const Mesh mesh = sample_body("limb", 24);
   for (const Method method : {Method::octree, Method::grid, Method::hubbard, Method::medial})
     for (const unsigned threads : {1u, 3u})
-      for (const std::size_t spheres : {std::size_t{0}, std::size_t{300}}) {
+      for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(300)}) {
         Workers workers(threads);
         std::stop_source source;
         int calls_after = 0;
@@ -86,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Long, Unhindered, testing::Values(3), testing::PrintToS
 TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
   const Mesh mesh = sample_body("limb", 24);
   for (const Method method : {Method::grid, Method::medial})
-    for (const std::size_t spheres : {std::size_t{0}, std::size_t{2000}}) {
+    for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(2000)}) {
       const auto start = std::chrono::steady_clock::now();
       const CoveredTree model =
           build(mesh, {.method = method, .depth = 6, .spheres = spheres, .time_limit_seconds = 0.1});
@@ -102,7 +103,7 @@ TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
 
 TEST(BuildTimeLimit, of_next_to_nothing_gives_the_root) {
   const Mesh mesh = sample_body("bar", 8);
-  for (const std::size_t spheres : {std::size_t{0}, std::size_t{20}}) {
+  for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(20)}) {
     const CoveredTree model = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
     EXPECT_EQ(model.tree.node_count(), 1u);
     EXPECT_TRUE(validate(mesh, model).empty());
@@ -114,7 +115,7 @@ class BuildReported : public testing::TestWithParam<Quality> {};
 
 TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) {
   const Mesh mesh = sample_body("limb", 16);
-  for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
+  for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(100)}) {
     std::vector<BuildProgress> seen;
     const CoveredTree model = build(
         mesh,
@@ -136,7 +137,7 @@ TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) 
 
 TEST_P(BuildReported, seconds_add_up_to_no_more_than_the_whole) {
   const Mesh mesh = sample_body("limb", 16);
-  for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
+  for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(100)}) {
     const auto start = std::chrono::steady_clock::now();
     const CoveredTree model = build(mesh, {.spheres = spheres, .quality = GetParam()});
     const double whole = seconds_since(start);
@@ -153,12 +154,22 @@ INSTANTIATE_TEST_SUITE_P(Quick, BuildReported, testing::Values(Quality::fast),
 INSTANTIATE_TEST_SUITE_P(Long, BuildReported, testing::Values(Quality::standard),
                          [](const auto& tested) { return std::string(name(tested.param)); });
 
+TEST(BuildLimits, a_limit_of_no_time_leaves_the_root_and_covers) {
+  const Mesh mesh = sample_body("limb", 12);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .time_limit_seconds = 0});
+  EXPECT_FALSE(model.report.complete);
+  EXPECT_EQ(model.tree.node_count(), 1u);
+  EXPECT_TRUE(certify(model.cover, mesh.positions, model.tree.spheres).covered);
+}
+
 TEST(BuildLimits, refuses_numbers_that_are_none) {
   const Mesh mesh = sample_body("bar", 3);
   for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW(build(mesh, {.time_limit_seconds = bad}), std::invalid_argument);
     EXPECT_THROW(build(mesh, {.max_protrusion = bad}), std::invalid_argument);
   }
+  EXPECT_THROW(build(mesh, {.max_protrusion = 0}), std::invalid_argument);
+  EXPECT_THROW(build(mesh, {.spheres = 0}), std::invalid_argument);
   EXPECT_THROW(build(mesh, {.spheres = std::numeric_limits<std::size_t>::max()}), std::invalid_argument);
   EXPECT_THROW(build(mesh, {.method = Method::grid, .quality = Quality::best}), std::invalid_argument);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <morula/parallel/workers.hpp>
@@ -55,6 +56,25 @@ TEST(Workers, throw_the_exception_of_the_lowest_chunk_and_stay_usable) {
     workers.run(10, [&](std::size_t i) { sum += static_cast<int>(i); });
     EXPECT_EQ(sum.load(), 45);
   }
+}
+
+TEST(WorkersOrAll, are_those_given_or_one_per_processor) {
+  Workers three(3);
+  WorkersOrAll given(three), none;
+  EXPECT_EQ(&static_cast<Workers&>(given), &three);
+  Workers& all = none;
+  EXPECT_EQ(all.thread_count(), Workers(0).thread_count());
+  EXPECT_EQ(&static_cast<Workers&>(none), &all) << "one pool for a call";
+}
+
+TEST(WorkersOrAll, start_no_threads_inside_a_chunk) {
+  Workers two(2);
+  std::array<unsigned, 4> counts{};
+  two.run(counts.size(), [&](std::size_t i) {
+    WorkersOrAll none;
+    counts[i] = static_cast<Workers&>(none).thread_count();
+  });
+  EXPECT_EQ(counts, (std::array<unsigned, 4>{1, 1, 1, 1}));
 }
 
 // A function of the host's that asks to end a loop of a million chunks is not asked a million times more.

@@ -113,7 +113,7 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
   } else {
     const bool imported = dice.chance(0.2);
     s.name += " | octree" + sizes(options.branching, depth);
-    if (options.spheres != 0) s.name += " of " + std::to_string(options.spheres) + " spheres";
+    if (options.spheres) s.name += " of " + std::to_string(*options.spheres) + " spheres";
     if (imported) s.name += " imported";
     record.place.description += s.name;
     model = build(s.mesh, options);
@@ -219,16 +219,18 @@ void far_tree(std::optional<Method> method, Dice& dice, Record& record) {
   shape.name += take_far_away(shape.mesh, dice) + " | " + std::string(name(options.method));
   if (options.method == Method::optimized) shape.name += " " + std::string(name(options.quality));
   shape.name += sizes(options.branching, *options.depth);
-  if (options.spheres > 0) shape.name += " of " + std::to_string(options.spheres) + " spheres";
+  if (options.spheres) shape.name += " of " + std::to_string(*options.spheres) + " spheres";
   if (options.nested) shape.name += " nested";
   record.place.description += shape.name;
   record.place.mesh = shape.mesh;
   BuildOptions chosen = options;
-  if (chosen.spheres == 0 && dice.chance(0.06)) {
-    const double size = max_norm(used_box(shape.mesh).extent());
-    chosen.max_protrusion = size * dice.pick({0.1, 0.3});
-    chosen.spheres = chosen.max_protrusion > 0 ? 40 : 0;
-    if (chosen.spheres > 0) record.place.description += " within a protrusion";
+  if (!chosen.spheres && dice.chance(0.06)) {
+    const double length = max_norm(used_box(shape.mesh).extent()) * dice.pick({0.1, 0.3});
+    if (length > 0) {
+      chosen.max_protrusion = length;
+      chosen.spheres = 40;
+      record.place.description += " within a protrusion";
+    }
   }
   const CoveredTree model = build(shape.mesh, chosen);
   for (const std::string& note : model.report.notes)

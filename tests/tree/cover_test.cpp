@@ -133,7 +133,7 @@ TEST(Cover, has_the_same_bits_for_any_number_of_workers) {
   const CoveredTree reference = cover(mesh, tree);
   for (const unsigned threads : {2u, 3u, 8u}) {
     Workers workers(threads);
-    const CoveredTree model = cover(mesh, tree, workers);
+    const CoveredTree model = cover(mesh, tree, {}, workers);
     EXPECT_EQ(tree_hash(model.tree), tree_hash(reference.tree));
     EXPECT_EQ(model.cover.corners, reference.cover.corners);
     EXPECT_EQ(model.cover.cut_points, reference.cover.cut_points);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/update/body.hpp>
+#include <stdexcept>
 
 #include "bodies.hpp"
 
@@ -46,6 +47,22 @@ TEST(Exact, covers_every_level_under_every_motion) {
       EXPECT_TRUE(c.covered) << b.name << ", " << motion.name << ": node " << c.worst_node << " by " << c.worst_excess;
     }
   }
+}
+
+TEST(Exact, a_body_certifies_what_its_spheres_cover) {
+  const Specimen b = specimens().front();
+  Body body(b.mesh, b.model);
+  std::vector<Vec3> positions = test::noisy(b.mesh.positions, 0.1, 1);
+  ASSERT_TRUE(body.update(positions));
+  Workers two(2);
+  const Certificate own = body.certify(positions, two), expected = certified(body, positions);
+  EXPECT_TRUE(own.covered);
+  EXPECT_EQ(own.worst_excess, expected.worst_excess);
+  EXPECT_EQ(own.worst_node, expected.worst_node);
+  for (Vec3& p : positions) p = p * 2.0;
+  EXPECT_FALSE(body.certify(positions).covered) << "spheres of other positions";
+  positions.pop_back();
+  EXPECT_THROW(static_cast<void>(body.certify(positions)), std::invalid_argument);
 }
 
 TEST(Exact, covers_under_a_hundred_random_noises) {

@@ -122,7 +122,7 @@ Json figures_of(const BatchTask& task) {
   const Mesh mesh = read_mesh(task.mesh);
   MeasureOptions options;
   options.open_by_winding = true;
-  const std::vector<LevelMeasure> levels = measure(mesh, read_tree(task.tree).tree, options);
+  const std::vector<LevelMeasure> levels = measure(mesh, read_tree(task.tree).tree, options, serial_workers());
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
   Json figures{{"closed", inspect(mesh).closed}};
   for (const char* name : {"looseness", "uncovered_area", "uncovered_distance", "protrusion"})

@@ -91,15 +91,15 @@ BuildOptions build_options(const BuildArguments& o) {
   return {.method = parse_method(o.method),
           .branching = o.branching,
           .depth = o.depth,
-          .spheres = o.spheres.value_or(0),
-          .max_protrusion = o.max_protrusion.value_or(0),
+          .spheres = o.spheres,
+          .max_protrusion = o.max_protrusion,
           .nested = o.nested,
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
           .optimizer = parse_optimizer(o.optimizer),
           .balance_excess = o.balance_excess,
           .quality = parse_quality(o.quality),
-          .time_limit_seconds = o.time_limit.value_or(0),
+          .time_limit_seconds = o.time_limit,
           .stop = {},
           .progress = {}};
 }

@@ -217,7 +217,7 @@ int tree_info(const InfoArguments& o) {
   std::optional<CoveredTree> repaired;
   if (o.check && faults.empty() && mesh && !file.cover) {
     Workers workers = make_workers(o.threads);
-    repaired = cover(*mesh, file.tree, workers);
+    repaired = cover(*mesh, file.tree, {}, workers);
   }
   if (o.json) {
     Json json = tree_json(o, file);

@@ -30,7 +30,8 @@ struct ClumpArguments {
   std::string mesh, output, format;
   std::string kind{name(ClumpOptions{}.kind)};
   std::optional<std::size_t> spheres;
-  double max_protrusion = 0, min_radius = 0, max_radius = 0, density = ClumpOptions{}.density;
+  std::optional<double> max_protrusion, max_radius;
+  double min_radius = 0, density = ClumpOptions{}.density;
   std::string method{name(ClumpOptions{}.method)}, quality{name(ClumpOptions{}.quality)};
   std::size_t candidates = ClumpOptions{}.candidates;
   std::uint64_t seed = 1;
@@ -58,12 +59,12 @@ const ClumpFormat& chosen_format(const ClumpArguments& o) {
 ClumpOptions clump_options(const ClumpArguments& o) {
   check_name("kind", o.kind, {"cover", "inner"});
   const bool inner = o.kind == "inner";
-  if (inner && o.max_protrusion > 0) {
+  if (inner && o.max_protrusion) {
     throw UsageError("--max-protrusion belongs to covers: inner spheres stick out nowhere");
   }
-  if (o.max_radius > 0 && o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
+  if (o.max_radius && *o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
   return {.kind = inner ? ClumpKind::inner : ClumpKind::cover,
-          .spheres = o.spheres.value_or(o.max_protrusion > 0 ? 0 : default_spheres),
+          .spheres = o.spheres.value_or(o.max_protrusion ? 0 : default_spheres),
           .max_protrusion = o.max_protrusion,
           .min_radius = o.min_radius,
           .max_radius = o.max_radius,

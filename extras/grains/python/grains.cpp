@@ -94,9 +94,9 @@ void bind_grains_extra(nb::module_& m) {
       "What discrete element codes read: Clump.text() writes it.");
   m.def(
       "fit_clump",
-      [](MeshGiven given, std::string_view kind, std::size_t spheres, double max_protrusion, double min_radius,
-         double max_radius, double density, MethodName method, QualityName quality, std::size_t candidates,
-         std::uint64_t seed, nb::object progress, Threads* workers) {
+      [](MeshGiven given, std::string_view kind, std::size_t spheres, std::optional<double> max_protrusion,
+         double min_radius, std::optional<double> max_radius, double density, MethodName method, QualityName quality,
+         std::size_t candidates, std::uint64_t seed, nb::object progress, Threads* workers) {
         ClumpOptions options;
         options.kind = choice<ClumpKind>(kind, "kind", clump_kind_choices);
         options.spheres = spheres;
@@ -113,13 +113,14 @@ void bind_grains_extra(nb::module_& m) {
         return without_gil([&] { return fit_clump(*mesh, options, CallWorkers(workers)); });
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("kind") = "cover", nb::arg("spheres") = 16,
-      nb::arg("max_protrusion") = 0.0, nb::arg("min_radius") = 0.0, nb::arg("max_radius") = 0.0,
+      nb::arg("max_protrusion") = nb::none(), nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(),
       nb::arg("density") = 1000.0, nb::arg("method") = "optimized", nb::arg("quality") = "default",
       nb::arg("candidates") = 2000, nb::arg("seed") = 1, nb::arg("progress").none().sig("None") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig(
           "def fit_clump(mesh: morula.typing.MeshLike, *, kind: morula.typing.ClumpKind = 'cover', spheres: int = 16, "
-          "max_protrusion: float = 0.0, min_radius: float = 0.0, max_radius: float = 0.0, density: float = 1000.0, "
+          "max_protrusion: float | None = None, min_radius: float = 0.0, max_radius: float | None = None, "
+          "density: float = 1000.0, "
           "method: morula.typing.Method = 'optimized', quality: morula.typing.Quality = 'default', candidates: int = "
           "2000, seed: int = 1, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "

@@ -22,19 +22,19 @@ namespace {
 constexpr std::size_t most_spheres_for_radius = 256, most_spheres = 100'000;
 
 void require_sense(const ClumpOptions& o) {
-  const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
-  if (!in_range(o.max_protrusion) || !in_range(o.min_radius) || !in_range(o.max_radius)) {
-    throw std::invalid_argument("clump: radii and protrusion are numbers not below 0");
+  const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
+  if (!is_length(o.max_protrusion) || !is_length(o.max_radius) || !(o.min_radius >= 0 && o.min_radius < 1e30)) {
+    throw std::invalid_argument("clump: the largest radius and protrusion are numbers above 0, the least not below 0");
   }
   if (!(o.density > 0 && o.density < 1e30)) throw std::invalid_argument("clump: the density is a number above 0");
-  if (o.max_radius > 0 && o.max_radius < o.min_radius) {
+  if (o.max_radius && *o.max_radius < o.min_radius) {
     throw std::invalid_argument("clump: the largest radius is below the smallest");
   }
   if (o.spheres > most_spheres) throw std::invalid_argument("clump: more than 100000 spheres");
   if (o.kind == ClumpKind::inner) {
-    if (o.max_protrusion > 0) throw std::invalid_argument("clump: inner spheres stick out nowhere: no max_protrusion");
+    if (o.max_protrusion) throw std::invalid_argument("clump: inner spheres stick out nowhere: no max_protrusion");
     if (o.spheres == 0) throw std::invalid_argument("clump: say how many inner spheres");
-  } else if (o.spheres == 0 && o.max_protrusion == 0) {
+  } else if (o.spheres == 0 && !o.max_protrusion) {
     throw std::invalid_argument("clump: say how many spheres, or how far they may stick out");
   }
 }
@@ -60,20 +60,17 @@ bool none_larger(const CoveredTree& model, double radius) {
 /// A cover by at most so many spheres, or by as many as it takes for none to be too large.
 std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, double allowance, Clump& clump,
                                      Workers& workers) {
-  BuildOptions options{.method = o.method,
-                       .spheres = o.spheres,
-                       .max_protrusion = o.max_protrusion,
-                       .seed = o.seed,
-                       .quality = o.quality,
-                       .stop = o.stop,
-                       .progress = o.progress};
+  BuildOptions options{
+      .method = o.method, .seed = o.seed, .quality = o.quality, .stop = o.stop, .progress = o.progress};
+  if (o.spheres > 0) options.spheres = o.spheres;
+  options.max_protrusion = o.max_protrusion;
   CoveredTree model = build(mesh, options, workers);
   const bool complete = model.report.complete;
-  if (o.max_radius > 0) {
-    const double largest = o.max_radius - allowance;
-    if (options.spheres == 0) options.spheres = model.tree.leaf_count();
-    while (!none_larger(model, largest) && options.spheres < most_spheres_for_radius) {
-      options.spheres *= 2;
+  if (o.max_radius) {
+    const double largest = *o.max_radius - allowance;
+    std::size_t spheres = options.spheres.value_or(model.tree.leaf_count());
+    while (!none_larger(model, largest) && spheres < most_spheres_for_radius) {
+      options.spheres = spheres *= 2;
       model = build(mesh, options, workers);
     }
     // A thick body is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
@@ -125,7 +122,8 @@ std::string_view name(ClumpKind kind) {
   return kind == ClumpKind::cover ? "cover" : "inner";
 }
 
-Clump fit_clump(const Mesh& mesh, const ClumpOptions& options, Workers& workers) {
+Clump fit_clump(const Mesh& mesh, const ClumpOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   require_sense(options);
   Clump clump;
   clump.kind = options.kind;

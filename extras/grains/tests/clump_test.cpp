@@ -99,7 +99,7 @@ TEST(Clump, radii_keep_their_limits) {
   EXPECT_GT(small.spheres.size(), 4u);
   EXPECT_FALSE(small.notes.empty());
   for (const Sphere& s : small.spheres) EXPECT_LE(s.radius, 0.3);
-  options.max_radius = 0;
+  options.max_radius.reset();
   options.min_radius = 0.8;
   for (const Sphere& s : fit_clump(mesh, options).spheres) EXPECT_GE(s.radius, 0.8);
   options = quick(ClumpKind::inner, 64);
@@ -150,6 +150,8 @@ TEST(Clump, same_bits_for_any_number_of_workers_and_what_makes_no_sense_is_refus
   }
   EXPECT_THROW(fit_clump(mesh, {.spheres = 0}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
+  EXPECT_THROW(fit_clump(mesh, {.max_radius = 0}), std::invalid_argument);
+  EXPECT_THROW(fit_clump(mesh, {.max_protrusion = 0}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.min_radius = -1}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.density = 0}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.kind = ClumpKind::inner, .max_protrusion = 1}), std::invalid_argument);

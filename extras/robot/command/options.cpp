@@ -91,7 +91,7 @@ std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) 
 }
 
 robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
-  robot::FitOptions fit{.max_total = o.max_total.value_or(0),
+  robot::FitOptions fit{.max_total = o.max_total,
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
@@ -161,8 +161,8 @@ void require_sense(const RobotArguments& o) {
   if (o.keep.empty() != o.refit.empty()) {
     throw UsageError("--keep and --refit belong together: --keep DIR/spheres.json --refit LINK");
   }
-  if (o.clip_margin > 0 && o.clips.empty()) throw UsageError("--clip-margin belongs to --clip LINK=X,Y,Z,D: add it");
-  if (o.max_radius > 0 && o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
+  if (o.clip_margin && o.clips.empty()) throw UsageError("--clip-margin belongs to --clip LINK=X,Y,Z,D: add it");
+  if (o.max_radius && *o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
   if (o.page) require_robot_page();
   require_folder_place(o.output);
 }
@@ -224,7 +224,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->transform(real_number(0, 1e9));
   add_option(command, "--max-radius", o.max_radius, "As many spheres as it takes for none to be larger")
       ->type_name("LENGTH")
-      ->transform(real_number(0, 1e9));
+      ->transform(number_above_zero());
   add_option(command, "--geometry", o.geometry, "Shapes to cover: collision or visual")
       ->type_name("NAME")
       ->capture_default_str();

@@ -92,11 +92,12 @@ void bind_robot_fit(nb::module_& m) {
           nb::arg("link"), "The spheres of a link of Robot.links; None where it has none.");
   m.def(
       "fit_spheres",
-      [](const robot::Robot& robot, std::size_t spheres, std::size_t max_total,
-         const std::map<std::string, std::size_t>& link_spheres, double max_protrusion, double max_protrusion_share,
-         double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& skip,
-         nb::handle fixed_given, MethodName method, QualityName quality, std::uint64_t seed, double density,
-         nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
+      [](const robot::Robot& robot, std::size_t spheres, std::optional<std::size_t> total,
+         const std::map<std::string, std::size_t>& link_spheres, std::optional<double> max_protrusion,
+         std::optional<double> max_protrusion_share, double padding, double min_radius,
+         std::optional<double> max_radius, bool visual, const std::set<std::string>& skip, nb::handle fixed_given,
+         MethodName method, QualityName quality, std::uint64_t seed, double density, nb::handle clip,
+         std::optional<double> clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
         options.max_total = max_total;
@@ -124,21 +125,23 @@ void bind_robot_fit(nb::module_& m) {
         options.progress = progress_of(progress);
         return without_gil([&] { return robot::fit_spheres(robot, options, CallWorkers(workers)); });
       },
-      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("max_total") = 0,
-      nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = 0.0,
-      nb::arg("max_protrusion_share") = 0.0, nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
-      nb::arg("max_radius") = 0.0, nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
+      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("max_total") = nb::none(),
+      nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = nb::none(),
+      nb::arg("max_protrusion_share") = nb::none(), nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
+      nb::arg("max_radius") = nb::none(), nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
       nb::arg("fixed_spheres") = nb::none(), nb::arg("method") = "optimized", nb::arg("quality") = "fast",
-      nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = 0.0,
-      nb::arg("inner") = 0, nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(),
+      nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
+      nb::arg("workers") = nb::none(),
       nb::sig(
-          "def fit_spheres(robot: Robot, *, spheres: int = 16, max_total: int = 0, link_spheres: dict[str, int] = {}, "
-          "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
-          "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, skip: set[str] = set(), "
+          "def fit_spheres(robot: Robot, *, spheres: int = 16, total: int | None = None, link_spheres: dict[str, int] "
+          "= {}, "
+          "max_protrusion: float | None = None, max_protrusion_share: float | None = None, padding: float = 0.0, "
+          "min_radius: float = 0.0, max_radius: float | None = None, visual: bool = False, skip: set[str] = set(), "
           "fixed_spheres: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = "
           "'optimized', "
           "quality: morula.typing.Quality = 'fast', seed: int = 1, density: float = 1000.0, "
-          "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
+          "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float | None = None, inner: int = 0, "
           "progress: collections.abc.Callable[[float, str], object] | None = None, "
           "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
       with_arguments(doc::fit_spheres, {{"spheres", doc::FitOptions_spheres},

@@ -194,6 +194,12 @@ TEST(FitSpheres, refuses_what_makes_no_sense) {
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.padding = -1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.spheres = 0}), std::invalid_argument);
+  // Absent limits are absent, not 0.
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_total = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_protrusion = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_protrusion_share = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_radius = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.clip_margin = 0}), std::invalid_argument);
 }
 
 /// All pairs of all spheres, nothing left out.

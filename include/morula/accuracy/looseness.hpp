@@ -1,6 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Looseness: how much empty space a level's spheres take in, counted in voxels [garcia2005, eq. 6–7].
+//
+//   const morula::CoveredTree model = morula::build(mesh);
+//   const std::size_t leaves = model.tree.level_count() - 1;
+//   const morula::Looseness loose = morula::looseness(mesh, level_set_spheres(model.tree, leaves));
+//   if (loose.looseness) std::printf("%g object volumes are outside the object\n", *loose.looseness);
+//   const morula::LoosenessMeter meter(mesh);  // for many frames of one mesh
+//   const morula::Looseness moved = meter.measure(positions, level_set_spheres(model.tree, 1), {.resolution = 64});
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
@@ -50,7 +57,7 @@ struct Looseness {
 /// Cost: O(F × columns per facet + spheres × columns per sphere), bits along columns; memory is bounded by one strip of
 /// columns per worker. Throws std::invalid_argument for a bad grid, bad spheres and coordinates that are not finite.
 Looseness looseness(const MeshView& mesh, std::span<const Sphere> spheres, const VoxelGrid& grid = {},
-                    Workers& workers = serial_workers());
+                    WorkersOrAll workers = {});
 
 /// For many frames of one mesh.
 class LoosenessMeter {

@@ -32,7 +32,7 @@ struct [[nodiscard]] Coverage {
 /// Same bits for any number of workers. Throws std::invalid_argument for bad spheres.
 /// Cost: O(F log n + pieces), the gap by branch and bound on the bare pieces only (at most 2²⁰ steps; should they run
 /// out, uncovered_distance_upper is still proven).
-Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers& workers = serial_workers());
+Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, WorkersOrAll workers = {});
 
 /// Largest distance from a point of the ball to the object: max over the ball of φ⁺, cavities included.
 struct BallProtrusion {
@@ -51,7 +51,7 @@ struct Protrusion {
 };
 /// Same bits for any number of workers.
 Protrusion protrusion(const SignedDistance& object, std::span<const Sphere> spheres, double tolerance = 1e-2,
-                      Workers& workers = serial_workers());
+                      WorkersOrAll workers = {});
 
 /// The figures by which cuRobo judges spheres, so that sets of both can be compared in one table: estimates from
 /// samples, without proof. What measure() says beside them is proven. Lengths are in mesh units.
@@ -114,11 +114,11 @@ struct MeasureOptions {
 
 /// One entry per level. tree: in mesh coordinates, at rest or of a frame whose positions the mesh has.
 std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options = {},
-                                  Workers& workers = serial_workers());
+                                  WorkersOrAll workers = {});
 
 /// The same of spheres that are in no tree, as one level, 0. At least one.
 LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const MeasureOptions& options = {},
-                             Workers& workers = serial_workers());
+                             WorkersOrAll workers = {});
 
 /// Of a set of spheres as one solid of density 1, each point counted once.
 struct UnionMass {

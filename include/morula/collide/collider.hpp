@@ -1,6 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Collider: one side of a collision query. A sphere state, its transform, and the surface that its nodes own.
+//
+//   morula::Body body(mesh, morula::build(mesh));         // update it whenever its vertices move
+//   morula::Collider collider(mesh, body);                // made once; it follows the body
+//   collider.set_transform({.translation = {0, 0, 0.1}}); // whenever the body moves as a whole
+//   const morula::Vec3 corner = collider.vertex(0);       // in the world
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contacts of two bodies: pairs of spheres, at the leaves or at a level, at once or as far as a budget reaches; and
 // whether there are any.
+//
+//   const morula::Contacts all = morula::collide(a, b);
+//   const morula::Contacts some = morula::collide(a, b, {.budget = std::chrono::microseconds(200)});
+//   for (const morula::Contact& contact : some.contacts)  // sound, however early the budget ended
+//     if (contact.depth > 0) std::printf("%u %u %g\n", contact.node_a, contact.node_b, contact.depth);
+//   const morula::Contacts crossing = morula::collide(a, b, {.find_crossings = true});  // with the facets that intersect
 #pragma once
 
 #include <cstdint>

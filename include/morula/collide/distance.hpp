@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Distance of two bodies' surfaces: bounds that hold, with the points that show the upper one.
+//
+//   morula::DistanceQuery query;                                     // keeps its memory from frame to frame
+//   const morula::DistanceBounds near = query.run(a, b, {.stop_above = 0.5});
+//   if (!near.status) std::puts(message(near.status).c_str());
+//   if (!near.farther) std::printf("%g between facets %u and %u\n", near.upper, near.a.facet, near.b.facet);
+//   const morula::DistanceBounds once = morula::distance(a, b);      // throws where the query refuses
 #pragma once
 
 #include <cstddef>

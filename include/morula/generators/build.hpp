@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Generators: a sphere tree with its proof, made from a mesh.
+//
+//   morula::CoveredTree model = morula::build(mesh);                        // the depth follows the number of facets
+//   morula::CoveredTree shallow = morula::build(mesh, {.method = morula::Method::grid, .branching = 8, .depth = 2});
+//   morula::CoveredTree flat = morula::build(mesh, {.spheres = 64});        // at most 64 leaves, as tight as they get
+//   if (!flat.report.complete) std::puts("a limit ended the build; the tree covers all the same");
+//   morula::write_tree("limb.morula", model);
 #pragma once
 
 #include <cstdint>
@@ -69,12 +75,12 @@ struct BuildOptions {
   /// Levels below the root, 0…8; nothing: automatic_depth of the mesh, and the tree of a body like a ball, whose parts
   /// are as large as the whole at rest, is one sphere. Without effect when one of the next two is given.
   std::optional<int> depth{};
-  /// Not 0: one flat set of at most so many spheres that covers the surface, as tight as the method makes it: the
+  /// One flat set of at most so many spheres, 1 or more, that covers the surface, as tight as the method makes it: the
   /// leaves. The tree above it is as deep as it needs to be, up to max_depth.
-  std::size_t spheres = 0;
-  /// Not 0: as few leaves as needed for each to stick out of the object by at most this length, mesh units, proven by
+  std::optional<std::size_t> spheres{};
+  /// As few leaves as needed for each to stick out of the object by at most this length, above 0, mesh units, proven by
   /// r + φ(c). With `spheres` too: until the one or the other.
-  double max_protrusion = 0;
+  std::optional<double> max_protrusion{};
   /// Every sphere contains its children's, for engines that prune that way (tree/nesting.hpp): inner spheres grow or
   /// move for it, leaves stay as they are. Looser above them: docs/tree.md has a table.
   bool nested = false;
@@ -85,9 +91,9 @@ struct BuildOptions {
   Optimizer optimizer = Optimizer::none;  ///< for all methods but octree and morula
   double balance_excess = 0;              ///< for balance: share by which the worst sphere may stick out further
   Quality quality = Quality::standard;    ///< for method optimized
-  /// 0: none. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what was
-  /// left, and report.complete is false. How far it gets depends on the machine: such a result is not reproducible.
-  double time_limit_seconds = 0;
+  /// Not negative. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what
+  /// was left, and report.complete is false. How far it gets depends on the machine: such a result is not reproducible.
+  std::optional<double> time_limit_seconds{};
   /// Asked before every node, on all threads. Once requested, build throws BuildStopped as soon as the nodes in work
   /// are done.
   std::stop_token stop{};
@@ -122,6 +128,6 @@ int automatic_depth(const MeshView& mesh, int branching);
 /// level; so does a node with a child that is the same sphere. Same bits for any number of workers, unless a time limit
 /// ends it. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes (require_usable,
 /// require_usable_scale) and options out of range, before any work; BuildStopped.
-CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, Workers& workers = serial_workers());
+CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula

@@ -1,6 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Meshes on disk. The file's vertex order and count are kept: motions refer to them.
+//
+//   const morula::Mesh read = morula::read_mesh("limb.obj");  // by extension
+//   morula::write_mesh("limb.ply", read);
+//   try {
+//     static_cast<void>(morula::read_mesh("absent.obj"));
+//   } catch (const morula::FileError& error) {
+//     std::puts(error.what());  // names the file, and the line where there is one
+//   }
 #pragma once
 
 #include <filesystem>

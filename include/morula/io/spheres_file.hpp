@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The spheres of all frames of a motion in one NumPy archive, and those of a single tree.
+//
+//   const morula::CoveredTree model = morula::build(mesh);
+//   morula::SphereFramesWriter writer("spheres.npz", model.tree, 1);  // of one frame
+//   writer.write(model.tree.spheres);
+//   writer.finish();
+//   const morula::SphereTree first = morula::SphereFrames("spheres.npz").frame(0);
 #pragma once
 
 #include <memory>

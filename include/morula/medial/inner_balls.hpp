@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <morula/parallel/workers.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -13,10 +14,10 @@
 namespace morula {
 
 struct InnerBallOptions {
-  std::size_t candidates = 2000;  ///< points of the surface where balls are looked for
-  double margin = 0;              ///< every ball stays at least so far away from the surface
-  double min_radius = 0;          ///< smaller ones are left out
-  double max_radius = 0;          ///< not 0: larger ones are made smaller
+  std::size_t candidates = 2000;       ///< points of the surface where balls are looked for
+  double margin = 0;                   ///< every ball stays at least so far away from the surface
+  double min_radius = 0;               ///< smaller ones are left out
+  std::optional<double> max_radius{};  ///< larger ones are made smaller
   std::uint64_t seed = 1;
 };
 
@@ -24,7 +25,7 @@ struct InnerBallOptions {
 /// one, and the surface winds round its center, so the whole of it is inside. None of a mesh that is not closed and
 /// oriented (object.has_volume()). object: of this mesh. Same bits for any number of workers.
 std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDistance& object,
-                                          const InnerBallOptions& options = {}, Workers& workers = serial_workers());
+                                          const InnerBallOptions& options = {}, WorkersOrAll workers = {});
 
 /// At most `count` of the balls, the one that adds most volume first; fewer where the others would add nothing, or once
 /// stopped. Volume is counted on a lattice of 40 points along the longest side of their box.

@@ -30,7 +30,7 @@ struct MedialBalls {
 /// Differs from [ma2012], which asks a cloud of points: here it is the surface itself, so a ball that is done holds
 /// none of it, and edges between the facets of a round body must not count for sharp.
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
-                            Workers& workers = serial_workers());
+                            WorkersOrAll workers = {});
 
 /// Interior Voronoi balls of surface samples [hubbard1996]: centers inside the object, no sample inside a ball, to
 /// within 2⁻²⁰ of the samples' box. Between the samples surface can be inside. Samples in one plane have none. Adjacent

@@ -56,6 +56,21 @@ class Workers {
 /// Shared default for functions that take workers: runs on the caller's thread.
 Workers& serial_workers();
 
+/// Workers of one call of a function that works for long: those that the caller gives, else a thread per processor, for
+/// this call alone. Where the caller is itself a chunk of a loop, it stays the only thread.
+class WorkersOrAll {
+ public:
+  WorkersOrAll() = default;
+  WorkersOrAll(Workers& given) : used_(&given) {}
+  WorkersOrAll(const WorkersOrAll&) = delete;
+  WorkersOrAll& operator=(const WorkersOrAll&) = delete;
+  operator Workers&();
+
+ private:
+  std::unique_ptr<Workers> own_{};
+  Workers* used_ = nullptr;
+};
+
 /// f(begin, end) over [0, count) in chunks of `grain`. Chunks depend on count and grain alone, so partial results that
 /// are joined in chunk order have the same bits for any number of workers.
 template <class F>

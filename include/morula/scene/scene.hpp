@@ -1,6 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scene: hundreds to thousands of bodies, their contacts under one budget, events, rays and shapes against all.
+//
+//   morula::Scene scene({.budget = std::chrono::milliseconds(1)});
+//   const morula::BodyId first = scene.add(a), second = scene.add(b, {.is_static = true});
+//   if (const morula::SceneStatus status = scene.update(); !status) std::puts(message(status).c_str());
+//   for (const morula::ScenePair& pair : scene.pairs())
+//     if (pair.began) std::printf("%zu contacts\n", pair.contacts.size());
+//   scene.remove(first), scene.remove(second);
 #pragma once
 
 #include <compare>

@@ -4,6 +4,12 @@
 // surface, where it is or over a step.
 //
 // Distances are signed: negative inside the obstacle, which is solid.
+//
+//   morula::SurfaceTree surface(mesh);
+//   const morula::HalfSpace floor{.normal = {0, 0, 1}, .offset = 0};
+//   morula::ObstacleQuery query;
+//   if (!surface.update(positions) || !query.run(surface, floor)) std::puts("refused");
+//   std::printf("%zu vertices and facets are near the floor\n", query.contacts().size());
 #pragma once
 
 #include <functional>

@@ -1,6 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Proximity: pairs of features of two surfaces, or of one with itself, that are within a distance.
+//
+//   morula::SurfaceTree surface(mesh);
+//   morula::ProximityQuery query({.distance = 0.01, .filter = {.rings = 2}});
+//   if (!surface.update(positions) || !query.run(surface)) std::puts("refused");
+//   std::printf("%zu pairs of features are within 0.01\n", query.pairs().size());
 #pragma once
 
 #include <memory>

@@ -1,6 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Crossings of surfaces: pairs of facets that really intersect, of two surfaces or of one with itself.
+//
+//   morula::SurfaceTree surface(mesh);
+//   morula::SurfaceCrossingQuery query;
+//   if (!surface.update(positions) || !query.run(surface)) std::puts("refused");
+//   for (const morula::FeaturePair& pair : query.pairs()) std::printf("%u crosses %u\n", pair.a, pair.b);
 #pragma once
 
 #include <memory>

@@ -99,6 +99,12 @@ struct CoveredTree {
   std::vector<KnownPose> poses{};
 };
 
+struct CoverOptions {
+  /// Every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp). A tree that says it
+  /// is nested stays so anyway.
+  bool nested = false;
+};
+
 /// Proves that a tree made elsewhere covers the mesh, or repairs it.
 ///
 /// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch
@@ -107,14 +113,8 @@ struct CoveredTree {
 /// center, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
-
-struct CoverOptions {
-  bool nested = false;  ///< every sphere of the result contains its children's, as after make_nested()
-};
-/// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,
-                  Workers& workers = serial_workers());
+CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options = {},
+                  WorkersOrAll workers = {});
 
 /// The same tree's cover with fewer cuts: build() and cover() end with it; trees kept from before gain by it too.
 ///
@@ -124,7 +124,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
 /// longer are left out. mesh: the one that the tree was built for; validate(mesh, model) finds nothing.
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers = serial_workers());
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, WorkersOrAll workers = {});
 
 struct [[nodiscard]] Certificate {
   bool covered = true;

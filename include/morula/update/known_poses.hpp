@@ -49,7 +49,7 @@ struct KnownPosesReport {
 /// Same bits for any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and
 /// for a pose of another size, before anything is changed; BuildStopped.
 KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
-                                 const KnownPoseOptions& options = {}, Workers& workers = serial_workers());
+                                 const KnownPoseOptions& options = {}, WorkersOrAll workers = {});
 
 /// Candidates where no motion is known: the mesh stretched along each axis, at constant volume, by steps of a tenth up
 /// to `max_stretch` times. Axes along which the mesh has no extent are left out. Throws std::invalid_argument unless

@@ -67,7 +67,8 @@ struct Threads {
   explicit Threads(unsigned count) : workers(count) {}
 };
 
-/// The workers of a call: those given, or the caller's own thread. Made without the interpreter's lock.
+/// The workers of a call: those given; else the caller's own thread, of functions that work for long one per processor.
+/// Made without the interpreter's lock.
 class CallWorkers {
  public:
   explicit CallWorkers(Threads* threads) {
@@ -79,6 +80,7 @@ class CallWorkers {
     }
   }
   operator Workers&() { return *workers_; }
+  operator WorkersOrAll() { return lock_ ? WorkersOrAll(*workers_) : WorkersOrAll(); }
 
  private:
   std::unique_lock<std::mutex> lock_;

@@ -109,8 +109,7 @@ void bind_covered_tree(nb::module_& m) {
         const auto mesh = mesh_of(given);
         return without_gil([&] {
           CallWorkers call(workers);
-          return std::make_shared<CoveredTree>(nested ? cover(*mesh, tree, CoverOptions{*nested}, call)
-                                                      : cover(*mesh, tree, static_cast<Workers&>(call)));
+          return std::make_shared<CoveredTree>(cover(*mesh, tree, {.nested = nested.value_or(false)}, call));
         });
       },
       nb::arg("mesh"), nb::arg("tree"), nb::kw_only(), nb::arg("nested") = nb::none(), nb::arg("workers") = nb::none(),

@@ -375,7 +375,7 @@ class FlatSet {
       report_.early_leaves += model.tree.is_leaf(i);
     if (out_of_time) {
       report_.complete = false;
-      report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +
+      report_.notes.push_back("the time limit of " + short_number(*run_.time_limit_seconds) + " s was over at " +
                               std::to_string(leaves.size()) + " spheres, which are left undivided");
     } else if (leaves.size() < run_.spheres) {
       report_.notes.push_back(std::to_string(leaves.size()) + " spheres, not " + std::to_string(run_.spheres) +

@@ -208,7 +208,7 @@ class BestFirst {
                              " are on level " + std::to_string(max_depth) + ", the last";
     if (out_of_time_) {
       report_.complete = false;
-      report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +
+      report_.notes.push_back("the time limit of " + short_number(*run_.time_limit_seconds) + " s was over at " +
                               std::to_string(grown_) + " spheres, " + std::to_string(waiting_.size()) +
                               " of them undivided, on levels up to " + std::to_string(deepest_));
     }

@@ -11,19 +11,23 @@ namespace {
 
 int depth_of(const BuildOptions& options, const MeshView& mesh) {
   constexpr int of_flat_sets = 3;
-  if (options.spheres > 0 || options.max_protrusion > 0) return of_flat_sets;
+  if (options.spheres || options.max_protrusion) return of_flat_sets;
   return options.depth ? *options.depth : automatic_depth(mesh, options.branching);
 }
 
 }  // namespace
 
 BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
-    : BuildOptions(options), depth(depth_of(options, mesh)), box_(bounding_box(mesh)) {
-  if (time_limit_seconds > 0) {
+    : BuildOptions(options),
+      depth(depth_of(options, mesh)),
+      spheres(options.spheres.value_or(0)),
+      max_protrusion(options.max_protrusion.value_or(0)),
+      box_(bounding_box(mesh)) {
+  if (time_limit_seconds) {
     // A limit of years would overflow the clock.
     constexpr double longest = 1e9;
     deadline_ = start_ + std::chrono::duration_cast<Clock::duration>(
-                             std::chrono::duration<double>(std::min(longest, time_limit_seconds)));
+                             std::chrono::duration<double>(std::min(longest, *time_limit_seconds)));
   }
   if (progress)
     progress = [told = std::make_shared<BuildProgress>(), forward = progress](const BuildProgress& now) {

@@ -16,6 +16,9 @@ class BuildRun : public BuildOptions {
 
   /// Levels below the root: as asked for, or automatic; of a flat set the depth that its measures are chosen for.
   int depth;
+  /// Of a flat set, as asked for; 0: not asked for.
+  std::size_t spheres;
+  double max_protrusion;
   /// Of the mesh, and its largest |coordinate|, which radii are padded by.
   const Box& box() const { return box_; }
   double largest_coordinate() const { return morula::largest_coordinate(box_); }

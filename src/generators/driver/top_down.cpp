@@ -61,7 +61,7 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
                      BuildReport& report) {
   if (undivided + below == 0) return;
   const auto level = report.level_seconds.size() - 2;
-  std::string note = "the time limit of " + short_number(run.time_limit_seconds) + " s was over: undivided are " +
+  std::string note = "the time limit of " + short_number(*run.time_limit_seconds) + " s was over: undivided are " +
                      std::to_string(undivided) + " of the " + std::to_string(of) + " nodes of level " +
                      std::to_string(level);
   if (below > 0) note += " and all " + std::to_string(below) + " of level " + std::to_string(level + 1);

@@ -75,7 +75,8 @@ TreeFile detail::tree_of_bytes(const std::filesystem::path& path, std::string_vi
 }
 
 CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options,
-                              Workers& workers) {
+                              WorkersOrAll given) {
+  Workers& workers = given;
   require_usable(mesh);
   return built_of_file(path, read_tree(path, options), mesh, workers);
 }
@@ -85,7 +86,7 @@ CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile fi
   if (!file.cover) {
     require_usable_scale(mesh);
     try {
-      return cover(mesh, file.tree, workers);
+      return cover(mesh, file.tree, {}, workers);
     } catch (const std::invalid_argument& fault) {  // the mesh is usable, so it is of the tree
       throw FileError(path.string() + ": " + fault.what());
     }

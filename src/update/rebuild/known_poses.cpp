@@ -144,7 +144,8 @@ class Service {
 }  // namespace
 
 KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
-                                 const KnownPoseOptions& options, Workers& workers) {
+                                 const KnownPoseOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   const StandardFloats standard;
   require_in_range(mesh, model, poses, options);
   KnownPosesReport report;

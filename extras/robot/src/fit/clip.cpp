@@ -99,10 +99,10 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays,
       spheres.push_back(s);
       continue;
     }
-    CoveredTree smaller = build(region, options);
+    CoveredTree smaller = build(region, options, serial_workers());
     // A region that is round may be covered best by one sphere. Those of an octree are as small as its cells.
     if (smaller.tree.leaf_count() < 2 || depth >= 4) {
-      smaller = build(region, {.method = Method::octree, .depth = 1, .stop = options.stop});
+      smaller = build(region, {.method = Method::octree, .depth = 1, .stop = options.stop}, serial_workers());
     }
     add_what_stays(stays, may_stay, region, smaller, options, depth + 1, spheres);
   }
@@ -118,7 +118,7 @@ void divide_until(const std::function<bool(const Sphere&)>& stays,
   std::vector<Sphere> spheres;
   add_what_stays(stays, may_stay, mesh, model, four, 0, spheres);
   if (spheres == level_set_spheres(model.tree, model.tree.level_count() - 1)) return;
-  CoveredTree fitted = cover(mesh, tree_from_spheres(spheres), CoverOptions{.nested = true});
+  CoveredTree fitted = cover(mesh, tree_from_spheres(spheres), {.nested = true}, serial_workers());
   fitted.report.complete = model.report.complete;
   model = std::move(fitted);
 }

@@ -46,14 +46,19 @@ void require_sense(const Robot& robot, const FitOptions& o) {
     }
   }
   const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
-  if (!in_range(o.padding) || !in_range(o.min_radius) || !in_range(o.max_radius) || !in_range(o.max_protrusion) ||
-      !in_range(o.max_protrusion_share) || !in_range(o.clip_margin) || !(o.density > 0 && o.density < 1e30)) {
-    throw std::invalid_argument("padding, radii, protrusion, margin and density are numbers not below 0");
+  const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
+  if (!in_range(o.padding) || !in_range(o.min_radius)) {
+    throw std::invalid_argument("padding and the least radius are numbers not below 0");
   }
-  if (o.max_radius > 0 && o.max_radius < o.min_radius) {
+  if (!is_length(o.max_radius) || !is_length(o.max_protrusion) || !is_length(o.max_protrusion_share) ||
+      !is_length(o.clip_margin) || !is_length(o.density)) {
+    throw std::invalid_argument("the largest radius, protrusion, margin and density are numbers above 0");
+  }
+  if (o.max_total && *o.max_total == 0) throw std::invalid_argument("a robot has at least 1 sphere in total");
+  if (o.max_radius && *o.max_radius < o.min_radius) {
     throw std::invalid_argument("the largest radius is below the smallest");
   }
-  if (o.spheres == 0 && o.max_total == 0 && o.max_protrusion == 0 && o.max_protrusion_share == 0) {
+  if (o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
     throw std::invalid_argument("say how many spheres, or how far they may stick out");
   }
 }
@@ -138,9 +143,9 @@ class Fitter {
       surface = surface_of(robot_.file, shapes_of(link));
       if (const std::vector<ClipPlane>& planes = planes_of(result_.links[i]); !planes.empty()) {
         std::vector<std::string> notes = std::move(surface.notes);
-        surface = clipped(surface, planes, o_.clip_margin);
+        surface = clipped(surface, planes, o_.clip_margin.value_or(0));
         surface.notes = std::move(notes);
-        if (o_.clip_margin > 0 && o_.fixed_spheres.count(link.name) == 0) require_margin(link, surface.mesh, planes);
+        if (o_.clip_margin && o_.fixed_spheres.count(link.name) == 0) require_margin(link, surface.mesh, planes);
       }
     });
     for (LinkSpheres& link : result_.links) {
@@ -190,7 +195,7 @@ class Fitter {
 
   void set_budgets() {
     for (Group& group : groups_) group.budget = o_.spheres;
-    if (o_.max_total != 0) share_total();
+    if (o_.max_total) share_total();
     for (Group& group : groups_) {
       const auto own = o_.link_spheres.find(name_of(result_.links[group.members[0]]));
       if (own != o_.link_spheres.end()) group.budget = own->second;
@@ -207,7 +212,7 @@ class Fitter {
           demands[i].links = groups_[i].members.size();
           return name_of(link);
         });
-    const std::vector<std::size_t> counts = share_spheres(demands, o_.max_total);
+    const std::vector<std::size_t> counts = share_spheres(demands, *o_.max_total);
     for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = counts[i];
   }
 
@@ -244,7 +249,7 @@ class Fitter {
 
   CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
     try {
-      return build(link.surface.mesh, options);
+      return build(link.surface.mesh, options, serial_workers());
     } catch (const std::invalid_argument& error) {
       throw FileError(fmt::format("{}:{}: link {}: {}", robot_.file.string(), robot_.links[link.link].line,
                                   name_of(link), error.what()));
@@ -282,16 +287,13 @@ class Fitter {
   void fit_new(LinkSpheres& link, std::size_t budget) const {
     link.spheres = link.surface.spheres;
     if (!link.surface.mesh.facets.empty()) {
-      BuildOptions options{.method = o_.method,
-                           .max_protrusion = o_.max_protrusion,
-                           .seed = o_.seed,
-                           .quality = o_.quality,
-                           .stop = o_.stop};
-      if (o_.max_protrusion_share > 0) {
+      BuildOptions options{.method = o_.method, .seed = o_.seed, .quality = o_.quality, .stop = o_.stop};
+      options.max_protrusion = o_.max_protrusion;
+      if (o_.max_protrusion_share) {
         Box box;
         for (const Vec3& p : link.surface.mesh.positions) box.add(p);
-        const double own = o_.max_protrusion_share * box.diagonal();
-        options.max_protrusion = options.max_protrusion > 0 ? std::min(options.max_protrusion, own) : own;
+        const double own = *o_.max_protrusion_share * box.diagonal();
+        options.max_protrusion = std::min(options.max_protrusion.value_or(own), own);
       }
       const std::size_t beside = link.surface.spheres.size();
       if (budget != 0) options.spheres = budget > beside ? budget - beside : 1;
@@ -301,7 +303,7 @@ class Fitter {
       }
       auto model = std::make_shared<CoveredTree>(build_link(link, options));
       enforce_max_radius(link, options, *model);
-      if (o_.clip_margin > 0 && !planes_of(link).empty()) keep_from_planes(link, *model);
+      if (o_.clip_margin && !planes_of(link).empty()) keep_from_planes(link, *model);
       if (!model->report.complete) {
         link.notes.push_back(
             fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
@@ -331,7 +333,7 @@ class Fitter {
     throw std::invalid_argument(
         fmt::format("clip margin {} is too small for link {}: padding and rounding take {:.6g}, so every cover reaches "
                     "beyond its clip planes; give more than that, and the more, the fewer spheres it takes",
-                    o_.clip_margin, link.name, least));
+                    *o_.clip_margin, link.name, least));
   }
 
   void keep_from_planes(LinkSpheres& link, CoveredTree& model) const {
@@ -356,16 +358,16 @@ class Fitter {
   }
 
   void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& model) const {
-    if (o_.max_radius == 0) return;
+    if (!o_.max_radius) return;
     const auto largest = [](const CoveredTree& tree) {
       double radius = 0;
       for (const Sphere& s : leaves(tree)) radius = std::max(radius, s.radius);
       return radius;
     };
-    const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= o_.max_radius; };
-    if (options.spheres == 0) options.spheres = model.tree.leaf_count();
-    while (!fits(model) && options.spheres < most_spheres_for_radius) {
-      options.spheres *= 2;
+    const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= *o_.max_radius; };
+    std::size_t spheres = options.spheres.value_or(model.tree.leaf_count());
+    while (!fits(model) && spheres < most_spheres_for_radius) {
+      options.spheres = spheres *= 2;
       model = build_link(link, options);
     }
     // A thick link is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
@@ -394,7 +396,7 @@ class Fitter {
     figures.solid = union_mass(link.spheres);
     if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
       figures.beyond_clip = reach_beyond(link.spheres, planes);
-      if (o_.clip_margin > 0 && *figures.beyond_clip > 0) {
+      if (o_.clip_margin && *figures.beyond_clip > 0) {
         link.notes.push_back(fmt::format(
             "link {}: spheres reach beyond its clip planes; give a larger margin, or less padding or smaller radii",
             name_of(link)));
@@ -412,7 +414,7 @@ class Fitter {
       figures.object_volume = union_mass(surface.spheres).volume;
       figures.outside_volume = std::max(0.0, figures.solid.volume - *figures.object_volume);
     } else {
-      const Coverage cover = coverage(surface.mesh, certified);
+      const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
       figures.uncovered_distance = cover.uncovered_distance;
       const SignedDistance object(surface.mesh);
@@ -420,7 +422,7 @@ class Fitter {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));
       }
       if (surface.spheres.empty()) {
-        const Looseness loose = looseness(surface.mesh, link.spheres, {.resolution = 128});
+        const Looseness loose = looseness(surface.mesh, link.spheres, {.resolution = 128}, serial_workers());
         if (loose.looseness) {
           figures.object_volume = loose.object_volume;
           figures.outside_volume = loose.outside_volume;
@@ -477,7 +479,8 @@ const LinkSpheres* RobotSpheres::of(std::size_t link) const {
   return nullptr;
 }
 
-RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options, Workers& workers) {
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options, WorkersOrAll given) {
+  Workers& workers = given;
   require_sense(robot, options);
   return Fitter(robot, options, workers).run();
 }

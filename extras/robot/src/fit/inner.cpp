@@ -97,7 +97,7 @@ std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::
     for (Solid& solid : found) {
       const auto part = static_cast<std::size_t>(candidates_of_a_shape * solid.area / area);
       const std::vector<Sphere> more = inner_ball_candidates(
-          solid.mesh, *solid.object, {.candidates = std::max(least_candidates, part), .seed = seed});
+          solid.mesh, *solid.object, {.candidates = std::max(least_candidates, part), .seed = seed}, serial_workers());
       balls.insert(balls.end(), more.begin(), more.end());
       solids.push_back(std::move(solid));
     }

@@ -32,7 +32,8 @@ RobotMesh mesh_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
   return result;
 }
 
-RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values, Workers& workers) {
+RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values, WorkersOrAll given) {
+  Workers& workers = given;
   const std::vector<RigidTransform> poses = link_poses(robot, values);
   if (spheres.links.empty()) throw std::invalid_argument("tree_of: the robot has no spheres");
   RobotMesh all = mesh_of(robot, spheres, values);
@@ -44,7 +45,7 @@ RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
   for (const LinkSpheres& link : spheres.links) {
     for (const Sphere& s : link.spheres) leaves.push_back({poses[link.link](s.center), s.radius});
   }
-  result.model = cover(result.mesh, tree_from_spheres(leaves), CoverOptions{.nested = true}, workers);
+  result.model = cover(result.mesh, tree_from_spheres(leaves), {.nested = true}, workers);
   result.model.report.method = "robot";
   return result;
 }

@@ -347,7 +347,8 @@ bool overlap(std::span<const Sphere> a, const RigidTransform& at_a, std::span<co
 }
 
 SelfCollision find_ignored(const Robot& robot, const RobotSpheres& spheres, const SelfCollisionOptions& options,
-                           Workers& workers) {
+                           WorkersOrAll given) {
+  Workers& workers = given;
   return Finder(robot, spheres, options, workers).run();
 }
 

@@ -64,7 +64,7 @@ class FreshTree final : public Follower {
       : mesh_(mesh), rest_(model.tree), options_(std::move(options)) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (positions == mesh_.positions) return rest_;
-    return build({positions, mesh_.facets}, options_).tree;
+    return build({positions, mesh_.facets}, options_, serial_workers()).tree;
   }
   std::optional<std::uint64_t> hash() const override { return std::nullopt; }
 
@@ -116,9 +116,9 @@ LevelFigures measure_level(const Plan& plan, const Mesh& rest, const LoosenessMe
     figures.lattice = meter.measure(deformed.positions, spheres,
                                     {.kind = VoxelGrid::Kind::fixed, .voxel_edge = figures.diagonal / plan.resolution});
   }
-  figures.coverage = coverage(deformed, spheres);
+  figures.coverage = coverage(deformed, spheres, serial_workers());
   if (distance != nullptr && distance->has_volume())
-    figures.protrusion = protrusion(*distance, spheres, plan.protrusion_tolerance);
+    figures.protrusion = protrusion(*distance, spheres, plan.protrusion_tolerance, serial_workers());
   return figures;
 }
 

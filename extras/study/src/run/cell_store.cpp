@@ -56,7 +56,7 @@ std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem
   const std::filesystem::path file = path_of(*cache, stem, settings, ".morula");
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   try {
-    return read_covered_tree(file, mesh);
+    return read_covered_tree(file, mesh, {}, serial_workers());
   } catch (const FileError&) {
     return std::nullopt;
   }

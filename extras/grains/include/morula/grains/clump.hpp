@@ -21,11 +21,12 @@ std::string_view name(ClumpKind kind);
 
 struct ClumpOptions {
   ClumpKind kind = ClumpKind::cover;
-  std::size_t spheres = 16;   ///< most of them; of a cover 0 where max_protrusion says it
-  double max_protrusion = 0;  ///< of a cover, not 0: as few as needed to stick out by at most so much, mesh units
-  double min_radius = 0;      ///< of a cover smaller ones are enlarged, inner ones are left out
-  /// Not 0: none is larger. A cover then has as many spheres as it takes, inner ones are made smaller.
-  double max_radius = 0;
+  std::size_t spheres = 16;  ///< most of them; of a cover 0 where max_protrusion says it
+  /// Of a cover: as few as needed to stick out by at most so much, above 0, mesh units.
+  std::optional<double> max_protrusion{};
+  double min_radius = 0;  ///< of a cover smaller ones are enlarged, inner ones are left out
+  /// Above 0. A cover has as many spheres as it takes for none to be larger, inner ones are made smaller.
+  std::optional<double> max_radius{};
   double density = 1000;                ///< mass over mesh units cubed
   Method method = Method::optimized;    ///< of a cover
   Quality quality = Quality::standard;  ///< of a cover
@@ -61,7 +62,7 @@ struct Clump {
 
 /// Throws std::invalid_argument for options out of range, unusable meshes, and inner spheres of a mesh that tells no
 /// inside from outside or has none that large; BuildStopped. Same bits for any number of workers.
-Clump fit_clump(const Mesh& mesh, const ClumpOptions& options = {}, Workers& workers = serial_workers());
+Clump fit_clump(const Mesh& mesh, const ClumpOptions& options = {}, WorkersOrAll workers = {});
 
 /// What a discrete element code reads. Text, numbers with the fewest digits that read back as the same bits.
 struct ClumpFormat {

@@ -22,23 +22,23 @@ struct ClipPlane {
 
 struct FitOptions {
   std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
-  /// Not 0: most of the whole robot, shared so that the next sphere goes where it takes away most outside volume.
-  std::size_t max_total = 0;
+  /// Most of the whole robot, 1 or more, shared so that the next sphere goes where it takes away most outside volume.
+  std::optional<std::size_t> total{};
   std::map<std::string, std::size_t> link_spheres{};  ///< most of single links, instead of these two
-  double max_protrusion = 0;        ///< not 0: as few as needed to stick out by at most so much, mesh units
-  double max_protrusion_share = 0;  ///< not 0: the same as a share of the diagonal of each link's box
-  double padding = 0;               ///< added to every radius, 0 or more
-  double min_radius = 0;            ///< smaller ones are enlarged
-  double max_radius = 0;            ///< not 0: as many spheres as it takes for none to be larger
-  bool visual = false;              ///< the visual shapes, not those of collision
-  std::set<std::string> skip{};     ///< links that get none
+  std::optional<double> max_protrusion{};  ///< as few as needed to stick out by at most so much, above 0, mesh units
+  std::optional<double> max_protrusion_share{};  ///< the same as a share of the diagonal of each link's box
+  double padding = 0;                            ///< added to every radius, 0 or more
+  double min_radius = 0;                         ///< smaller ones are enlarged
+  std::optional<double> max_radius{};            ///< above 0; as many spheres as it takes for none to be larger
+  bool visual = false;                           ///< the visual shapes, not those of collision
+  std::set<std::string> skip{};                  ///< links that get none
   std::map<std::string, std::vector<Sphere>> fixed_spheres{};  ///< links that keep these, which are certified anew
   /// What lies beyond one of a link's planes is left out, up to rounding: it need not be covered.
   std::map<std::string, std::vector<ClipPlane>> clip{};
-  /// Not 0: what is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it
-  /// takes. It has to be more than the padding and 2e-6 of the largest |coordinate| where something is that near.
-  double clip_margin = 0;
-  std::size_t inner = 0;  ///< not 0: each link also gets at most so many spheres inside its shapes
+  /// What is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it takes. It
+  /// has to be more than the padding and 2e-6 of the largest |coordinate| where something is that near.
+  std::optional<double> clip_margin{};
+  std::size_t inner = 0;  ///< how many spheres each link also gets inside its shapes, at most
   Method method = Method::optimized;
   Quality quality = Quality::fast;
   std::uint64_t seed = 1;
@@ -87,6 +87,6 @@ struct RobotSpheres {
 
 /// Throws std::invalid_argument for options out of range and links that are not there, FileError for meshes that cannot
 /// be used, BuildStopped. The same bits for any number of workers.
-RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, Workers& workers = serial_workers());
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula::robot

@@ -30,6 +30,6 @@ struct RobotTree {
 /// covers the mesh, proven; a Body that is given the vertices of moved links (vertex_begin) covers them, too. Throws
 /// std::invalid_argument for another number of values, and for a robot without spheres.
 RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<const double> values,
-                  Workers& workers = serial_workers());
+                  WorkersOrAll workers = {});
 
 }  // namespace morula::robot

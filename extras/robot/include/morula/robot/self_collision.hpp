@@ -65,7 +65,7 @@ struct SelfCollisionOptions {
 /// longer than the robot is never listed as `apart` or `never`. The same result for any number of workers. Throws
 /// BuildStopped.
 SelfCollision find_ignored(const Robot& robot, const RobotSpheres& spheres, const SelfCollisionOptions& options = {},
-                           Workers& workers = serial_workers());
+                           WorkersOrAll workers = {});
 
 /// Do the spheres of two links overlap, with the links at these places?
 bool overlap(std::span<const Sphere> a, const RigidTransform& at_a, std::span<const Sphere> b,
