@@ -8,7 +8,7 @@
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/overlap.hpp>
 #include <morula/collide/pair_tests.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 #include <set>
 

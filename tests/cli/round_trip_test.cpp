@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <morula/accuracy/coverage.hpp>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>

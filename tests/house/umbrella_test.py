@@ -8,7 +8,7 @@ import re
 import sys
 
 include = pathlib.Path(sys.argv[1])
-tools = {"collide/pair_tests.hpp", "geometry/random.hpp", "geometry/trigonometry.hpp", "query/brute_force.hpp"}
+tools = {"collide/pair_tests.hpp", "geometry/reproducible.hpp", "query/brute_force.hpp"}
 found, waiting = set(), ["morula.hpp"]
 while waiting:
     header = waiting.pop()

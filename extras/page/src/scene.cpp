@@ -6,7 +6,6 @@
 #include <morula/page/page.hpp>
 #include <morula/query/sphere_volume.hpp>
 #include <morula/update/body.hpp>
-#include <morula/update/rule_levels.hpp>
 #include <numbers>
 #include <stdexcept>
 

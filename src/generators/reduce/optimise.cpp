@@ -233,7 +233,7 @@ void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser,
   // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
   std::vector<double> distances;
   for (const Share& s : shares) distances.push_back(s.distance);
-  proposal.spheres = equally_grown(GrowBy::power, Optimisation::spheres_of(shares), distances, node.samples);
+  proposal.spheres = equally_grown(Optimisation::spheres_of(shares), distances, node.samples);
 }
 
 }  // namespace morula::detail
