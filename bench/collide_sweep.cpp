@@ -17,15 +17,15 @@ namespace {
 struct Small {
   Small(std::string_view name, int resolution, int branching, int depth)
       : mesh(sample_body(name, resolution)),
-        built(build(mesh, {.method = Method::octree, .branching = branching, .depth = depth})) {}
+        model(build(mesh, {.method = Method::octree, .branching = branching, .depth = depth})) {}
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
 };
 
 // A body on its way through frames.
 struct Actor {
   explicit Actor(const Small& small)
-      : mesh(small.mesh), body(small.mesh, small.built), collider(small.mesh, body), positions(small.mesh.positions) {}
+      : mesh(small.mesh), body(small.mesh, small.model), collider(small.mesh, body), positions(small.mesh.positions) {}
   void deform(Random& random, double amplitude) {
     const double size = bounding_box(mesh).diagonal();
     Vec3 stretch;
@@ -84,8 +84,8 @@ void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tall
   const double amplitude = random.uniform(0, 0.12);
   a.deform(random, amplitude);
   b.deform(random, amplitude);
-  a.collider.place(anywhere(random, 1.2));
-  b.collider.place(anywhere(random, 1.2));
+  a.collider.set_transform(anywhere(random, 1.2));
+  b.collider.set_transform(anywhere(random, 1.2));
 
   const Priority priority = std::array{Priority::level, Priority::overlap, Priority::importance}[seed % 3];
   std::vector<Crossing> crossings;
@@ -124,13 +124,13 @@ void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tall
   interrupt();
   done(query.resume());
   if (random.next() % 2 == 0) to_the_end();
-  // A small or a large step to the next frame, by deformation, placement or both.
+  // A small or a large step to the next frame, by deformation, transform or both.
   const double step = random.next() % 2 == 0 ? 0.002 : 0.1;
   if (random.next() % 3 != 0) a.shake(random, step);
   if (random.next() % 3 != 0) {
-    RigidTransform place = b.collider.placement();
+    RigidTransform place = b.collider.transform();
     place.translation += step * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-    b.collider.place(place);
+    b.collider.set_transform(place);
   }
   see();
   interrupt();

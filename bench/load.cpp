@@ -31,15 +31,15 @@ namespace {
 // A body that sways, turns and swells, each in its own rhythm.
 class Swaying {
  public:
-  Swaying(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, std::size_t number)
+  Swaying(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, std::size_t number)
       : mesh_(&mesh),
-        body_(mesh, std::move(built)),
+        body_(mesh, std::move(model)),
         collider_(mesh, body_),
         positions_(mesh.vertex_count()),
         rhythm_(0.05 + 0.0007 * static_cast<double>(number % 97)) {
     RigidTransform place;
     place.translation = {2.2 * static_cast<double>(number % 40), 2.2 * static_cast<double>(number / 40), 0};
-    collider_.place(place);
+    collider_.set_transform(place);
   }
   // The collider has the addresses of its body and its positions.
   Swaying(const Swaying&) = delete;
@@ -100,10 +100,10 @@ struct Stage {
 };
 
 double built_by(const Mesh& mesh, const BuildOptions& options, Result& result) {
-  CoveredTree built;
-  const double seconds = processor_seconds_of([&] { built = build(mesh, options); });
-  result.expect(certify(built.cover, mesh.positions, built.tree.spheres).covered, "surface outside the spheres");
-  result.expect(built.tree.leaf_count() > 64, "hardly divided");
+  CoveredTree model;
+  const double seconds = processor_seconds_of([&] { model = build(mesh, options); });
+  result.expect(certify(model.cover, mesh.positions, model.tree.spheres).covered, "surface outside the spheres");
+  result.expect(model.tree.leaf_count() > 64, "hardly divided");
   return seconds;
 }
 
@@ -123,14 +123,14 @@ std::vector<Stage> stages() {
        [](const Mesh& mesh, Result& result) { return built_by(mesh, {.quality = Quality::fast}, result); }},
       {"validate",
        [=](const Mesh& mesh, Result& result) {
-         const CoveredTree built = build(mesh, octree);
-         return processor_seconds_of([&] { result.expect(validate(mesh, built).empty(), "faults"); });
+         const CoveredTree model = build(mesh, octree);
+         return processor_seconds_of([&] { result.expect(validate(mesh, model).empty(), "faults"); });
        }},
       {"body",
        [=](const Mesh& mesh, Result& result) {
-         CoveredTree built = build(mesh, octree);
+         CoveredTree model = build(mesh, octree);
          std::optional<Body> body;
-         const double seconds = processor_seconds_of([&] { body.emplace(mesh, std::move(built)); });
+         const double seconds = processor_seconds_of([&] { body.emplace(mesh, std::move(model)); });
          result.expect(body->spheres().size() > 64, "hardly divided");
          return seconds;
        }},
@@ -148,9 +148,9 @@ std::vector<Stage> stages() {
        }},
       {"measure",
        [=](const Mesh& mesh, Result& result) {
-         const CoveredTree built = build(mesh, octree);
+         const CoveredTree model = build(mesh, octree);
          std::vector<LevelMeasure> levels;
-         const double seconds = processor_seconds_of([&] { levels = measure(mesh, built.tree); });
+         const double seconds = processor_seconds_of([&] { levels = measure(mesh, model.tree); });
          for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is bare");
          return seconds;
        }},
@@ -197,16 +197,16 @@ std::optional<std::pair<Outcome, double>> in_a_process(const Mesh& mesh, const S
 
 std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const Settings& settings) {
   const Mesh mesh = sample_body("limb", 7);
-  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 2}));
+  const auto model = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 2}));
   std::vector<std::unique_ptr<Swaying>> bodies;
-  for (std::size_t i = 0; i < body_count; ++i) bodies.push_back(std::make_unique<Swaying>(mesh, built, i));
-  // Neighbours in rows touch now and then: fronts come, shrink and go.
+  for (std::size_t i = 0; i < body_count; ++i) bodies.push_back(std::make_unique<Swaying>(mesh, model, i));
+  // Neighbors in rows touch now and then: fronts come, shrink and go.
   ContactQuery query({.budget = 4000});
   for (std::size_t i = 0; i + 1 < body_count; i += 10) query.add(bodies[i]->collider(), bodies[i + 1]->collider());
 
   Result result{.scenario = "load",
                 .item = fmt::format("{} bodies, {} frames", body_count, frames),
-                .mesh = fmt::format("limb of {} facets, {} nodes", mesh.facet_count(), built->tree.node_count())};
+                .mesh = fmt::format("limb of {} facets, {} nodes", mesh.facet_count(), model->tree.node_count())};
   Random random(1);
   std::size_t bare = 0, refused = 0, not_certified = 0, samples = 0, contacts = 0;
   // Queries settle what they keep within the first frames.

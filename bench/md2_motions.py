@@ -50,11 +50,11 @@ def study(path, args):
     home = morula.build(mesh, quality="fast", depth=args.depth)
     poses = [(str(i), frame) for i, frame in enumerate(frames) if i > 0]
     begin = time.process_time()
-    built, _ = morula.with_known_poses(mesh, home, poses, quality="fast", pose_threshold=args.pose_threshold, max_trees=args.max_trees)
+    model, _ = morula.with_known_poses(mesh, home, poses, quality="fast", pose_threshold=args.pose_threshold, max_trees=args.max_trees)
     making = time.process_time() - begin
     # Keys are few and far between: ten frames from each to the next.
     motion = [a + (b - a) * (i / args.between) for a, b in zip(frames, frames[1:]) for i in range(args.between)]
-    body = morula.RebuiltBody(mesh, built, thread="none")
+    body = morula.RebuiltBody(mesh, model, thread="none")
     paper = morula.Body(mesh, home, rules=["approach2"])
     meter = morula.LoosenessMeter(mesh)
 
@@ -75,7 +75,7 @@ def study(path, args):
         paper.update(positions)
         of_paper = paper.current_tree()
         over_paper.append(ours / looseness(positions, leaves(of_paper.spheres, of_paper)))
-        bare = max(bare, morula.coverage(mesh_now, leaves(of_paper.spheres, of_paper)).bare_area)
+        bare = max(bare, morula.coverage(mesh_now, leaves(of_paper.spheres, of_paper)).uncovered_area)
     # What others on the machine cost is not meant: frame by frame the least of some rounds.
     least = [math.inf] * len(motion)
     for _ in range(args.rounds):

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bullet: the quantised tree of btBvhTriangleMeshShape. Not GImpact's, whose refit keeps the quantisation of the pose
+// Bullet: the quantized tree of btBvhTriangleMeshShape. Not GImpact's, whose refit keeps the quantization of the pose
 // it was built in: boxes of what leaves that pose's box by more than one unit are cut off there.
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -84,8 +84,8 @@ struct OpenBvh : btOptimizedBvh {
 class BulletBvh final : public Peer {
  public:
   explicit BulletBvh(const Mesh& mesh) : mesh_(mesh) {
-    constexpr bool quantised = true;  // refit does nothing otherwise
-    bvh_.build(&mesh_.arrays(), quantised, mesh_.lower(), mesh_.upper());
+    constexpr bool quantized = true;  // refit does nothing otherwise
+    bvh_.build(&mesh_.arrays(), quantized, mesh_.lower(), mesh_.upper());
   }
   void take(const Frame& frame) override { mesh_.take(frame); }
   // What btBvhTriangleMeshShape::refitTree does, without the shape's own box, for which Bullet looks at every vertex
@@ -113,7 +113,7 @@ class BulletBvh final : public Peer {
 };
 
 /// Bullet's own way for two meshes, but for the triangles: pairs of GImpact's boxes. A shape is made anew for each
-/// frame, so that quantised boxes are those of the frame.
+/// frame, so that quantized boxes are those of the frame.
 class BulletCrossings final : public CrossingPeer {
  public:
   BulletCrossings(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}

@@ -59,8 +59,8 @@ class SphereVolumes final : public Volumes {
   }
 
  public:
-  SphereVolumes(const Mesh& mesh, const CoveredTree& built, Rule rule)
-      : tree_(built.tree), body_(mesh, built, {.rules = {rule}}) {}
+  SphereVolumes(const Mesh& mesh, const CoveredTree& model, Rule rule)
+      : tree_(model.tree), body_(mesh, model, {.rules = {rule}}) {}
 
   UpdateStatus update(const PositionView& positions, Workers& workers) override {
     return body_.update(positions, workers);
@@ -105,8 +105,8 @@ class KDopVolumes final : public Volumes {
   }
 
  public:
-  KDopVolumes(const Mesh& mesh, const CoveredTree& built, int k)
-      : tree_(built.tree), cover_(built.cover), dops_(mesh, built, k) {}
+  KDopVolumes(const Mesh& mesh, const CoveredTree& model, int k)
+      : tree_(model.tree), cover_(model.cover), dops_(mesh, model, k) {}
 
   UpdateStatus update(const PositionView& positions, Workers& workers) override {
     return dops_.update(positions, workers);
@@ -143,12 +143,12 @@ class KDopVolumes final : public Volumes {
 };
 
 template <Rule rule>
-std::unique_ptr<Volumes> spheres(const Mesh& mesh, const CoveredTree& built) {
-  return std::make_unique<SphereVolumes>(mesh, built, rule);
+std::unique_ptr<Volumes> spheres(const Mesh& mesh, const CoveredTree& model) {
+  return std::make_unique<SphereVolumes>(mesh, model, rule);
 }
 template <int k>
-std::unique_ptr<Volumes> kdops(const Mesh& mesh, const CoveredTree& built) {
-  return std::make_unique<KDopVolumes>(mesh, built, k);
+std::unique_ptr<Volumes> kdops(const Mesh& mesh, const CoveredTree& model) {
+  return std::make_unique<KDopVolumes>(mesh, model, k);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ endforeach()
 install(DIRECTORY ${morula_headers}
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT development
   FILES_MATCHING PATTERN "*.hpp" PATTERN "morula.h")
-# The licence and the notices of what is compiled in go where the code goes. Each component has a folder of its own, named
+# The license and the notices of what is compiled in go where the code goes. Each component has a folder of its own, named
 # as its package is: two packages may not have the same file.
 set(morula_package_of_development libmorula-dev)
 set(morula_package_of_library "libmorula${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")

@@ -4,12 +4,12 @@
 # How GCC and Clang are asked for less work on code that gains nothing from more; MSVC has no such level between none and
 # all.
 set(MORULA_GNU_LIKE OFF)
-set(MORULA_LESS_OPTIMISED "")
-set(MORULA_NOT_OPTIMISED "")
+set(MORULA_LESS_OPTIMIZED "")
+set(MORULA_NOT_OPTIMIZED "")
 if(CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang|AppleClang)$" AND NOT MSVC)
   set(MORULA_GNU_LIKE ON)
-  set(MORULA_LESS_OPTIMISED -O1)
-  set(MORULA_NOT_OPTIMISED -O0)
+  set(MORULA_LESS_OPTIMIZED -O1)
+  set(MORULA_NOT_OPTIMIZED -O0)
 endif()
 
 # morula_configure(TARGET): what every target of ours is compiled with.
@@ -37,7 +37,7 @@ function(morula_configure_gnu_like target)
     -Wall -Wextra -Wpedantic -Wshadow -Wold-style-cast -Wundef -Wnon-virtual-dtor
     # A fused multiply-add rounds once where two instructions round twice: results would depend on the machine.
     -ffp-contract=off
-    # Square roots of negative numbers are ours to avoid; without this each one checks errno and blocks vectorisation.
+    # Square roots of negative numbers are ours to avoid; without this each one checks errno and blocks vectorization.
     -fno-math-errno)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 warns of overlapping copies inside std::string's own operator+ (GCC bug 105651).

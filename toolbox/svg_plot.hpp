@@ -31,7 +31,7 @@ struct Plot {
   std::vector<std::string> x_names{};  // of x = 0, 1, …; none: numbers
 };
 
-/// Without fonts, scripts or colours of the page: a file by itself, or inline. The same plot gives the same bytes.
+/// Without fonts, scripts or colors of the page: a file by itself, or inline. The same plot gives the same bytes.
 std::string svg_plot(const Plot& plot);
 
 /// Round numbers from low to high, about `count` of them, with the digits they need.

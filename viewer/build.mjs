@@ -28,9 +28,9 @@ const bundle = buildSync({
 });
 const text = (ending) => bundle.outputFiles.find((file) => file.path.endsWith(ending)).text;
 
-// What is inside the page carries its licences along.
-const licence = (name) => readFileSync(join(binary, 'node_modules', name, 'LICENSE'), 'utf8').trim();
-const notices = ['three', 'uplot'].map((name) => `${name}\n${licence(name)}`).join('\n\n').replaceAll('--', '- -');
+// What is inside the page carries its licenses along.
+const license = (name) => readFileSync(join(binary, 'node_modules', name, 'LICENSE'), 'utf8').trim();
+const notices = ['three', 'uplot'].map((name) => `${name}\n${license(name)}`).join('\n\n').replaceAll('--', '- -');
 
 const script = text('.js').replace(/<\/script/gi, '<\\/script');
 // The page runs this script and has this style, and no others: not one that came in with the data.

@@ -16,7 +16,7 @@ async function body(rule, size) {
   await page.selectOption('#choose-rule', rule);
   await slide(page, 'frame', worst);
   await slide(page, 'level', 3);
-  await page.click('#colouring [data-value=branch]');
+  await page.click('#coloring [data-value=branch]');
   // The stage without what lies over it and without its background.
   // Element by element: the page's policy takes no other style sheet.
   await page.evaluate((height) => {
@@ -41,9 +41,9 @@ const left = await body('approach2', size);
 const right = await body('exact', size);
 const context = await browser.newContext({ viewport: { width: 1120, height: 376 } });
 const sheet = await context.newPage();
-const half = (name, { png, share, loose }, colour) => `
+const half = (name, { png, share, loose }, color) => `
   <figure><div><img src="data:image/png;base64,${png}"></div>
-  <figcaption><b>${name}</b><span>looseness ${loose}</span><span style="color:${colour}">${share === '0' ? 'no surface is bare' : `${share} of the surface is bare`}</span></figcaption></figure>`;
+  <figcaption><b>${name}</b><span>looseness ${loose}</span><span style="color:${color}">${share === '0' ? 'no surface is bare' : `${share} of the surface is bare`}</span></figcaption></figure>`;
 await sheet.setContent(`<style>
   body { margin: 0; background: #fff; display: flex; font: 16px 'DejaVu Sans', sans-serif; color: #1b2026 }
   figure { margin: 0; width: 560px; white-space: nowrap } figure div { width: 560px; height: 330px; overflow: hidden; position: relative }
@@ -54,7 +54,7 @@ await sheet.screenshot({ path: join(folder, 'rules.png') });
 const { page } = await open(browser, file, { width: 1200, height: 720, dark: true });
 await settled(page);
 await slide(page, 'frame', worst);
-await page.click('#colouring [data-value=growth]');
+await page.click('#coloring [data-value=growth]');
 await slide(page, 'level', 2);
 const box = await page.locator('#stage canvas').boundingBox();
 await page.mouse.click(box.x + 0.4 * box.width, box.y + 0.62 * box.height);

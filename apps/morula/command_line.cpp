@@ -67,7 +67,7 @@ int run(int argc, char** argv, bool parse_only) {
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
   bool licenses = false;
-  app.add_flag("--licenses", licenses, "Print the licences of what is compiled in and exit");
+  app.add_flag("--licenses", licenses, "Print the licenses of what is compiled in and exit");
   app.require_subcommand(1);
   app.get_formatter()->column_width(36);
   app.footer(

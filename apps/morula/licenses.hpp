@@ -7,7 +7,7 @@
 
 namespace morula::cli {
 
-/// Morula's own licence in a line, then the notices of all libraries that this program was built with, one after the
+/// Morula's own license in a line, then the notices of all libraries that this program was built with, one after the
 /// other: what --licenses prints.
 std::string license_texts();
 

@@ -32,13 +32,13 @@ std::vector<LevelLooseness> looseness_of(const Input& input, const SphereTree& t
   return levels;
 }
 
-void verify(const Input& input, const CoveredTree& built, Workers& workers, Result& result) {
-  for (const std::string& fault : validate(input.mesh, built)) result.faults.push_back(fault);
-  const Certificate certificate = certify(built.cover, input.mesh.positions, built.tree.spheres, workers);
+void verify(const Input& input, const CoveredTree& model, Workers& workers, Result& result) {
+  for (const std::string& fault : validate(input.mesh, model)) result.faults.push_back(fault);
+  const Certificate certificate = certify(model.cover, input.mesh.positions, model.tree.spheres, workers);
   result.expect(certificate.covered, "surface outside the spheres");
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
-    const Coverage c = coverage(input.mesh, level_set_spheres(built.tree, level), workers);
-    result.expect(c.covered && c.bare_area == 0, fmt::format("level {} leaves surface bare", level));
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
+    const Coverage c = coverage(input.mesh, level_set_spheres(model.tree, level), workers);
+    result.expect(c.covered && c.uncovered_area == 0, fmt::format("level {} leaves surface bare", level));
   }
 }
 
@@ -62,8 +62,8 @@ void add_spread(const Input& input, BuildOptions options, const std::vector<Leve
   for (const LevelLooseness& l : first) values.push_back({l.value});
   for (std::uint64_t k = 1; k < settings.seeds; ++k) {
     ++options.seed;
-    const CoveredTree built = build(input.mesh, options, *settings.workers);
-    for (const auto& [level, value] : looseness_of(input, built.tree, *settings.workers))
+    const CoveredTree model = build(input.mesh, options, *settings.workers);
+    for (const auto& [level, value] : looseness_of(input, model.tree, *settings.workers))
       if (level <= values.size()) values[level - 1].push_back(value);
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -87,9 +87,9 @@ Result flat_set_of(const Input& input, BuildOptions options, std::size_t spheres
     user = std::min(user, user_seconds() - before);
   });
   verify(input, flat, *settings.workers, result);
-  const auto loose = [&](const CoveredTree& built, std::size_t level) {
+  const auto loose = [&](const CoveredTree& model, std::size_t level) {
     const VoxelGrid grid{.kind = VoxelGrid::Kind::fixed, .voxel_edge = bounding_box(input.mesh).diagonal() / 256};
-    return looseness(input.mesh, level_set_spheres(built.tree, level), grid, *settings.workers).looseness;
+    return looseness(input.mesh, level_set_spheres(model.tree, level), grid, *settings.workers).looseness;
   };
   result.figures = {{"spheres", static_cast<double>(flat.tree.leaf_count())}, {"user s", user}};
   const auto own = loose(flat, flat.tree.level_count() - 1);
@@ -115,11 +115,11 @@ std::vector<Result> run_build(const Input& input, const Settings& settings) {
     Result result{.scenario = "build", .item = std::string(name(method)), .mesh = input.name};
     const BuildOptions options{.method = method, .branching = 8, .depth = settings.depth};
 
-    CoveredTree built;
+    CoveredTree model;
     double user = std::numeric_limits<double>::infinity();
     result.seconds = timed(settings, [&] {
       const double before = user_seconds();
-      built = build(input.mesh, options, *settings.workers);
+      model = build(input.mesh, options, *settings.workers);
       user = std::min(user, user_seconds() - before);
     });
     // Once more with another number of threads: the same tree, and what the threads gain.
@@ -128,24 +128,24 @@ std::vector<Result> run_build(const Input& input, const Settings& settings) {
     SphereTree again;
     const double others_seconds = seconds_of([&] { again = build(input.mesh, options, others).tree; });
     const double seconds = *std::min_element(result.seconds.begin(), result.seconds.end());
-    result.expect(tree_hash(built.tree) == tree_hash(again), "another tree with another number of threads");
-    verify(input, built, *settings.workers, result);
+    result.expect(tree_hash(model.tree) == tree_hash(again), "another tree with another number of threads");
+    verify(input, model, *settings.workers, result);
 
-    result.figures = {{"spheres", static_cast<double>(built.tree.node_count())},
-                      {"leaves", static_cast<double>(built.tree.leaf_count())},
-                      {"patches", static_cast<double>(built.cover.patch_count())},
-                      {"cut points", static_cast<double>(built.cover.cut_points.size())},
+    result.figures = {{"spheres", static_cast<double>(model.tree.node_count())},
+                      {"leaves", static_cast<double>(model.tree.leaf_count())},
+                      {"patches", static_cast<double>(model.cover.patch_count())},
+                      {"cut points", static_cast<double>(model.cover.cut_points.size())},
                       {"user s", user},
                       {"us/facet", 1e6 * median(result.seconds) / static_cast<double>(input.mesh.facet_count())},
                       {fmt::format("{} threads gain", on_one ? 2 : settings.workers->thread_count()),
                        on_one ? seconds / others_seconds : others_seconds / seconds}};
-    const std::vector<LevelLooseness> levels = looseness_of(input, built.tree, *settings.workers);
+    const std::vector<LevelLooseness> levels = looseness_of(input, model.tree, *settings.workers);
     add_looseness(input, result, levels, settings.baseline, result.figures);
     if (settings.seeds > 1) add_spread(input, options, levels, settings, result.figures);
     results.push_back(std::move(result));
     constexpr std::size_t flat_spheres = 64;
     results.push_back(flat_set_of(input, {.method = method}, flat_spheres, settings));
-    if (method == Method::morula)
+    if (method == Method::optimized)
       results.push_back(flat_set_of(input, {.method = method, .quality = Quality::fast}, flat_spheres, settings));
   }
   return results;
@@ -167,10 +167,10 @@ std::vector<Result> run_build_scaling(const Settings& settings) {
                     .item = fmt::format("{} of {}", name(method), input.mesh.facet_count()),
                     .mesh = input.name};
       const PeakMemory memory;
-      CoveredTree built;
-      result.seconds = {seconds_of([&] { built = build(input.mesh, {.method = method}, *settings.workers); })};
+      CoveredTree model;
+      result.seconds = {seconds_of([&] { model = build(input.mesh, {.method = method}, *settings.workers); })};
       const std::optional<std::size_t> bytes = memory.bytes();
-      result.expect(certify(built.cover, input.mesh.positions, built.tree.spheres, *settings.workers).covered,
+      result.expect(certify(model.cover, input.mesh.positions, model.tree.spheres, *settings.workers).covered,
                     "surface outside the spheres");
       result.figures = {{"us/facet", 1e6 * result.seconds[0] / count}};
       if (bytes) result.figures.push_back({"peak bytes/facet", static_cast<double>(*bytes) / count});

@@ -45,20 +45,20 @@ Result result_of(std::string item, const Input& input) {
   return {.scenario = "collide", .item = std::move(item), .mesh = input.name};
 }
 
-Result pair_tests(std::size_t kind, const Input& input, const Body& body, const RigidTransform& placement,
+Result pair_tests(std::size_t kind, const Input& input, const Body& body, const RigidTransform& transform,
                   const Settings& settings) {
   Result result = result_of("pair tests, " + std::string(pair_test_kind_name(kind)), input);
   const SphereTree& tree = body.rest_tree();
   const auto leaves = body.spheres().subspan(tree.level_begin[tree.level_count() - 1]);
-  const std::size_t expected = count_overlapping(leaves, leaves, placement, 0);
+  const std::size_t expected = count_overlapping(leaves, leaves, transform, 0);
   std::size_t found = 0;
-  for (int i = 0; i < 200; ++i) found = count_overlapping(leaves, leaves, placement, kind);
+  for (int i = 0; i < 200; ++i) found = count_overlapping(leaves, leaves, transform, kind);
   result.seconds.clear();
   const double tests = static_cast<double>(leaves.size()) * static_cast<double>(leaves.size());
   timed(settings, [&] {
     for (int batch = 0; batch < 20; ++batch) {
       const double start = thread_seconds();
-      for (int i = 0; i < 4; ++i) found = count_overlapping(leaves, leaves, placement, kind);
+      for (int i = 0; i < 4; ++i) found = count_overlapping(leaves, leaves, transform, kind);
       result.seconds.push_back((thread_seconds() - start) / 4);
     }
   });
@@ -74,11 +74,11 @@ bool agrees_with_doubles(const Collider& a, const Collider& b, const Keys& found
   const SphereTree& tree = a.tree();
   std::vector<Sphere> spheres_a, spheres_b;
   for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-    spheres_a.push_back(a.pose().sphere(i));
-    spheres_b.push_back(b.pose().sphere(i));
+    spheres_a.push_back(a.sphere_state().sphere(i));
+    spheres_b.push_back(b.sphere_state().sphere(i));
   }
-  for (Sphere& s : spheres_a) s.center = a.placement()(s.center);
-  for (Sphere& s : spheres_b) s.center = b.placement()(s.center);
+  for (Sphere& s : spheres_a) s.center = a.transform()(s.center);
+  for (Sphere& s : spheres_b) s.center = b.transform()(s.center);
   const auto reached = [&](std::uint32_t i, std::uint32_t j, double allowance) {
     for (;;) {
       const Sphere &s = spheres_a[i], &t = spheres_b[j];
@@ -233,15 +233,15 @@ Result carried(std::string item, const Input& input, Body& body, Collider& a, co
 
 std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   std::vector<Result> results;
-  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
-  Body body_a(input.mesh, built), body_b(input.mesh, built);
+  const CoveredTree model = build(input.mesh, tree_options(settings), *settings.workers);
+  Body body_a(input.mesh, model), body_b(input.mesh, model);
   Collider a(input.mesh, body_a), b(input.mesh, body_b);
   const Box box = bounding_box(input.mesh);
-  RigidTransform placement = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi);
-  const Vec3 aligned = box.center() - placement(box.center());
+  RigidTransform transform = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi);
+  const Vec3 aligned = box.center() - transform(box.center());
   const auto shift = [&](double share) {
-    placement.translation = aligned + share * Vec3{box.extent().x, 0, 0};
-    b.place(placement);
+    transform.translation = aligned + share * Vec3{box.extent().x, 0, 0};
+    b.set_transform(transform);
   };
   ContactQuery query;
   query.add(a, b);
@@ -250,11 +250,11 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   double moderate = deep;
   for (shift(moderate); moderate < 2; shift(moderate += 0.01)) {
     query.run();
-    if (contacts.contacts.size() <= built.tree.leaf_count()) break;
+    if (contacts.contacts.size() <= model.tree.leaf_count()) break;
   }
 
   for (std::size_t kind = 0; kind < pair_test_kinds(); ++kind)
-    results.push_back(pair_tests(kind, input, body_a, placement, settings));
+    results.push_back(pair_tests(kind, input, body_a, transform, settings));
 
   const auto all_leaves = [&](std::string item) {
     Result leaves = result_of(std::move(item), input);
@@ -263,7 +263,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
     leaves.figures = {{"us", 1e6 * median(leaves.seconds)},
                       {"contacts", static_cast<double>(contacts.contacts.size())},
                       {"pair tests", static_cast<double>(contacts.pair_tests)},
-                      {"leaves", static_cast<double>(built.tree.leaf_count())}};
+                      {"leaves", static_cast<double>(model.tree.leaf_count())}};
     results.push_back(std::move(leaves));
   };
   shift(deep);

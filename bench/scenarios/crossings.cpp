@@ -20,7 +20,7 @@ namespace {
 
 struct Bending {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   Collider collider;
   std::vector<Frame> frames;
@@ -33,8 +33,8 @@ struct Bending {
       : Bending(renumbered(unordered, leaf_order(as_built)), as_built, leaf_order(as_built), settings) {}
   Bending(Mesh ordered, const CoveredTree& as_built, const std::vector<std::uint32_t>& order, const Settings& settings)
       : mesh(std::move(ordered)),
-        built(renumbered(as_built, mesh, order)),
-        body(mesh, built, {}, *settings.workers),
+        model(renumbered(as_built, mesh, order)),
+        body(mesh, model, {}, *settings.workers),
         collider(mesh, body) {}
 };
 

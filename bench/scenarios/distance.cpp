@@ -100,35 +100,35 @@ class Scene {
     std::vector<RigidTransform> found;
     while (found.size() < count_) {
       const Vec3 axis = random_point(random, 1), out = normalized(random_point(random, 1));
-      RigidTransform placement =
+      RigidTransform transform =
           RigidTransform::from_axis(axis, random.uniform(0, 2 * std::numbers::pi), out * (2 * size_));
       for (int step = 0; step < 20; ++step) {
-        b_.place(placement);
+        b_.set_transform(transform);
         const DistanceBounds d = query.run(a_, b_);
         if (d.upper <= std::max(gap * 1.01, 1e-9 * size_)) break;
-        placement.translation += (d.a.point - d.b.point) * (1 - std::max(gap, 1e-9 * size_) / d.upper);
+        transform.translation += (d.a.point - d.b.point) * (1 - std::max(gap, 1e-9 * size_) / d.upper);
       }
-      if (gap < 0) placement.translation += normalized(-placement.translation) * -gap;
-      found.push_back(placement);
+      if (gap < 0) transform.translation += normalized(-transform.translation) * -gap;
+      found.push_back(transform);
     }
     return found;
   }
 
   void distances(const std::string& name, double gap) {
-    const std::vector<RigidTransform> placements = poses(gap);
+    const std::vector<RigidTransform> transforms = poses(gap);
     const double slack = 1e-12 * size_;
     const auto item = [&](const std::string& what, const DistanceOptions& options, int warm_steps, bool to_the_end) {
       Result result{.scenario = "distance", .item = name + ", " + what, .mesh = input_.name};
       DistanceQuery query;
       double sphere_tests = 0, facet_tests = 0;
       std::size_t asked = 0, crossing = 0, unsound = 0, loose = 0;
-      for (const RigidTransform& start : placements) {
-        b_.place(start);
+      for (const RigidTransform& start : transforms) {
+        b_.set_transform(start);
         query.run(a_, b_, options);  // memory, and where frames are coherent the last answer
         for (int step = 0; step <= warm_steps; ++step) {
           RigidTransform moved = start;
           moved.translation += Vec3{1, 0.5, -0.3} * (0.002 * size_ * step);
-          b_.place(moved);
+          b_.set_transform(moved);
           DistanceBounds found;
           result.seconds.push_back(thread_seconds_of([&] { found = query.run(a_, b_, options); }));
           sphere_tests += static_cast<double>(found.sphere_tests);
@@ -152,7 +152,7 @@ class Scene {
     item("fresh", {.warm_start = false}, 0, true);
     item("frames", {}, 3, true);
     item("to 1 %", {.tolerance = 0.01 * size_, .warm_start = false}, 0, false);
-    item("within 1 %?", {.only_within = 0.01 * size_, .near_enough = 0.01 * size_, .warm_start = false}, 0, false);
+    item("within 1 %?", {.stop_above = 0.01 * size_, .stop_below = 0.01 * size_, .warm_start = false}, 0, false);
   }
 
   template <class F>
@@ -177,7 +177,7 @@ class Scene {
   }
 
   void primitives() {
-    a_.place({});
+    a_.set_transform({});
     const Mesh world = world_mesh(a_);
     const TriangleBvh bvh(world);
     Random random(3);
@@ -206,7 +206,7 @@ class Scene {
         "half space, facets",
         [&](std::size_t i) {
           touched.run(a_, HalfSpace{{0, 0, 1}, box.lower.z + 0.02 * size_ * static_cast<double>(i % 5)},
-                      {.list = true});
+                      {.collect_all = true});
           return touched.result().facets.size();
         },
         [&](std::size_t i, std::size_t count) {
@@ -228,7 +228,7 @@ class Scene {
     item(
         "sphere, touches?",
         [&](std::size_t i) {
-          touched.run(a_, Sphere{points[i], radius}, {.any = true});
+          touched.run(a_, Sphere{points[i], radius}, {.stop_at_first = true});
           return touched.result().touches;
         },
         [&](std::size_t i, bool touches) { return touches == bvh.closest_point(points[i], radius).has_value(); });

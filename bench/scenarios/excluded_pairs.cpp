@@ -35,7 +35,7 @@ class Judge {
     for (const Facet& f : mesh.facets)
       for (std::size_t k = 0; k < 3; ++k) next_[f[k]].push_back(f[(k + 1) % 3]), next_[f[(k + 1) % 3]].push_back(f[k]);
   }
-  bool keeps(const FeaturePair& pair) {
+  bool accepts(const FeaturePair& pair) {
     const auto a = vertices_of(tree_, pair.kind, true, pair.a), b = vertices_of(tree_, pair.kind, false, pair.b);
     return !(filter_.rings > 0 && are_neighbors(a, b)) && !(filter_.rest_distance > 0 && are_near(a, b));
   }
@@ -116,7 +116,7 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
     Judge judge(input.mesh, tree, filter);
     std::vector<FeaturePair> expected;
     for (const FeaturePair& pair : all)
-      if (judge.keeps(pair)) expected.push_back(pair);
+      if (judge.accepts(pair)) expected.push_back(pair);
     result.expect(pairs_of(query) == expected, "not the pairs that the filter keeps");
     result.figures = {{"pairs", static_cast<double>(expected.size())},
                       {"times without", median(result.seconds) / median(results[0].seconds)},

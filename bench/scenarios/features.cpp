@@ -159,8 +159,8 @@ std::vector<Result> crossings_with_itself(const Input& input, const Settings& se
 /// Boxes of everything, with vertices in the order of the leaves of an octree and in the file's; and Embree's quickest
 /// builder in every frame.
 std::vector<Result> updates_of_everything(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, {.method = Method::octree, .depth = 4}, *settings.workers);
-  const Mesh ordered = renumbered(input.mesh, leaf_order(built));
+  const CoveredTree model = build(input.mesh, {.method = Method::octree, .depth = 4}, *settings.workers);
+  const Mesh ordered = renumbered(input.mesh, leaf_order(model));
   const std::vector<Frame> frames = poke_and_back(ordered), file_frames = poke_and_back(input.mesh);
   SurfaceTree tree(ordered), again(ordered), file(input.mesh);
   const std::unique_ptr<Peer> peer = make_embree_anew(input.mesh);

@@ -38,7 +38,7 @@ Result time_looseness(const Input& input, const std::vector<Sphere>& spheres, co
 }
 
 /// Share of the surface outside all spheres, from points.
-double sampled_bare_area(const Mesh& mesh, const std::vector<Sphere>& spheres, std::size_t count) {
+double sampled_uncovered_area(const Mesh& mesh, const std::vector<Sphere>& spheres, std::size_t count) {
   std::size_t bare = 0;
   for (const SurfacePoint& sample : sample_surface(mesh, count))
     bare += std::none_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return power(s, sample.point) <= 0; });
@@ -50,20 +50,22 @@ Result time_coverage(std::string item, const Input& input, const Mesh& mesh, con
   Result result{.scenario = "measure", .item = std::move(item), .mesh = input.name};
   const auto question = [&](Workers& workers) {
     const Coverage c = coverage(mesh, spheres, workers);
-    return std::array{c.covered ? 1.0 : 0.0, c.bare_area, c.gap, c.gap_upper};
+    return std::array{c.covered ? 1.0 : 0.0, c.uncovered_area, c.uncovered_distance, c.uncovered_distance_upper};
   };
-  const auto [covered, bare_area, gap, gap_upper] = timed_numbers<4>(question, settings, result);
-  if (must_cover) result.expect(covered == 1 && bare_area == 0 && gap == 0, "surface outside the spheres");
-  result.expect(gap <= gap_upper && gap_upper <= gap * (1 + 2e-6), "the gap is not known to 1e-6");
+  const auto [covered, uncovered_area, gap, uncovered_distance_upper] = timed_numbers<4>(question, settings, result);
+  if (must_cover) result.expect(covered == 1 && uncovered_area == 0 && gap == 0, "surface outside the spheres");
+  result.expect(gap <= uncovered_distance_upper && uncovered_distance_upper <= gap * (1 + 2e-6),
+                "the gap is not known to 1e-6");
 
   // Stratified points scatter less than independent ones: five of their deviations is a wide margin.
   constexpr std::size_t samples = 10000;
-  const double sampled = sampled_bare_area(mesh, spheres, samples);
-  const double deviation = std::sqrt(std::max(bare_area * (1 - bare_area), 1e-4) / static_cast<double>(samples));
-  result.expect(std::abs(sampled - bare_area) <= 5 * deviation, "sampling finds another bare area");
+  const double sampled = sampled_uncovered_area(mesh, spheres, samples);
+  const double deviation =
+      std::sqrt(std::max(uncovered_area * (1 - uncovered_area), 1e-4) / static_cast<double>(samples));
+  result.expect(std::abs(sampled - uncovered_area) <= 5 * deviation, "sampling finds another uncovered area");
 
-  result.figures = {{"bare area", bare_area},
-                    {"gap", gap},
+  result.figures = {{"uncovered area", uncovered_area},
+                    {"uncovered_distance", gap},
                     {"us/facet", 1e6 * median(result.seconds) / static_cast<double>(mesh.facet_count())}};
   return result;
 }
@@ -89,9 +91,9 @@ Result time_protrusion(const Input& input, const std::vector<Sphere>& spheres, c
 }  // namespace
 
 std::vector<Result> run_measure(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
-  const std::size_t leaf_level = built.tree.level_count() - 1;
-  const std::vector<Sphere> spheres = level_set_spheres(built.tree, leaf_level);
+  const CoveredTree model = build(input.mesh, tree_options(settings), *settings.workers);
+  const std::size_t leaf_level = model.tree.level_count() - 1;
+  const std::vector<Sphere> spheres = level_set_spheres(model.tree, leaf_level);
 
   std::vector<Result> results;
   results.push_back(time_looseness(input, spheres, settings));
@@ -100,7 +102,7 @@ std::vector<Result> run_measure(const Input& input, const Settings& settings) {
   // A rule that leaves surface bare: the areas and the gap have to be found.
   Mesh bent = input.mesh;
   bent.positions = deform(input.mesh, {Bend{90}}, 1.0);
-  Body body(input.mesh, built, {.rules = {Rule::approach2}}, *settings.workers);
+  Body body(input.mesh, model, {.rules = {Rule::approach2}}, *settings.workers);
   body.update(bent.positions, *settings.workers);
   const std::vector<Sphere> moved = level_set_spheres(body.current_tree(), leaf_level);
   results.push_back(time_coverage("coverage bent, approach2", input, bent, moved, false, settings));

@@ -50,10 +50,10 @@ double leaf_looseness(const Mesh& mesh, const Body& body, Workers& workers) {
       .looseness.value_or(std::nan(""));
 }
 
-Result modal_by(const std::string& item, const UpdateOptions& options, const Input& input, const CoveredTree& built,
+Result modal_by(const std::string& item, const UpdateOptions& options, const Input& input, const CoveredTree& model,
                 const Settings& settings) {
   Result result{.scenario = "modal", .item = item, .mesh = input.name};
-  Body body(input.mesh, built, options, *settings.workers);
+  Body body(input.mesh, model, options, *settings.workers);
 
   // What the timed frames have to reproduce, found on one thread.
   std::vector<std::vector<double>> frames;
@@ -94,17 +94,17 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
 }  // namespace
 
 std::vector<Result> run_modal(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
+  const CoveredTree model = build(input.mesh, tree_options(settings), *settings.workers);
   std::vector<Result> results;
   for (const std::size_t modes : {std::size_t{1}, std::size_t{5}, most_modes}) {
     UpdateOptions options{.rules = {Rule::modal}, .modes = bending_and_twist(input.mesh, modes)};
     const std::string count = ", " + std::to_string(modes) + (modes == 1 ? " mode" : " modes");
     options.details.modal_bound = RuleOptions::ModalBound::shift;
-    results.push_back(modal_by("modal, shift" + count, options, input, built, settings));
+    results.push_back(modal_by("modal, shift" + count, options, input, model, settings));
     options.details.modal_bound = RuleOptions::ModalBound::gradient;
-    results.push_back(modal_by("modal, gradient" + count, options, input, built, settings));
+    results.push_back(modal_by("modal, gradient" + count, options, input, model, settings));
     options.rules = {Rule::exact};
-    results.push_back(modal_by("exact" + count, options, input, built, settings));
+    results.push_back(modal_by("exact" + count, options, input, model, settings));
   }
   return results;
 }

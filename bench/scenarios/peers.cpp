@@ -75,12 +75,12 @@ Result exact_result(const std::string& mesh_name, const Mesh& mesh, Body& body, 
 
 std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered, const Settings& settings) {
   const CoveredTree as_built = build(unordered, tree_options(settings), *settings.workers);
-  // Neighbours lie together in memory, which helps everybody.
+  // Neighbors lie together in memory, which helps everybody.
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Mesh mesh = renumbered(unordered, order);
-  const CoveredTree built = renumbered(as_built, mesh, order);
+  const CoveredTree model = renumbered(as_built, mesh, order);
   const std::vector<Frame> frames = bend_and_back(mesh);
-  Body body(mesh, built, {}, *settings.workers);
+  Body body(mesh, model, {}, *settings.workers);
   Result exact = exact_result(mesh_name, mesh, body, frames);
   std::vector<Rival> others = rivals(mesh_name, mesh, frames);
 
@@ -106,8 +106,8 @@ std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered,
                             {"leaves", static_cast<double>(mesh.facet_count())}};
   }
   exact.figures = {{"ns/vertex", nanoseconds_per_vertex(exact.seconds, mesh)},
-                   {"spheres", static_cast<double>(built.tree.node_count())},
-                   {"leaves", static_cast<double>(built.tree.leaf_count())},
+                   {"spheres", static_cast<double>(model.tree.node_count())},
+                   {"leaves", static_cast<double>(model.tree.leaf_count())},
                    {"cut points", static_cast<double>(body.update(frames.front()).cut_points_moved)}};
   if (best) exact.figures.push_back({"times faster than the best peer", *best / own});
 

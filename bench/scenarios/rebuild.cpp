@@ -88,7 +88,7 @@ class Comparison {
                       {"over approach 2, worst", *std::max_element(over_paper.begin(), over_paper.end())},
                       {"frames tighter than approach 2", static_cast<double>(tighter)},
                       {"frames compared", static_cast<double>(over_paper.size())},
-                      {"approach 2 bare area, largest", bare},
+                      {"approach 2 uncovered area, largest", bare},
                       {"estimate off by, largest", error}};
   }
 
@@ -108,7 +108,7 @@ class Comparison {
     const SphereTree paper = paper_.current_tree();
     return {leaf_looseness(mesh, frame.tree), leaf_looseness(mesh, build(mesh, build_, workers_).tree),
             leaf_looseness(mesh, paper),
-            coverage(mesh, level_set_spheres(paper, paper.level_count() - 1), workers_).bare_area};
+            coverage(mesh, level_set_spheres(paper, paper.level_count() - 1), workers_).uncovered_area};
   }
 
   const Input& input_;
@@ -243,7 +243,7 @@ Result tree_cost(const Input& input, const CoveredTree& home, const Settings& se
 
 std::vector<Result> run_rebuild(const Input& input, const Settings& settings) {
   if (!LoosenessMeter(input.mesh).has_volume()) return {};
-  const BuildOptions options{.method = Method::morula, .quality = Quality::fast};
+  const BuildOptions options{.method = Method::optimized, .quality = Quality::fast};
   const CoveredTree home = build(input.mesh, options, *settings.workers);
   std::vector<Result> results{estimate_cost(input, home, settings), tree_cost(input, home, settings)};
   const CoveredTree strained = with_strains(input, home, settings);

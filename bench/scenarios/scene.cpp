@@ -28,8 +28,8 @@ struct Member {
   Vec3 middle, axis;
   double phase;
   BodyId id{};
-  Member(const Mesh& mesh, const CoveredTree& built, Random& random, const Vec3& at)
-      : body(mesh, built),
+  Member(const Mesh& mesh, const CoveredTree& model, Random& random, const Vec3& at)
+      : body(mesh, model),
         collider(mesh, body),
         middle(at),
         axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)},
@@ -72,7 +72,7 @@ void spin(Workers& workers) {
 Result many_bodies(const Input& input, const Settings& settings, std::optional<Budget> budget, const char* item,
                    Result* spinning = nullptr) {
   Result result{.scenario = "scene", .item = item, .mesh = input.name};
-  const CoveredTree built = build(input.mesh, {}, *settings.workers);
+  const CoveredTree model = build(input.mesh, {}, *settings.workers);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const double size = bounding_box(input.mesh).diagonal();
   // Closely packed: the balls around long bodies reach some twenty others.
@@ -80,7 +80,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   std::vector<std::unique_ptr<Member>> members;
   for (std::size_t i = 0; i < body_count; ++i) {
     const Vec3 at{static_cast<double>(i % 6), static_cast<double>(i / 6 % 6), static_cast<double>(i / 36)};
-    members.push_back(std::make_unique<Member>(input.mesh, built, random, at * (0.5 * size)));
+    members.push_back(std::make_unique<Member>(input.mesh, model, random, at * (0.5 * size)));
   }
   SceneOptions options;
   if (budget) options.budget = *budget;
@@ -102,7 +102,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
         m.body.update(frames[(f + 7 * i) % frames.size()], *settings.workers);
         const double t = 2 * 3.14159265358979 * static_cast<double>(f) / static_cast<double>(frames.size()) + m.phase;
         const Vec3 sway{std::sin(t), std::cos(t), std::sin(2 * t)};
-        m.collider.place(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
+        m.collider.set_transform(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
         if (frame == 0) m.id = scene.add(m.collider, {.user_data = i});
       }
       // The first frame makes memory.

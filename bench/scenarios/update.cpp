@@ -15,7 +15,7 @@
 namespace morula::bench {
 namespace {
 
-/// Reads every coordinate and can be vectorised, which a sum of floats cannot.
+/// Reads every coordinate and can be vectorized, which a sum of floats cannot.
 std::uint32_t xor_of_coordinates(std::span<const Vec3f> vertices) {
   const std::byte* bytes = reinterpret_cast<const std::byte*>(vertices.data());
   std::uint32_t all = 0;
@@ -55,10 +55,10 @@ Result floor_of_update(const Input& input, const std::vector<Frame>& frames, con
   return result;
 }
 
-Result update_by(Rule rule, const Input& input, const CoveredTree& built, const std::vector<Frame>& frames,
+Result update_by(Rule rule, const Input& input, const CoveredTree& model, const std::vector<Frame>& frames,
                  double floor, const Settings& settings) {
   Result result{.scenario = "update", .item = std::string(name(rule)), .mesh = input.name};
-  Body body(input.mesh, built, {.rules = {rule}}, *settings.workers);
+  Body body(input.mesh, model, {.rules = {rule}}, *settings.workers);
 
   // What the timed frames have to reproduce, found on one thread.
   std::vector<std::uint64_t> hashes;
@@ -95,11 +95,11 @@ Result update_by(Rule rule, const Input& input, const CoveredTree& built, const 
 }
 
 /// Bodies of one model, each in another frame of the motion: a body is a chunk, so workers share bodies, not vertices.
-Result twenty_bodies(const Input& input, const CoveredTree& built, const std::vector<Frame>& frames,
+Result twenty_bodies(const Input& input, const CoveredTree& model, const std::vector<Frame>& frames,
                      const Settings& settings) {
   constexpr std::size_t count = 20;
   Result result{.scenario = "update", .item = "20 bodies, exact", .mesh = input.name};
-  const auto shared = std::make_shared<const CoveredTree>(built);
+  const auto shared = std::make_shared<const CoveredTree>(model);
   const Body first(input.mesh, shared);
   const auto before = allocated_bytes();
   std::vector<Body> bodies(count, first);
@@ -133,7 +133,7 @@ Result twenty_bodies(const Input& input, const CoveredTree& built, const std::ve
                     {"us a body, one thread", 1e6 * median(one_thread) / count}};
   if (before && after) {
     const double bytes = static_cast<double>(*after - *before) / count;
-    const double allowed = 600.0 * static_cast<double>(built.tree.node_count()) +
+    const double allowed = 600.0 * static_cast<double>(model.tree.node_count()) +
                            24.0 * static_cast<double>(input.mesh.vertex_count()) +
                            40.0 * static_cast<double>(status.cut_points_moved);
     result.figures.push_back({"bytes of a body", bytes});
@@ -150,8 +150,8 @@ struct Runner {
   std::vector<std::uint64_t> hashes{};
   std::vector<double> seconds{};
 
-  Runner(const Mesh& its_mesh, const CoveredTree& built, Rule rule)
-      : mesh(its_mesh), frames(bend_and_back(mesh)), body(mesh, built, {.rules = {rule}}) {
+  Runner(const Mesh& its_mesh, const CoveredTree& model, Rule rule)
+      : mesh(its_mesh), frames(bend_and_back(mesh)), body(mesh, model, {.rules = {rule}}) {
     for (const Frame& frame : frames) body.update(frame), hashes.push_back(body.hash());
   }
   bool run_all() {
@@ -167,12 +167,12 @@ struct Runner {
 /// Ratios between what runs in turn, a motion each, so that a machine that is busy for a while is busy for all: the
 /// rule beside approach 2 in the same layout, the file's order of vertices beside the leaves', one hundredth moved
 /// beside all, and one body by all threads beside one (wall time), with what reading its vertices alone gains by them.
-Result side_by_side(const Input& input, const CoveredTree& built, const Settings& settings) {
+Result side_by_side(const Input& input, const CoveredTree& model, const Settings& settings) {
   Result result{.scenario = "update", .item = "exact beside others", .mesh = input.name};
-  const auto order = leaf_order(built);
+  const auto order = leaf_order(model);
   const Mesh in_order = renumbered(input.mesh, order);
-  const CoveredTree built_in_order = renumbered(built, in_order, order);
-  Runner file(input.mesh, built, Rule::exact), file_2(input.mesh, built, Rule::approach2);
+  const CoveredTree built_in_order = renumbered(model, in_order, order);
+  Runner file(input.mesh, model, Rule::exact), file_2(input.mesh, model, Rule::approach2);
   Runner leaf(in_order, built_in_order, Rule::exact), leaf_2(in_order, built_in_order, Rule::approach2);
 
   // A hundredth of the vertices of each frame, another one every time, moves back and forth; a body that is updated
@@ -229,13 +229,13 @@ Result side_by_side(const Input& input, const CoveredTree& built, const Settings
 }  // namespace
 
 std::vector<Result> run_update(const Input& input, const Settings& settings) {
-  const CoveredTree built = build(input.mesh, tree_options(settings), *settings.workers);
+  const CoveredTree model = build(input.mesh, tree_options(settings), *settings.workers);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   std::vector<Result> results{floor_of_update(input, frames, settings)};
   const double floor = results.front().figures.front().value;
-  for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, built, frames, floor, settings));
-  results.push_back(twenty_bodies(input, built, frames, settings));
-  results.push_back(side_by_side(input, built, settings));
+  for (const Rule rule : position_rules()) results.push_back(update_by(rule, input, model, frames, floor, settings));
+  results.push_back(twenty_bodies(input, model, frames, settings));
+  results.push_back(side_by_side(input, model, settings));
   return results;
 }
 

@@ -17,7 +17,7 @@
 namespace morula::bench {
 namespace {
 
-/// Turned about its centre and shifted: another pose of a body beside itself.
+/// Turned about its center and shifted: another pose of a body beside itself.
 Frame posed(const Frame& frame, const Vec3& axis, double degrees, const Vec3& shift) {
   Box box;
   for (const Vec3f& p : frame) box.add(Vec3(p));
@@ -37,15 +37,15 @@ struct Poses {
   std::vector<Frame> touching;  ///< moved apart until few leaves are near one another
 };
 
-Poses make_poses(const Frame& frame, const Input& input, const CoveredTree& built) {
+Poses make_poses(const Frame& frame, const Input& input, const CoveredTree& model) {
   constexpr std::array<Vec3, 3> turns{Vec3{1, 2, 3}, Vec3{-2, 1, 0.5}, Vec3{0.3, -1, 2}};
   Box box;
   for (const Vec3f& p : frame) box.add(Vec3(p));
   // The tightest of all decide.
-  const std::unique_ptr<Volumes> here = volume_kinds().back().make(input.mesh, built);
-  const std::unique_ptr<Volumes> there = volume_kinds().back().make(input.mesh, built);
+  const std::unique_ptr<Volumes> here = volume_kinds().back().make(input.mesh, model);
+  const std::unique_ptr<Volumes> there = volume_kinds().back().make(input.mesh, model);
   here->update(frame, serial_workers());
-  const std::size_t few = built.tree.leaf_count() / 50;
+  const std::size_t few = model.tree.leaf_count() / 50;
 
   Poses poses;
   for (int axis = 0; axis < 3; ++axis) {
@@ -76,10 +76,10 @@ struct Contender {
   Result result;
 };
 
-Contender contender(const VolumeKind& kind, const Input& input, const CoveredTree& built,
+Contender contender(const VolumeKind& kind, const Input& input, const CoveredTree& model,
                     const std::vector<Frame>& frames) {
   Contender c{.kind = &kind,
-              .volumes = kind.make(input.mesh, built),
+              .volumes = kind.make(input.mesh, model),
               .result = {.scenario = "volumes", .item = kind.name, .mesh = input.name}};
   bool updated = true;
   for (const Frame& frame : frames) {
@@ -163,11 +163,11 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
   const CoveredTree as_built = build(unordered.mesh, tree_options(settings), *settings.workers);
   const std::vector<std::uint32_t> order = leaf_order(as_built);
   const Input input{unordered.name, renumbered(unordered.mesh, order)};
-  const CoveredTree built = renumbered(as_built, input.mesh, order);
+  const CoveredTree model = renumbered(as_built, input.mesh, order);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
   const Frame& bent = frames[frames.size() / 2];
   std::vector<Contender> contenders;
-  for (const VolumeKind& kind : volume_kinds()) contenders.push_back(contender(kind, input, built, frames));
+  for (const VolumeKind& kind : volume_kinds()) contenders.push_back(contender(kind, input, model, frames));
   time_frames(contenders, frames, settings);
 
   const double exact = median(contenders.front().result.seconds);
@@ -182,12 +182,12 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
     c.volumes->update(bent, serial_workers());
   }
   if (inspect(input.mesh).has_volume()) {
-    measure_looseness(contenders, built.tree, {bent, input.mesh.facets}, settings);
+    measure_looseness(contenders, model.tree, {bent, input.mesh.facets}, settings);
   }
-  const Poses poses = make_poses(bent, input, built);
+  const Poses poses = make_poses(bent, input, model);
   std::vector<Result> results;
   for (Contender& c : contenders) {
-    const std::unique_ptr<Volumes> there = c.kind->make(input.mesh, built);
+    const std::unique_ptr<Volumes> there = c.kind->make(input.mesh, model);
     c.volumes->update(bent, serial_workers());
     count_pairs(c, *c.volumes, *there, poses.deep, "deep");
     count_pairs(c, *c.volumes, *there, poses.touching, "touching");

@@ -26,7 +26,7 @@ struct Outcome {
 Outcome run(Response response, const Model& below, const Model& above) {
   World world;
   Soft lower(world, below, response), upper(world, above, response);
-  morula::ContactQuery query({.margin = skin, .surfaces = true, .exact = true, .containment = true});
+  morula::ContactQuery query({.margin = skin, .surfaces = true, .find_crossings = true, .containment = true});
   query.add(upper.collider(), lower.collider());
 
   Outcome outcome;

@@ -51,11 +51,11 @@ struct World {
 // What all runs share.
 struct Model {
   morula::Mesh mesh;
-  std::shared_ptr<const morula::CoveredTree> built;
+  std::shared_ptr<const morula::CoveredTree> model;
 
   Model(const char* name, int resolution, double z) : mesh(morula::sample_body(name, resolution)) {
     for (Vec3& p : mesh.positions) p.z += z;
-    built =
+    model =
         std::make_shared<const morula::CoveredTree>(morula::build(mesh, {.method = morula::Method::grid, .depth = 3}));
   }
 };
@@ -64,7 +64,7 @@ struct Model {
 class Soft {
  public:
   Soft(World& world, const Model& model, Response response)
-      : mesh_(model.mesh), body_(mesh_, model.built), collider_(mesh_, body_), inside_(collider_), world_(world) {
+      : mesh_(model.mesh), body_(mesh_, model.model), collider_(mesh_, body_), inside_(collider_), world_(world) {
     std::vector<btScalar> positions;
     for (const Vec3& p : mesh_.positions)
       for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<btScalar>(p[axis]));

@@ -35,7 +35,7 @@ int main(void) {
   must(morula_body_create(mesh, model, NULL, &other), "body");
   const double upright[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   const double aside[3] = {0, 0, 1.5};
-  must(morula_body_place(other, upright, aside), "place");
+  must(morula_body_set_transform(other, upright, aside), "place");
 
   const size_t vertices = morula_mesh_vertex_count(mesh);
   const double* rest = morula_mesh_positions(mesh);

@@ -53,7 +53,7 @@ int main() {
   const ClothOnBall scene;
   std::vector<Vec3> at = scene.mesh.positions, velocity(at.size());
   SurfaceTree tree(scene.mesh);
-  // Neighbours are as near at rest, and of no interest.
+  // Neighbors are as near at rest, and of no interest.
   ProximityQuery near({.distance = thickness, .nearest_features_once = true, .filter = {.rings = 1}});
   SweptQuery swept;
   std::size_t contacts = 0, limited = 0;

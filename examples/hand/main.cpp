@@ -23,7 +23,7 @@ constexpr const char* names[] = {"index", "middle", "ring", "little", "thumb", "
 /// A turn about an axis through a point, relative to rest.
 AffineTransform turn_about(const Vec3& point, const Vec3& axis, double angle) {
   const RigidTransform r = RigidTransform::from_axis(axis, angle);
-  AffineTransform t{{r.turn({1, 0, 0}), r.turn({0, 1, 0}), r.turn({0, 0, 1})}, {}};
+  AffineTransform t{{r.rotate({1, 0, 0}), r.rotate({0, 1, 0}), r.rotate({0, 0, 1})}, {}};
   t.translation = point - t.linear(point);
   return t;
 }

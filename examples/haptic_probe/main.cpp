@@ -63,7 +63,7 @@ int main() {
   Ball ball;
   morula::Probe probe;
   std::vector<double> microseconds;
-  double deepest = 0, strongest = 0, nearest = 0;  // nearest: a bound of the centre's distance, where it is now
+  double deepest = 0, strongest = 0, nearest = 0;  // nearest: a bound of the center's distance, where it is now
   int touching = 0, checked = 0, faults = 0;
   const auto fault = [&](int step, const char* what) { std::printf("step %d: %s\n", step, what), ++faults; };
   std::printf("%zu facets, %zu spheres\n%8s %8s %8s %8s\n", mesh.facet_count(), body.spheres().size(), "ms", "distance",
@@ -75,7 +75,7 @@ int main() {
       before = std::move(now.positions);
       now.positions = morula::deform(mesh, {morula::Bend{35}, morula::Twist{60}}, t);
       if (!body.update(now.positions)) return 1;
-      // The centre was farther from the surface than any point of it has moved: none has passed through it.
+      // The center was farther from the surface than any point of it has moved: none has passed through it.
       if (step > 0 && largest_move(before, now.positions) >= nearest) fault(step, "the surface came too fast");
     }
 
@@ -92,8 +92,8 @@ int main() {
     surface_velocity *= 1 / (steps_per_frame * step_seconds);
     const Vec3 force = penalty(probe, ball.velocity - surface_velocity);
 
-    // No tunnelling: the centre is outside, and on its way nothing was in between.
-    if (probe.inside) fault(step, "the probe's centre is inside");
+    // No tunneling: the center is outside, and on its way nothing was in between.
+    if (probe.inside) fault(step, "the probe's center is inside");
     const Vec3 last = ball.center;
     ball.step(hand((step + 1.0) / steps), force);
     nearest = probe.distance - distance(last, ball.center);

@@ -9,14 +9,14 @@
 
 int main() {
   const morula::Mesh mesh = morula::sample_body("limb");
-  const morula::CoveredTree built = morula::build(mesh);
+  const morula::CoveredTree model = morula::build(mesh);
 
   // Two modes: bending and twist. A modal analysis would give them, or read_modes("modes.npy", mesh).
   morula::Modes modes{.vertex_count = mesh.vertex_count(), .mode_count = 2, .displacements = {}};
   for (const morula::Vec3& p : mesh.positions) modes.displacements.push_back({0, 0.2 * std::sin(p.x), 0});
   for (const morula::Vec3& p : mesh.positions) modes.displacements.push_back({0, -0.3 * p.x * p.z, 0.3 * p.x * p.y});
 
-  morula::Body body(mesh, built, {.rules = {morula::Rule::modal}, .modes = modes});
+  morula::Body body(mesh, model, {.rules = {morula::Rule::modal}, .modes = modes});
   for (int frame = 0; frame <= 60; ++frame) {
     const double phase = 2 * std::numbers::pi * frame / 60;
     const double q[]{std::sin(phase), 0.5 * std::sin(2 * phase)};  // what the solver integrates
@@ -42,8 +42,8 @@ int main() {
     const morula::Sphere s = body.modal_sphere(node, q);
     ++asked;
     if (s.center.y + s.radius < 0.9) continue;
-    leaves += built.tree.is_leaf(node);
-    for (std::uint32_t c = 0; c < built.tree.child_count[node]; ++c) open.push_back(built.tree.first_child[node] + c);
+    leaves += model.tree.is_leaf(node);
+    for (std::uint32_t c = 0; c < model.tree.child_count[node]; ++c) open.push_back(model.tree.first_child[node] + c);
   }
-  std::printf("%zu leaves may be above, %zu spheres of %zu were asked for\n", leaves, asked, built.tree.node_count());
+  std::printf("%zu leaves may be above, %zu spheres of %zu were asked for\n", leaves, asked, model.tree.node_count());
 }

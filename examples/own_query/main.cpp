@@ -10,7 +10,7 @@ using namespace morula;
 struct Large {
   double least_radius;
   bool operator()(const Collider& body, std::uint32_t node) const {
-    return body.pose().sphere(node).radius >= least_radius;
+    return body.sphere_state().sphere(node).radius >= least_radius;
   }
 };
 
@@ -30,8 +30,8 @@ std::size_t count_near(const Collider& a, const Collider& b, double d, const Fil
 template <class Filter>
 std::size_t count_slowly(const Collider& a, const Collider& b, double d, const Filter& filter, double unsure) {
   const auto gap = [&](std::uint32_t i, std::uint32_t j) {
-    const Sphere s = a.pose().sphere(i), t = b.pose().sphere(j);
-    return distance(a.placement()(s.center), b.placement()(t.center)) - s.radius - t.radius;
+    const Sphere s = a.sphere_state().sphere(i), t = b.sphere_state().sphere(j);
+    return distance(a.transform()(s.center), b.transform()(t.center)) - s.radius - t.radius;
   };
   const auto path = [](const SphereTree& tree, std::uint32_t node) {
     std::vector<std::uint32_t> nodes;
@@ -61,13 +61,13 @@ int main() {
   Collider b(torus, body_torus);
   int failures = 0;
   for (int i = 0; i < 12; ++i) {
-    b.place(RigidTransform::from_axis({1, 2, 3}, 0.5 * i, {0.2 * i, 0.1, 0}));
+    b.set_transform(RigidTransform::from_axis({1, 2, 3}, 0.5 * i, {0.2 * i, 0.1, 0}));
     const Large filter{0.15};
     const std::size_t found = count_near(a, b, 0.1, filter);
     // Tests of spheres err on the near side, by less than 1e-5 here.
     const bool good = found >= count_slowly(a, b, 0.1, filter, 0) && found <= count_slowly(a, b, 0.1, filter, 1e-5);
     failures += !good;
-    std::printf("placement %2d: %5zu pairs of large leaves nearer than 0.1%s\n", i, found, good ? "" : " WRONG");
+    std::printf("transform %2d: %5zu pairs of large leaves nearer than 0.1%s\n", i, found, good ? "" : " WRONG");
   }
   return failures == 0 ? 0 : 1;
 }

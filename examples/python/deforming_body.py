@@ -7,10 +7,10 @@ import numpy
 import morula
 
 mesh = morula.sample_body("limb")  # or morula.read_mesh("limb.obj"), or a trimesh.Trimesh
-built = morula.build(mesh, quality="fast")
-print(built)
+model = morula.build(mesh, quality="fast")
+print(model)
 
-body = morula.Body(mesh, built)
+body = morula.Body(mesh, model)
 frames = morula.deform_frames(mesh, morula.Bend(90), morula.Twist(60), frame_count=13)  # stands for your solver
 for number, positions in enumerate(frames):
     body.update(positions)  # your array as it is
@@ -20,7 +20,7 @@ print(f"{len(frames)} frames, every level covers in each of them")
 
 # The same in one call: (frames, nodes, 4), x y z radius.
 spheres = body.follow(frames)
-leaves = built.tree.level_set(built.level_count - 1)
+leaves = model.tree.level_set(model.level_count - 1)
 middle = len(frames) // 2
 for name, frame in (("rest", 0), ("bent", middle)):
     loose = morula.looseness(mesh, spheres[frame][leaves], frames[frame])

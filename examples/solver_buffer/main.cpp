@@ -39,7 +39,7 @@ struct Bar {
     for (int i = 0; i < size[0]; ++i)
       for (int j = 0; j < size[1]; ++j)
         for (int k = 0; k < size[2]; ++k)
-          for (int n = 14; n < 27; ++n) {  // half of the neighbours: the others look back
+          for (int n = 14; n < 27; ++n) {  // half of the neighbors: the others look back
             const int di = n / 9 - 1, dj = n / 3 % 3 - 1, dk = n % 3 - 1;
             const int p = i + di, q = j + dj, r = k + dk;
             if (p >= size[0] || q < 0 || q >= size[1] || r < 0 || r >= size[2]) continue;

@@ -16,11 +16,11 @@ int main() {
   plan.samples = 5;
   plan.resolution = 64;
   const study::Study done = study::make_study(plan);
-  for (const study::Cell& cell : done.result.cells)
+  for (const study::Run& cell : done.result.cells)
     for (const study::LevelFigures& level : cell.samples[2].levels)  // half way
       std::printf("%s, %s, level %zu: looseness %.3f, bare %.2f %%\n", plan.rules[cell.key.rule].name.c_str(),
                   study::describe_all(plan.motions[cell.key.motion]).c_str(), level.level, level.looseness().value(),
-                  100 * level.bare_area());
+                  100 * level.uncovered_area());
   if (has_page()) write_whole("study.html", make_page(study::study_page(done)));
   return study::faults(plan, done.result).empty() ? 0 : 1;  // exact covered, and everything came back to rest
 }

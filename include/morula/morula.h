@@ -80,8 +80,8 @@ typedef struct morula_sphere {
 
 typedef struct morula_build_options {
   size_t size;               /* of this struct, set by morula_build_options_init */
-  const char* method;        /* octree, grid, hubbard, spawn, medial, combined, morula */
-  const char* quality;       /* of method morula: draft, fast, default, best */
+  const char* method;        /* octree, grid, hubbard, spawn, medial, combined, optimized */
+  const char* quality;       /* of method optimized: draft, fast, default, best */
   int branching;             /* most children of a node, 2 to 64 */
   int depth;                 /* levels below the root, 0 to 8; -1: by the number of facets */
   size_t spheres;            /* not 0: a flat set of at most so many */
@@ -145,7 +145,8 @@ MORULA_API morula_status morula_body_update_double(morula_body* body, const doub
 MORULA_API morula_status morula_body_update_float(morula_body* body, const float* positions, size_t vertex_count,
                                                   size_t stride_bytes);
 /* Where the body is, on top of its deformation: x -> R x + t. rotation: 9, by rows. translation: 3. */
-MORULA_API morula_status morula_body_place(morula_body* body, const double* rotation, const double* translation);
+MORULA_API morula_status morula_body_set_transform(morula_body* body, const double* rotation,
+                                                   const double* translation);
 MORULA_API size_t morula_body_node_count(const morula_body* body);
 /* The present spheres, before the body is placed: one per node, into an array of morula_body_node_count. */
 MORULA_API morula_status morula_body_spheres(const morula_body* body, morula_sphere* spheres);

@@ -51,7 +51,7 @@
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
 #include <morula/tree/cover.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <morula/tree/walk.hpp>
 #include <morula/update/body.hpp>

@@ -30,8 +30,8 @@ def import_milliseconds(module):
 def update_overhead():
     """What one call of update() costs beyond the same update in the loop of C++, microseconds."""
     mesh = morula.sample_body("limb", 48)
-    for name, built in (("3 nodes", morula.build(mesh, spheres=2, method="octree")), ("default", morula.build(mesh, quality="fast"))):
-        body = morula.Body(mesh, built)
+    for name, model in (("3 nodes", morula.build(mesh, spheres=2, method="octree")), ("default", morula.build(mesh, quality="fast"))):
+        body = morula.Body(mesh, model)
         frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=200).astype(numpy.float32)
         singles = list(frames)
 
@@ -74,9 +74,9 @@ def two_threads():
     never asks for the interpreter's lock: what the machine gives at best."""
     for resolution in (24, 48, 96, 192):
         mesh = morula.sample_body("limb", resolution)
-        built = morula.build(mesh, quality="fast" if resolution < 100 else "draft")
+        model = morula.build(mesh, quality="fast" if resolution < 100 else "draft")
         frames = morula.deform_frames(mesh, morula.Bend(90), frame_count=25).astype(numpy.float32)
-        bodies = [morula.Body(mesh, built) for _ in range(2)]
+        bodies = [morula.Body(mesh, model) for _ in range(2)]
         motions = [numpy.array(frames) for _ in bodies]
         per_frame = median_seconds(lambda: bodies[0].follow(motions[0]), 5) / len(frames)
         rounds = max(1, int(0.4 / (per_frame * len(frames))))

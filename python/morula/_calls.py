@@ -31,7 +31,7 @@ _WANTED = {
     "ColliderLike": "a Collider, a Body, a RebuiltBody or PosedSpheres",
     "Shape": "a HalfSpace, a Capsule, a ConvexHull or a sphere (x, y, z, radius)",
     "Obstacle": "a HalfSpace, a Capsule, a ConvexHull, a DistanceField or a sphere (x, y, z, radius)",
-    "Placement": "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)",
+    "Transform": "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)",
     "Workers": "Workers, such as morula.Workers(2)",
     "str": "a text", "int": "an integer", "float": "a number", "bool": "True or False",
 }

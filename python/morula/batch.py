@@ -368,7 +368,7 @@ def run(
         resume: go on with the results that the folder holds. What is damaged or has lost its tree is built again, with a warning.
         retry: the same, and try again what failed.
         no_trees: keep the table alone.
-        measure: the columns closed, looseness, bare_area, gap and protrusion, the last four per level, too.
+        measure: the columns closed, looseness, uncovered_area, gap and protrusion, the last four per level, too.
         archives: trees are packed into trees/KK.tar in the end, by the first two digits of their keys: for file systems that
             do not like many files. tree_of() reads them.
         storage_options: of fsspec, for a manifest, meshes and an output that are URLs (`s3://bucket/meshes`). Workers read and

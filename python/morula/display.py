@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from . import _morula
 
-_COLOURS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4aa8b5", "#c0564b", "#6b6f9c")
+_COLORS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4aa8b5", "#c0564b", "#6b6f9c")
 
 
 def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
@@ -25,18 +25,18 @@ def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
             x = (sphere[across] - root[across]) * scale + side * (level + 0.5)
             y = (root[up] - sphere[up]) * scale + side / 2
             drawn.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{max(0.2, sphere[3] * scale):.1f}"/>')
-        drawn.append(f'</g><g fill="none" stroke-width="0.6" stroke="{_COLOURS[(level + 1) % len(_COLOURS)]}">')
+        drawn.append(f'</g><g fill="none" stroke-width="0.6" stroke="{_COLORS[(level + 1) % len(_COLORS)]}">')
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{side:.0f}" viewBox="0 0 {width} {side:.1f}">'
-        f'<g fill="none" stroke-width="0.6" stroke="{_COLOURS[0]}">{"".join(drawn)}</g></svg>'
+        f'<g fill="none" stroke-width="0.6" stroke="{_COLORS[0]}">{"".join(drawn)}</g></svg>'
     )
 
 
-def tree_html(built: _morula.CoveredTree) -> str:
+def tree_html(model: _morula.CoveredTree) -> str:
     """Picture and table of a covered tree."""
     import html
 
-    tree = built.tree
+    tree = model.tree
     rows = "".join(
         f"<tr><td>{level}</td><td>{len(tree.level(level))}</td><td>{tree.level(level)[:, 3].max():.4g}</td></tr>"
         for level in range(tree.level_count)

@@ -25,15 +25,15 @@ def _axes(axes: Any, **kind: Any) -> Any:
 
 
 def looseness_of_motion(
-    mesh: MeshLike, built: _morula.CoveredTree, frames: FloatArray, *, rules: Rule | Sequence[Rule] = "exact", level: int = -1,
+    mesh: MeshLike, model: _morula.CoveredTree, frames: FloatArray, *, rules: Rule | Sequence[Rule] = "exact", level: int = -1,
     resolution: int = 96,
 ) -> NDArray[numpy.float64]:
     """Looseness of one level set in every frame, in object volumes; NaN where the mesh has no inside.
 
     frames: (frames, vertices, 3). level: negative counts from the leaves. resolution: voxels along the longest side.
     """
-    body = _morula.Body(mesh, built, rules=rules)
-    nodes = built.tree.level_set(level % built.tree.level_count)
+    body = _morula.Body(mesh, model, rules=rules)
+    nodes = model.tree.level_set(level % model.tree.level_count)
     values = []
     for positions, moved in zip(frames, body.follow(frames)):
         found = _morula.looseness(mesh, moved[nodes], positions, resolution=resolution).looseness
@@ -62,8 +62,8 @@ def levels_table(measured: Sequence[_morula.LevelMeasure]) -> list[dict[str, Any
             "level": m.level,
             "spheres": m.spheres,
             "looseness": m.looseness.looseness,
-            "bare_area": m.coverage.bare_area,
-            "gap": m.coverage.gap,
+            "uncovered_area": m.coverage.uncovered_area,
+            "uncovered_distance": m.coverage.uncovered_distance,
             "protrusion": None if m.protrusion is None else m.protrusion.worst,
         }
         for m in measured

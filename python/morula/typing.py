@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Union
 
 __all__ = [
     "Array", "Axis", "Budget", "ClumpFormatName", "ClumpKind", "ColliderLike", "Features", "FloatArray", "HasFaces", "InnerBoxes",
-    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimiser", "Placement", "Priority", "Quality", "RebuildEffort",
+    "InnerCenter", "MeshLike", "Method", "ModalBound", "Obstacle", "Optimizer", "Transform", "Priority", "Quality", "RebuildEffort",
     "RebuildThread", "Reduction", "Rule", "Shape", "SignMethod", "Vector", "Weights", "WrappedCenter",
 ]
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ._morula.choices import InnerCenter as InnerCenter
     from ._morula.choices import Method as Method
     from ._morula.choices import ModalBound as ModalBound
-    from ._morula.choices import Optimiser as Optimiser
+    from ._morula.choices import Optimizer as Optimizer
     from ._morula.choices import Priority as Priority
     from ._morula.choices import Quality as Quality
     from ._morula.choices import RebuildEffort as RebuildEffort
@@ -67,10 +67,10 @@ if TYPE_CHECKING:
     ColliderLike = Union[_morula.Collider, _morula.Body, _morula.RebuiltBody, _morula.PosedSpheres]
     Shape = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, Vector]
     #: Where a body is: a matrix (4, 4) or (3, 4) acts on columns; a Vector is a translation.
-    Placement = Union[_morula.RigidTransform, FloatArray, Vector]
+    Transform = Union[_morula.RigidTransform, FloatArray, Vector]
     Obstacle = Union[_morula.HalfSpace, _morula.Capsule, _morula.ConvexHull, _morula.DistanceField, Vector]
 else:
-    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Placement = Any
+    Array = FloatArray = MeshLike = Vector = Budget = ColliderLike = Shape = Obstacle = Transform = Any
     HasFaces = object
-    Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimiser = Priority = str
+    Axis = ClumpFormatName = ClumpKind = Features = InnerBoxes = InnerCenter = Method = ModalBound = Optimizer = Priority = str
     Quality = RebuildEffort = RebuildThread = Reduction = Rule = SignMethod = Weights = WrappedCenter = str

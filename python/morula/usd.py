@@ -92,7 +92,7 @@ def write_spheres(
     """Spheres (nodes, 4), or in motion (frames, nodes, 4), x, y, z, radius; or of a tree, of a level or of the last one.
 
     kind: "points", one UsdGeom.Points whose widths are diameters; "instances", one UsdGeom.PointInstancer of a unit
-    sphere. USD holds single precision: radii are rounded up by what rounding moves the centres, so that what was covered
+    sphere. USD holds single precision: radii are rounded up by what rounding moves the centers, so that what was covered
     is. A file is replaced as a whole.
     """
     _check_ending(path)

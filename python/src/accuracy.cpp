@@ -137,9 +137,9 @@ void bind_accuracy(nb::module_& m) {
           doc::Looseness_Range);
   Record<Coverage>(m, "Coverage", "Is any of the surface bare, how much, and how far out does it lie?")
       .field("covered", &Coverage::covered, doc::Coverage_covered)
-      .field("bare_area", &Coverage::bare_area, doc::Coverage_bare_area)
-      .field("gap", &Coverage::gap, doc::Coverage_gap)
-      .field("gap_upper", &Coverage::gap_upper, doc::Coverage_gap_upper)
+      .field("uncovered_area", &Coverage::uncovered_area, doc::Coverage_uncovered_area)
+      .field("uncovered_distance", &Coverage::uncovered_distance, doc::Coverage_uncovered_distance)
+      .field("uncovered_distance_upper", &Coverage::uncovered_distance_upper, doc::Coverage_uncovered_distance_upper)
       .field("tolerance", &Coverage::tolerance, doc::Coverage_tolerance)
       .field("worst_facet", &Coverage::worst_facet, doc::Coverage_worst_facet);
   Record<Protrusion>(m, "Protrusion", "How far spheres stick out of the object.")

@@ -25,7 +25,7 @@ void bind_build(nb::module_& m) {
   m.def(
       "all_reductions", [] { return names_of(all_reductions()); }, doc::Reduction);
   m.def(
-      "all_optimisers", [] { return names_of(all_optimisers()); }, "Names of the optimisers.");
+      "all_optimizers", [] { return names_of(all_optimizers()); }, "Names of the optimizers.");
   m.def(
       "all_qualities", [] { return names_of(all_qualities()); }, doc::Quality);
   m.def("automatic_depth", nb::overload_cast<std::size_t, int>(&automatic_depth), nb::arg("facet_count"),
@@ -47,7 +47,7 @@ void bind_build(nb::module_& m) {
       "build",
       [](MeshGiven given, MethodName method, int branching, std::optional<int> depth, std::size_t spheres,
          double max_protrusion, bool nested, std::uint64_t seed, const std::vector<std::string>& reducers,
-         OptimiserName optimiser, double balance_excess, QualityName quality, double time_limit_seconds,
+         OptimizerName optimizer, double balance_excess, QualityName quality, double time_limit_seconds,
          nb::object progress, Threads* workers) {
         BuildOptions options;
         options.method = method_of(method);
@@ -60,7 +60,7 @@ void bind_build(nb::module_& m) {
         for (const std::string& reducer : reducers) {
           options.reducers.push_back(choice<Reduction>(reducer, "reducers", reduction_from_name, all_reductions()));
         }
-        options.optimiser = choice<Optimiser>(optimiser, "optimiser", optimiser_from_name, all_optimisers());
+        options.optimizer = choice<Optimizer>(optimizer, "optimizer", optimizer_from_name, all_optimizers());
         options.balance_excess = balance_excess;
         options.quality = quality_of(quality);
         options.time_limit_seconds = time_limit_seconds;
@@ -68,16 +68,16 @@ void bind_build(nb::module_& m) {
         const auto mesh = mesh_of(given);
         return without_gil([&] { return std::make_shared<CoveredTree>(build(*mesh, options, CallWorkers(workers))); });
       },
-      nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("branching") = 8,
+      nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "optimized", nb::arg("branching") = 8,
       nb::arg("depth") = nb::none(), nb::arg("spheres") = 0, nb::arg("max_protrusion") = 0.0, nb::arg("nested") = false,
-      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimiser") = "none",
+      nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimizer") = "none",
       nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default", nb::arg("time_limit_seconds") = 0.0,
       nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig(
-          "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'morula', branching: int = 8, "
+          "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'optimized', branching: int = 8, "
           "depth: int | None = None, spheres: int = 0, max_protrusion: float = 0.0, nested: bool = False, "
-          "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimiser: "
-          "morula.typing.Optimiser = 'none', "
+          "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimizer: "
+          "morula.typing.Optimizer = 'none', "
           "balance_excess: float = 0.0, quality: morula.typing.Quality = 'default', time_limit_seconds: float = 0.0, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> CoveredTree"),
@@ -90,7 +90,7 @@ void bind_build(nb::module_& m) {
                        {"nested", doc::BuildOptions_nested},
                        {"seed", doc::BuildOptions_seed},
                        {"reducers", doc::BuildOptions_reducers},
-                       {"optimiser", doc::BuildOptions_optimiser},
+                       {"optimizer", doc::BuildOptions_optimizer},
                        {"balance_excess", doc::BuildOptions_balance_excess},
                        {"quality", doc::BuildOptions_quality},
                        {"time_limit_seconds", doc::BuildOptions_time_limit_seconds},
@@ -113,12 +113,12 @@ void bind_build(nb::module_& m) {
               "list[tuple[str, numpy.typing.NDArray[numpy.float64]]]"),
       doc::principal_strains);
   Record<KnownPosesReport>(m, "KnownPosesReport", "What add_known_poses() did.")
-      .field("built", &KnownPosesReport::built, doc::KnownPosesReport_built)
+      .field("trees_built", &KnownPosesReport::trees_built, doc::KnownPosesReport_trees_built)
       .field("added", &KnownPosesReport::added)
       .field("worst", &KnownPosesReport::worst, doc::KnownPosesReport_worst);
   m.def(
       "with_known_poses",
-      [](MeshGiven given, const CoveredTree& built, nb::iterable poses, MethodName method, QualityName quality,
+      [](MeshGiven given, const CoveredTree& model, nb::iterable poses, MethodName method, QualityName quality,
          std::uint64_t seed, double pose_threshold, std::size_t max_trees, Threads* workers) {
         KnownPoseOptions options;
         options.method = method_of(method);
@@ -134,17 +134,17 @@ void bind_build(nb::module_& m) {
               pose, "poses", "a list of pairs of a name and positions (vertices, 3)");
           named.push_back({std::move(name), points_of(positions, "poses")});
         }
-        auto copy = std::make_shared<CoveredTree>(built);
+        auto copy = std::make_shared<CoveredTree>(model);
         const KnownPosesReport report =
             without_gil([&] { return add_known_poses(*mesh, *copy, named, options, CallWorkers(workers)); });
         return std::make_pair(copy, report);
       },
-      nb::arg("mesh"), nb::arg("built"), nb::arg("poses"), nb::kw_only(), nb::arg("method") = "morula",
+      nb::arg("mesh"), nb::arg("model"), nb::arg("poses"), nb::kw_only(), nb::arg("method") = "optimized",
       nb::arg("quality") = "default", nb::arg("seed") = 1, nb::arg("pose_threshold") = 1.2, nb::arg("max_trees") = 24,
       nb::arg("workers") = nb::none(),
-      nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, built: CoveredTree, "
+      nb::sig("def with_known_poses(mesh: morula.typing.MeshLike, model: CoveredTree, "
               "poses: collections.abc.Iterable[tuple[str, morula.typing.FloatArray]], *, method: morula.typing.Method "
-              "= 'morula', "
+              "= 'optimized', "
               "quality: morula.typing.Quality = 'default', seed: int = 1, pose_threshold: float = 1.2, max_trees: int "
               "= 24, "
               "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),

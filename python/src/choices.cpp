@@ -28,7 +28,7 @@ void bind_choices(nb::module_& m) {
   add("Method", names_of(all_methods()));
   add("Quality", names_of(all_qualities()));
   add("Reduction", names_of(all_reductions()));
-  add("Optimiser", names_of(all_optimisers()));
+  add("Optimizer", names_of(all_optimizers()));
   add("Rule", names_of(all_rules()));
   add("Axis", words_of(axis_choices));
   add("SignMethod", words_of(sign_method_choices));

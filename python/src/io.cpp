@@ -100,8 +100,8 @@ void bind_io(nb::module_& m) {
       nb::arg("path"), nb::arg("mesh"), nb::arg("sph_origin") = Vec3{}, nb::arg("workers") = nb::none(),
       doc::read_covered_tree);
   m.def(
-      "write_tree", [](const Path& path, const CoveredTree& built) { without_gil([&] { write_tree(path, built); }); },
-      nb::arg("path"), nb::arg("built"), doc::write_tree);
+      "write_tree", [](const Path& path, const CoveredTree& model) { without_gil([&] { write_tree(path, model); }); },
+      nb::arg("path"), nb::arg("model"), doc::write_tree);
   m.def(
       "write_tree", [](const Path& path, const SphereTree& tree) { without_gil([&] { write_tree(path, tree); }); },
       nb::arg("path"), nb::arg("tree"), doc::write_tree_2);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Meshes: arrays of positions and facets, samples, reports, repairs; placements.
+// Meshes: arrays of positions and facets, samples, reports, repairs; transforms.
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/morula.hpp>
@@ -221,7 +221,7 @@ void bind_transform(nb::module_& m) {
       .def(
           "__init__",
           [](RigidTransform* self, ArrayGiven matrix) {
-            new (self) RigidTransform(matrix_placement(matrix.object, "matrix"));
+            new (self) RigidTransform(matrix_transform(matrix.object, "matrix"));
           },
           nb::arg("matrix"), "Of a (4, 4) or (3, 4) matrix that acts on columns.")
       .def_static("from_quaternion", &RigidTransform::from_quaternion, nb::arg("w"), nb::arg("x"), nb::arg("y"),
@@ -241,11 +241,11 @@ void bind_transform(nb::module_& m) {
           "__call__", [](const RigidTransform& self, Vec3 p) { return self(p); }, nb::arg("point"))
       .def("inverse", [](const RigidTransform& self) { return inverse(self); })
       .def(
-          "turn", [](const RigidTransform& self, Vec3 v) { return self.turn(v); }, nb::arg("v"),
+          "rotate", [](const RigidTransform& self, Vec3 v) { return self.rotate(v); }, nb::arg("v"),
           "The rotation alone: of a direction.")
       .def(
-          "turn_back", [](const RigidTransform& self, Vec3 v) { return self.turn_back(v); }, nb::arg("v"),
-          doc::RigidTransform_turn_back)
+          "inverse_rotate", [](const RigidTransform& self, Vec3 v) { return self.inverse_rotate(v); }, nb::arg("v"),
+          doc::RigidTransform_inverse_rotate)
       .def(
           "__eq__",
           [](const RigidTransform& a, nb::handle other) {

@@ -25,14 +25,14 @@ void bind_hull(nb::module_& m) {
           nb::arg("points"), doc::ConvexHull_ConvexHull)
       .def_static(
           "box",
-          [](Vec3 lower, Vec3 upper, PlacementGiven placement) {
-            return ConvexHull::box({lower, upper}, placement_of(placement));
+          [](Vec3 lower, Vec3 upper, TransformGiven transform) {
+            return ConvexHull::box({lower, upper}, transform_of(transform));
           },
-          nb::arg("lower"), nb::arg("upper"), nb::arg("placement") = RigidTransform{}, doc::ConvexHull_box)
+          nb::arg("lower"), nb::arg("upper"), nb::arg("transform") = RigidTransform{}, doc::ConvexHull_box)
       .def(
           "placed",
-          [](const ConvexHull& self, PlacementGiven placement) { return self.placed(placement_of(placement)); },
-          nb::arg("placement"), doc::ConvexHull_placed)
+          [](const ConvexHull& self, TransformGiven transform) { return self.placed(transform_of(transform)); },
+          nb::arg("transform"), doc::ConvexHull_placed)
       .def_prop_ro(
           "vertices", [](nb::handle self) { return points(nb::cast<ConvexHull&>(self).vertices(), self); },
           doc::ConvexHull_vertices)

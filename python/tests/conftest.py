@@ -15,7 +15,7 @@ def limb():
 
 
 @pytest.fixture(scope="session")
-def built(limb):
+def model(limb):
     return morula.build(limb, method="grid", depth=2)
 
 

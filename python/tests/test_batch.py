@@ -46,11 +46,11 @@ def test_every_mesh_is_a_row(folder, tmp_path):
     assert by_name["broken.obj"]["status"] == "refused" and by_name["broken.obj"]["message"].startswith("broken.obj:1")
     assert by_name["again.obj"]["key"] == by_name["bar.obj"]["key"]
     mesh = morula.read_mesh(folder / "limb.obj")
-    built = morula.build(mesh, **options)
+    model = morula.build(mesh, **options)
     row = by_name["limb.obj"]
-    assert row["nodes"] == len(built) and row["looseness"] == [m.looseness.looseness for m in morula.measure(mesh, built)]
-    assert row["gap"] == [0.0] * 3 and row["closed"] is True
-    assert morula.read_covered_tree(tmp_path / row["tree"], mesh) == built == morula.batch.tree_of(tmp_path, row["key"], mesh)
+    assert row["nodes"] == len(model) and row["looseness"] == [m.looseness.looseness for m in morula.measure(mesh, model)]
+    assert row["uncovered_distance"] == [0.0] * 3 and row["closed"] is True
+    assert morula.read_covered_tree(tmp_path / row["tree"], mesh) == model == morula.batch.tree_of(tmp_path, row["key"], mesh)
     with open(tmp_path / "table.csv", newline="") as file:
         lines = list(csv.DictReader(file))
     assert [line["status"] for line in lines] == [row["status"] for row in rows]

@@ -31,19 +31,19 @@ def test_spheres_are_those_of_the_command(command, tmp_path, rule):
     assert numpy.array_equal(body.follow(frames), numpy.load(tmp_path / "theirs.npz")["spheres"])
 
 
-def test_a_motion_in_one_call_is_one_update_after_the_other(limb, built, motion):
-    one, all_at_once = morula.Body(limb, built), morula.Body(limb, built)
+def test_a_motion_in_one_call_is_one_update_after_the_other(limb, model, motion):
+    one, all_at_once = morula.Body(limb, model), morula.Body(limb, model)
     moved = all_at_once.follow(motion[:5])
     for positions, spheres in zip(motion[:5], moved):
         one.update(positions)
         assert numpy.array_equal(one.copy_spheres(), spheres)
-        assert covers_by_sampling(limb, positions, spheres[built.tree.level_set(2)])
+        assert covers_by_sampling(limb, positions, spheres[model.tree.level_set(2)])
         assert one.certify(positions)
     assert all_at_once.hash() == one.hash() and all_at_once.frame == one.frame == 5
 
 
-def test_layouts_and_types_give_the_same_spheres(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_layouts_and_types_give_the_same_spheres(limb, model, motion):
+    body = morula.Body(limb, model)
     positions = motion[3].astype(numpy.float32)
     body.update(positions)
     expected = body.hash()
@@ -57,11 +57,11 @@ def test_layouts_and_types_give_the_same_spheres(limb, built, motion):
         assert body.hash() == expected
     frames = motion.astype(numpy.float32)
     for same in (frames, numpy.asfortranarray(frames), frames.astype(float), frames[::-1][::-1]):
-        assert numpy.array_equal(body.follow(same), morula.Body(limb, built).follow(frames))
+        assert numpy.array_equal(body.follow(same), morula.Body(limb, model).follow(frames))
 
 
-def test_back_at_rest_the_spheres_are_those_of_rest(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_back_at_rest_the_spheres_are_those_of_rest(limb, model, motion):
+    body = morula.Body(limb, model)
     rest = body.hash()
     body.update(motion[4])
     assert body.hash() != rest
@@ -69,8 +69,8 @@ def test_back_at_rest_the_spheres_are_those_of_rest(limb, built, motion):
     assert body.hash() == rest
 
 
-def test_what_is_refused_changes_nothing(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_what_is_refused_changes_nothing(limb, model, motion):
+    body = morula.Body(limb, model)
     body.update(motion[2])
     before = body.hash()
     broken = numpy.array(motion[3])
@@ -89,12 +89,12 @@ def test_what_is_refused_changes_nothing(limb, built, motion):
     assert body.is_current
 
 
-def test_a_view_knows_its_frame(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_a_view_knows_its_frame(limb, model, motion):
+    body = morula.Body(limb, model)
     body.update(motion[1])
     view = body.spheres
     copied = numpy.array(view)
-    assert copied.shape == view.shape == (len(built), 4) and copied.dtype == numpy.float32
+    assert copied.shape == view.shape == (len(model), 4) and copied.dtype == numpy.float32
     assert numpy.allclose(copied[:, :3] + view.origin, body.copy_spheres()[:, :3])
     assert numpy.array_equal(view[3], copied[3]) and len(view) == len(copied) and view.is_current
     assert numpy.shares_memory(view.memory, body.spheres.memory)
@@ -107,14 +107,14 @@ def test_a_view_knows_its_frame(limb, built, motion):
     assert (copied[:, 3] > 0).all()
 
 
-def test_a_view_keeps_its_body(limb, built, motion):
-    view = morula.Body(limb, built).spheres
-    memory = morula.Body(limb, built).spheres.memory
+def test_a_view_keeps_its_body(limb, model, motion):
+    view = morula.Body(limb, model).spheres
+    memory = morula.Body(limb, model).spheres.memory
     assert numpy.array_equal(numpy.asarray(view), memory)
 
 
-def test_only_what_moved(limb, built):
-    body, whole = morula.Body(limb, built), morula.Body(limb, built)
+def test_only_what_moved(limb, model):
+    body, whole = morula.Body(limb, model), morula.Body(limb, model)
     positions = numpy.array(limb.positions)
     body.update(positions)
     positions[10:20] += 0.01
@@ -123,11 +123,11 @@ def test_only_what_moved(limb, built):
     assert body.hash() == whole.hash() and part.vertices_read < full.vertices_read
 
 
-def test_modes_and_bones(limb, built):
+def test_modes_and_bones(limb, model):
     modes = morula.sample_modes(limb.positions)
     coordinates = morula.sample_coordinates(modes.mode_count, 6)
-    body = morula.Body(limb, built, rules="modal", modes=modes)
-    same = morula.Body(limb, built, rules=["modal"], modes=modes.displacements)
+    body = morula.Body(limb, model, rules="modal", modes=modes)
+    same = morula.Body(limb, model, rules=["modal"], modes=modes.displacements)
     moved = body.follow_modal(coordinates)
     for q, spheres in zip(coordinates, moved):
         same.update_modal(q)
@@ -141,16 +141,16 @@ def test_modes_and_bones(limb, built):
 
     skin = morula.sample_skin(limb.positions)
     bones = morula.sample_bones(limb.positions, 5)
-    skinned = morula.Body(limb, built, rules="exact", skin=skin)
-    follower = morula.Body(limb, built)
+    skinned = morula.Body(limb, model, rules="exact", skin=skin)
+    follower = morula.Body(limb, model)
     for transforms in bones:
         skinned.update_skinned(transforms)
         follower.update(morula.move_by_skin(skin, limb.positions, transforms))
         assert skinned.hash() == follower.hash()
 
 
-def test_a_rebuilding_body_covers_through_swaps(limb, built):
-    body = morula.RebuiltBody(limb, built, thread="caller", rebuild_every=3, min_improvement=-1e9)
+def test_a_rebuilding_body_covers_through_swaps(limb, model):
+    body = morula.RebuiltBody(limb, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     swapped = 0
     for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=12, and_back=False):
         swapped += body.update(positions).swapped
@@ -158,8 +158,8 @@ def test_a_rebuilding_body_covers_through_swaps(limb, built):
     assert swapped == body.report.swapped > 0 and body.tree_version == swapped
 
 
-def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, built):
-    body = morula.RebuiltBody(limb, built, thread="caller", rebuild_every=3, min_improvement=-1e9)
+def test_colliders_of_a_rebuilt_tree_are_out_of_date(limb, model):
+    body = morula.RebuiltBody(limb, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     collider = morula.Collider(body)
     inside = morula.InsideQuery(collider)
     for positions in morula.deform_frames(limb, morula.Stretch(2.0), frame_count=8, and_back=False):
@@ -179,33 +179,33 @@ def move_both(limb, body, plain, deformation):
     return positions
 
 
-def leaf_radius(built, body):
-    return body.copy_spheres()[built.tree.level_set(built.tree.level_count - 1), 3].mean()
+def leaf_radius(model, body):
+    return body.copy_spheres()[model.tree.level_set(model.tree.level_count - 1), 3].mean()
 
 
-def test_leaves_that_are_fitted_are_tighter_and_cover(limb, built):
-    plain = morula.RebuiltBody(limb, built, thread="none")
-    body = morula.RebuiltBody(limb, built, thread="none", effort="high")
+def test_leaves_that_are_fitted_are_tighter_and_cover(limb, model):
+    plain = morula.RebuiltBody(limb, model, thread="none")
+    body = morula.RebuiltBody(limb, model, thread="none", effort="high")
     at_rest = body.copy_spheres()
     move_both(limb, body, plain, morula.Twist(180.0))
-    assert leaf_radius(built, body) < leaf_radius(built, plain)
+    assert leaf_radius(model, body) < leaf_radius(model, plain)
     body.update(limb.positions)
     assert numpy.array_equal(body.copy_spheres(), at_rest)
 
 
-def test_lazy_updates_reach_the_same_spheres(limb, built, motion):
-    lazy, whole = morula.Body(limb, built), morula.Body(limb, built)
+def test_lazy_updates_reach_the_same_spheres(limb, model, motion):
+    lazy, whole = morula.Body(limb, model), morula.Body(limb, model)
     whole.update(motion[4])
     lazy.update_lazily(motion[4], 0)
     assert not lazy.is_complete
-    for node in range(len(built)):
-        if not built.tree.is_leaf(node):
-            lazy.reach(node)
+    for node in range(len(model)):
+        if not model.tree.is_leaf(node):
+            lazy.refresh_children(node)
     assert lazy.is_complete and numpy.array_equal(lazy.copy_spheres(), whole.copy_spheres())
 
 
-def test_copies_are_independent(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_copies_are_independent(limb, model, motion):
+    body = morula.Body(limb, model)
     body.update(motion[2])
     other = copy.copy(body)
     assert other.hash() == body.hash()
@@ -213,29 +213,29 @@ def test_copies_are_independent(limb, built, motion):
     assert other.hash() != body.hash()
 
 
-def test_boxes_of_a_kdop_tree_hold_their_vertices(limb, built, motion):
-    tree = morula.KDopTree(limb, built, 14)
+def test_boxes_of_a_kdop_tree_hold_their_vertices(limb, model, motion):
+    tree = morula.KDopTree(limb, model, 14)
     tree.update(motion[4])
     along = (motion[4] - numpy.array(tree.origin)) @ tree.directions.T
     assert (along.min(axis=0) >= tree.lower[0]).all() and (along.max(axis=0) <= tree.upper[0]).all()
 
 
-def test_spheres_around_kdops_are_asked_as_those_of_bodies(limb, built, motion):
-    tree, body = morula.KDopTree(limb, built, 14), morula.Body(limb, built)
+def test_spheres_around_kdops_are_asked_as_those_of_bodies(limb, model, motion):
+    tree, body = morula.KDopTree(limb, model, 14), morula.Body(limb, model)
     spheres = tree.posed()
     for positions in motion[1:4]:
         tree.update(positions)
         body.update(positions)
         tree.pose(spheres)
         copied = spheres.copy_spheres()
-        assert spheres.covers and morula.certify(built.cover, positions, copied)
+        assert spheres.covers and morula.certify(model.cover, positions, copied)
         # They hold the boxes' corners.
         low, high = (numpy.array(side)[:, :3] + tree.origin for side in (tree.lower, tree.upper))
         corner = numpy.maximum(abs(low - copied[:, :3]), abs(high - copied[:, :3]))
         assert (numpy.linalg.norm(corner, axis=1) <= copied[:, 3] * (1 + 1e-6)).all()
-        one, other = morula.Collider(limb, built, spheres), morula.Collider(body)
+        one, other = morula.Collider(limb, model, spheres), morula.Collider(body)
         one.set_positions(positions)
-        one.place((0.0, 0.3, 0.0))
+        one.set_transform((0.0, 0.3, 0.0))
         assert numpy.array_equal(morula.crossings(one, other).facet_a, morula.crossings(placed(body, (0.0, 0.3, 0.0)), other).facet_a)
     assert numpy.array_equal(tree.posed().copy_spheres(), copied)
     with pytest.raises(ValueError, match="spheres"):
@@ -244,27 +244,27 @@ def test_spheres_around_kdops_are_asked_as_those_of_bodies(limb, built, motion):
 
 def placed(body, translation):
     collider = morula.Collider(body)
-    collider.place(translation)
+    collider.set_transform(translation)
     return collider
 
 
-def test_colliders_know_where_their_vertices_are(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_colliders_know_where_their_vertices_are(limb, model, motion):
+    body = morula.Body(limb, model)
     body.update(motion[2])
     collider = morula.Collider(body)
     turn = morula.RigidTransform.from_axis((0, 0, 1), 0.5, (1, 2, 3))
-    collider.place(turn)
+    collider.set_transform(turn)
     numpy.testing.assert_allclose(collider.vertices(), motion[2] @ turn.matrix[:3, :3].T + [1, 2, 3], atol=1e-12)
     with pytest.raises(ValueError, match="set_positions"):
-        morula.Collider(morula.PosedSpheres(built.tree)).vertices()
+        morula.Collider(morula.PosedSpheres(model.tree)).vertices()
 
 
-def test_two_threads_update_two_bodies(limb, built, motion):
-    expected = morula.Body(limb, built).follow(motion)
+def test_two_threads_update_two_bodies(limb, model, motion):
+    expected = morula.Body(limb, model).follow(motion)
     results = [None, None]
 
     def work(i):
-        body = morula.Body(limb, built)
+        body = morula.Body(limb, model)
         for _ in range(5):
             results[i] = body.follow(motion)
 
@@ -276,11 +276,11 @@ def test_two_threads_update_two_bodies(limb, built, motion):
     assert all(numpy.array_equal(result, expected) for result in results)
 
 
-def test_threads_that_share_a_body_take_turns(limb, built, motion):
-    body = morula.Body(limb, built)
+def test_threads_that_share_a_body_take_turns(limb, model, motion):
+    body = morula.Body(limb, model)
     hashes = set()
     for positions in motion:
-        one = morula.Body(limb, built)
+        one = morula.Body(limb, model)
         one.update(positions)
         hashes.add(one.hash())
     faults = []

@@ -42,8 +42,8 @@ def test_meshio_and_vtk_read_what_paraview_would(limb, tmp_path):
     numpy.testing.assert_array_equal(read["speed"], speed)
 
 
-def test_spheres_for_gltf_and_sofa(built, tmp_path):
-    frames = numpy.stack([built.spheres, built.spheres + [1, 0, 0, 0.1]])
+def test_spheres_for_gltf_and_sofa(model, tmp_path):
+    frames = numpy.stack([model.spheres, model.spheres + [1, 0, 0, 0.1]])
     morula.write_gltf_spheres(tmp_path / "a.glb", frames, 10)
     data = (tmp_path / "a.glb").read_bytes()
     magic, version, length = struct.unpack("<4sII", data[:12])
@@ -51,14 +51,14 @@ def test_spheres_for_gltf_and_sofa(built, tmp_path):
     size = struct.unpack("<I", data[12:16])[0]
     scene = json.loads(data[20 : 20 + size])
     nodes = [n for n in scene["nodes"] if "mesh" in n]
-    assert len(nodes) == len(built)
-    numpy.testing.assert_allclose([n["translation"] for n in nodes], built.spheres[:, :3].astype(numpy.float32))
+    assert len(nodes) == len(model)
+    numpy.testing.assert_allclose([n["translation"] for n in nodes], model.spheres[:, :3].astype(numpy.float32))
     assert len(scene["animations"]) == 1
-    morula.write_sofa_spheres(tmp_path / "a.sph", built.spheres)
+    morula.write_sofa_spheres(tmp_path / "a.sph", model.spheres)
     rows = [line.split() for line in (tmp_path / "a.sph").read_text().splitlines() if line.startswith("sphe ")]
-    numpy.testing.assert_array_equal(numpy.array([row[2:] for row in rows], float), built.spheres)
+    numpy.testing.assert_array_equal(numpy.array([row[2:] for row in rows], float), model.spheres)
     with pytest.raises(ValueError, match="frames"):
-        morula.write_gltf_spheres(tmp_path / "a.glb", built.spheres)
+        morula.write_gltf_spheres(tmp_path / "a.glb", model.spheres)
 
 
 def test_motions_of_models_come_back(limb, tmp_path):
@@ -123,8 +123,8 @@ def test_edges_fans_and_borders_are_those_of_numpy(limb):
         loops = morula.border_loops(mesh)
         assert len(loops) == (1 if mesh is not limb else 0) and len(loops.sides) == (counts == 1).sum()
         side = int(inverse.ravel()[0])
-        neighbours = {int(s) // 3 for s in numpy.flatnonzero(inverse.ravel() == side)} - {0}
-        assert found.facet_across(0, 0) in neighbours | {morula.no_facet}
+        neighbors = {int(s) // 3 for s in numpy.flatnonzero(inverse.ravel() == side)} - {0}
+        assert found.facet_across(0, 0) in neighbors | {morula.no_facet}
     with pytest.raises(IndexError):
         found.facet_across(10**6, 0)
 
@@ -155,8 +155,8 @@ def test_single_triangles():
     assert numpy.isclose(total, 4 * numpy.pi)
 
 
-def test_power_diagrams_are_those_of_numpy(built):
-    spheres = built.level(2)
+def test_power_diagrams_are_those_of_numpy(model):
+    spheres = model.level(2)
     diagram = morula.PowerDiagram(spheres)
     points = numpy.random.default_rng(4).normal(size=(500, 3))
     powers = ((points[:, None] - spheres[:, :3]) ** 2).sum(axis=2) - spheres[:, 3] ** 2
@@ -168,7 +168,7 @@ def test_power_diagrams_are_those_of_numpy(built):
     assert owners[0] in diagram.candidates(points[:1].repeat(3, axis=0) + 1e-9 * numpy.eye(3))
 
 
-def test_facets_fall_apart_into_cells(built):
+def test_facets_fall_apart_into_cells(model):
     """Pieces tile the facet, and no sphere has less power at a sample of a piece than its owner."""
     spheres = numpy.array([[0, 0, 0, 1], [1, 0, 0, 1], [0, 1, 0, 0.8], [9, 9, 9, 0.1]], float)
     triangle = numpy.array([[0, 0, 0], [1, 0, 0.1], [0, 1, 0.2]])
@@ -203,7 +203,7 @@ def test_facets_fall_apart_into_cells(built):
         cut.polygon(len(cut))
 
 
-def test_frames_are_read_and_written_one_at_a_time(limb, built, motion, tmp_path):
+def test_frames_are_read_and_written_one_at_a_time(limb, model, motion, tmp_path):
     for path in (tmp_path / "motion.npy", tmp_path / "frames"):
         with morula.MotionWriter(path, limb, len(motion)) as writer:
             for positions in motion:
@@ -214,33 +214,33 @@ def test_frames_are_read_and_written_one_at_a_time(limb, built, motion, tmp_path
         numpy.testing.assert_allclose(read[3], motion[3], atol=1e-15)
         with pytest.raises(IndexError):
             read[len(motion)]
-    body = morula.Body(limb, built)
-    with morula.SphereFramesWriter(tmp_path / "spheres.npz", built.tree, len(motion)) as writer:
+    body = morula.Body(limb, model)
+    with morula.SphereFramesWriter(tmp_path / "spheres.npz", model.tree, len(motion)) as writer:
         for positions in motion:
             body.update(positions)
             writer.write(body.copy_spheres())
-    assert numpy.array_equal(morula.read_sphere_frames(tmp_path / "spheres.npz").spheres, morula.Body(limb, built).follow(motion))
+    assert numpy.array_equal(morula.read_sphere_frames(tmp_path / "spheres.npz").spheres, morula.Body(limb, model).follow(motion))
     # Nothing is there of a block that raised, or had too few frames; nothing is written afterwards.
     with pytest.raises(ZeroDivisionError):
         with morula.MotionWriter(tmp_path / "never.npy", limb, 2) as writer:
             writer.write(motion[0])
             1 / 0
     with pytest.raises(OSError):
-        with morula.SphereFramesWriter(tmp_path / "never.npz", built.tree, 2) as writer:
-            writer.write(built.spheres)
+        with morula.SphereFramesWriter(tmp_path / "never.npz", model.tree, 2) as writer:
+            writer.write(model.spheres)
     with pytest.raises(ValueError, match="finished"):
-        writer.write(built.spheres)
+        writer.write(model.spheres)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["frames", "motion.npy", "spheres.npz"]
     with pytest.raises(ValueError, match="positions"):
         morula.MotionWriter(tmp_path / "never.npy", limb, 1).write(motion[0][:-1])
     with pytest.raises(ValueError, match="spheres"):
-        morula.SphereFramesWriter(tmp_path / "never.npz", built.tree, 1).write(built.spheres[:-1])
+        morula.SphereFramesWriter(tmp_path / "never.npz", model.tree, 1).write(model.spheres[:-1])
 
 
-def test_looseness_meters_say_what_looseness_says(limb, built, motion):
+def test_looseness_meters_say_what_looseness_says(limb, model, motion):
     meter = morula.LoosenessMeter(limb)
     assert meter.has_volume
-    spheres = built.level(1)
+    spheres = model.level(1)
     assert meter.measure(limb.positions, spheres, resolution=48) == morula.looseness(limb, spheres, resolution=48)
     box = open_box()
     around = numpy.array([[0.5, 0.5, 0.5, 1.0]])
@@ -255,20 +255,20 @@ def test_looseness_meters_say_what_looseness_says(limb, built, motion):
     assert one.lower <= one.upper <= morula.protrusion(inside, spheres[:1], tolerance=1e-3).worst + 1e-12
 
 
-def test_what_rules_promise(limb, built, motion):
-    body = morula.Body(limb, built, rules=["approach2", "exact"])
+def test_what_rules_promise(limb, model, motion):
+    body = morula.Body(limb, model, rules=["approach2", "exact"])
     body.update(motion[4])
     assert body.any_promises_cover and body.certify_promised_levels(motion[4])
-    assert not morula.Body(limb, built, rules="approach1").any_promises_cover
-    wrapped = morula.Body(limb, built, rules=["wrapped", "wrapped", "exact"])
+    assert not morula.Body(limb, model, rules="approach1").any_promises_cover
+    wrapped = morula.Body(limb, model, rules=["wrapped", "wrapped", "exact"])
     wrapped.update(motion[4])
     assert wrapped.any_promises_nesting and wrapped.certify_promised_nesting().nested
     assert "exact" in morula.position_rules() and "modal" not in morula.position_rules()
 
 
-def test_cuts_and_crossings_of_nodes(limb, built):
-    a, b = morula.Collider(morula.Body(limb, built)), morula.Collider(morula.Body(limb, built))
-    b.place((0.3, 0.05, 0.0))
+def test_cuts_and_crossings_of_nodes(limb, model):
+    a, b = morula.Collider(morula.Body(limb, model)), morula.Collider(morula.Body(limb, model))
+    b.set_transform((0.3, 0.05, 0.0))
     query = morula.ContactQuery(budget=200)
     query.add(a, b)
     contacts = query.start()
@@ -287,8 +287,8 @@ def test_cuts_and_crossings_of_nodes(limb, built):
 
 def test_rigid_transforms_turn():
     turn = morula.RigidTransform.from_axis((0, 0, 1), numpy.pi / 2, (5, 5, 5))
-    numpy.testing.assert_allclose(turn.turn((1, 0, 0)), (0, 1, 0), atol=1e-15)
-    numpy.testing.assert_allclose(turn.turn_back((0, 1, 0)), (1, 0, 0), atol=1e-15)
+    numpy.testing.assert_allclose(turn.rotate((1, 0, 0)), (0, 1, 0), atol=1e-15)
+    numpy.testing.assert_allclose(turn.inverse_rotate((0, 1, 0)), (1, 0, 0), atol=1e-15)
     assert morula.deviation_from_rigid(turn) < morula.largest_rigid_deviation
 
 

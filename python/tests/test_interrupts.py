@@ -89,7 +89,7 @@ CALLS = {
         "scene.set_options(margin=0.0) or len(scene) == 100"),
     "proximity with a filter": (
         "surface = morula.SurfaceTree(limb(56))",
-        "morula.proximity(surface, distance=0.2, keeps=lambda kind, a, b: a % 2 == 0)",
+        "morula.proximity(surface, distance=0.2, accepts=lambda kind, a, b: a % 2 == 0)",
         "len(morula.proximity(morula.SurfaceTree(small), distance=0.01, rings=3)) == 0"),
     "proximity": (
         "surface = morula.SurfaceTree(limb(95))", "morula.proximity(surface, distance=0.06)",
@@ -153,10 +153,10 @@ CALLS = {
     "repair": ("mesh = limb(500)", "morula.repair(mesh)", "morula.repair(small)[0] == small"),
     "inspect": ("mesh = limb(700)", "morula.inspect(mesh)", "morula.inspect(small).closed"),
     "write_tree": (
-        "tree = morula.tree_over_balls(rows(400000, 4) + 0.1); path = folder / 'a.json'",
+        "tree = morula.tree_from_spheres(rows(400000, 4) + 0.1); path = folder / 'a.json'",
         "morula.write_tree(path, tree)", "[file.name for file in folder.iterdir()] == ['a.json']"),
     "read_tree": (
-        "tree = morula.tree_over_balls(rows(400000, 4) + 0.1); path = folder / 'a.json'; morula.write_tree(path, tree)",
+        "tree = morula.tree_from_spheres(rows(400000, 4) + 0.1); path = folder / 'a.json'; morula.write_tree(path, tree)",
         "morula.read_tree(path)", "len(morula.read_tree(path).tree.spheres) > 400000"),
     "write_motion": (
         "mesh = limb(200); path = folder / 'a.npy'; "
@@ -251,8 +251,8 @@ def test_a_call_looks_at_signals_often_and_can_be_ended(name, tmp_path):
 # What a body reads later are the positions of the frame that it ended in, whatever has become of the others.
 def test_follow_keeps_the_positions_that_the_body_ends_in():
     mesh = limb(100)
-    built = morula.build(mesh, method="octree")
-    body, other = morula.Body(mesh, built), morula.Body(mesh, built)
+    model = morula.build(mesh, method="octree")
+    body, other = morula.Body(mesh, model), morula.Body(mesh, model)
     frames = numpy.repeat(numpy.asarray(mesh.positions)[None], 200, axis=0) * numpy.linspace(1, 3, 200)[:, None, None]
     begins = user_seconds()
 
@@ -286,7 +286,7 @@ PROGRAMS = {
         "points = numpy.random.default_rng(1).random((16000000, 3))", "distance(points, workers=workers)"),
     "proximity with a filter": (
         "surface = morula.SurfaceTree(morula.sample_body('limb', 200))",
-        "morula.proximity(surface, distance=0.2, keeps=lambda kind, a, b: a % 2 == 0)"),
+        "morula.proximity(surface, distance=0.2, accepts=lambda kind, a, b: a % 2 == 0)"),
 }
 PROGRAM = """
 import sys, numpy, morula

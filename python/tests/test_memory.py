@@ -143,17 +143,17 @@ KEEPERS = {
     "ProximityQuery of surfaces": (lambda a, b: run(morula.ProximityQuery(distance=0.01), a, b), a_surface, a_surface),
     "SweptQuery of surfaces": (lambda a, b: run(morula.SweptQuery(), a, b), a_step, a_step),
     "SurfaceCrossingQuery of surfaces": (lambda a, b: run(morula.SurfaceCrossingQuery(), a, b), a_surface, a_surface),
-    "ProximityQuery of a function": (lambda f: morula.ProximityQuery(distance=0.1, keeps=f), Callback),
-    "SweptQuery of a function": (lambda f: morula.SweptQuery(keeps=f), Callback),
-    "SurfaceCrossingQuery of a function": (lambda f: morula.SurfaceCrossingQuery(keeps=f), Callback),
-    "ObstacleQuery of a function": (lambda f: morula.ObstacleQuery(keeps=f), Callback),
-    "SweptObstacleQuery of a function": (lambda f: morula.SweptObstacleQuery(keeps=f), Callback),
+    "ProximityQuery of a function": (lambda f: morula.ProximityQuery(distance=0.1, accepts=f), Callback),
+    "SweptQuery of a function": (lambda f: morula.SweptQuery(accepts=f), Callback),
+    "SurfaceCrossingQuery of a function": (lambda f: morula.SurfaceCrossingQuery(accepts=f), Callback),
+    "ObstacleQuery of a function": (lambda f: morula.ObstacleQuery(accepts=f), Callback),
+    "SweptObstacleQuery of a function": (lambda f: morula.SweptObstacleQuery(accepts=f), Callback),
     "ObstacleQuery of a surface": (lambda surface: run(morula.ObstacleQuery(), surface, cube()), a_surface),
     "SweptObstacleQuery of a surface": (lambda surface: run(morula.SweptObstacleQuery(), surface, cube()), a_step),
     "ObstacleQuery of a field": (
         lambda field: run(morula.ObstacleQuery(), a_surface(), field), lambda: DistanceField(lambda p: 1.0)),
     "DistanceField of functions": (lambda value, gradient: morula.DistanceField(value, gradient=gradient), Callback, Callback),
-    "Scene of a function": (lambda f: morula.Scene(keeps=f), Callback),
+    "Scene of a function": (lambda f: morula.Scene(accepts=f), Callback),
     "Scene of a Collider": (scene_of, lambda: Collider(a_body())),
     "Scene of a Body": (scene_of, a_body),
     "Scene of a Collider that took another's place": (replaced, lambda: Collider(a_body())),
@@ -222,11 +222,11 @@ def test_functions_of_objects_do_not_keep_them():
         def __init__(self):
             self.size = numpy.zeros(100000)
             self.surface = a_surface()
-            self.query = morula.ProximityQuery(distance=0.1, keeps=self.keep)
-            self.swept = morula.SweptQuery(keeps=self.keep)
-            self.obstacles = morula.ObstacleQuery(keeps=self.keep)
+            self.query = morula.ProximityQuery(distance=0.1, accepts=self.keep)
+            self.swept = morula.SweptQuery(accepts=self.keep)
+            self.obstacles = morula.ObstacleQuery(accepts=self.keep)
             self.field = morula.DistanceField(self.distance, gradient=self.direction)
-            self.scene = morula.Scene(keeps=self.keep)
+            self.scene = morula.Scene(accepts=self.keep)
             self.query.run(self.surface)
             self.obstacles.run(self.surface, self.field)
 
@@ -254,7 +254,7 @@ def test_scene_that_is_its_own_filter_is_collected():
 
     scene = Scene()
     owner = scene.owner = Owner()
-    scene.set_options(keeps=scene.keep)
+    scene.set_options(accepts=scene.keep)
     gone = weakref.ref(owner)
     del scene, owner
     gc.collect()
@@ -278,10 +278,10 @@ def test_pages_are_collected():
     assert gone() is None
 
 
-def test_collecting_while_queries_run_takes_nothing_away(limb, built):
+def test_collecting_while_queries_run_takes_nothing_away(limb, model):
     import threading
 
-    body = morula.Body(limb, built)
+    body = morula.Body(limb, model)
     query, others = morula.InsideQuery(body), [morula.SurfaceTree(limb) for _ in range(2)]
     near = morula.ProximityQuery(distance=0.02)
     failures = []

@@ -40,7 +40,7 @@ def test_the_argument_is_named(body):
     assert "depth: 'deep', but an integer, or None is needed" in message(morula.build, mesh, depth="deep")
     assert "method: 3, but one of octree, " in message(morula.build, mesh, method=3)
     assert "at most 1 may have none" in message(morula.build, mesh, "grid")
-    assert message(morula.Collider(body).place, "there").startswith("Collider.place(): placement: ")
+    assert message(morula.Collider(body).place, "there").startswith("Collider.set_transform(): transform: ")
     assert "seed: -1 is out of range" in message(morula.build, mesh, seed=-1)
     assert message(morula.Body, mesh).startswith("Body(): built is missing")
     # Where several are wrong, all are told.
@@ -51,8 +51,8 @@ def test_the_argument_is_named(body):
 def test_errors_of_callbacks_are_theirs(body):
     surface = morula.SurfaceTree(body.mesh)
     with pytest.raises(TypeError, match="^mine$"):
-        morula.proximity(surface, distance=0.1, keeps=lambda *pair: (_ for _ in ()).throw(TypeError("mine")))
-    assert "keeps: an object of type int, but None" in message(morula.proximity, surface, distance=0.1, keeps=3)
+        morula.proximity(surface, distance=0.1, accepts=lambda *pair: (_ for _ in ()).throw(TypeError("mine")))
+    assert "accepts: an object of type int, but None" in message(morula.proximity, surface, distance=0.1, accepts=3)
 
 
 def test_rows_are_counted(body):
@@ -131,25 +131,25 @@ def test_placements_are_matrices_of_any_precision(body):
                           [0, 0, 1, 0.3], [0, 0, 0, 1]])
     collider = morula.Collider(body)
     for given in (matrix, matrix[:3], morula.RigidTransform(matrix)):
-        collider.place(given)
-        assert (collider.placement.matrix == matrix).all()
-    collider.place(matrix.astype(numpy.float32))
-    assert morula.deviation_from_rigid(collider.placement) < 1e-15
-    assert numpy.abs(collider.placement.matrix - matrix).max() < 1e-7
-    collider.place((1, 2, 3))
-    assert collider.placement.translation == (1, 2, 3)
-    assert "placement.T" in message(collider.place, matrix.T, error=ValueError)
+        collider.set_transform(given)
+        assert (collider.transform.matrix == matrix).all()
+    collider.set_transform(matrix.astype(numpy.float32))
+    assert morula.deviation_from_rigid(collider.transform) < 1e-15
+    assert numpy.abs(collider.transform.matrix - matrix).max() < 1e-7
+    collider.set_transform((1, 2, 3))
+    assert collider.transform.translation == (1, 2, 3)
+    assert "transform.T" in message(collider.place, matrix.T, error=ValueError)
     assert "not finite" in message(collider.place, numpy.full((4, 4), numpy.nan), error=ValueError)
     bent = matrix.copy()
     bent[0, 0] *= 1.001
     said = message(collider.place, bent, error=ValueError)
     assert "0.000000" not in said and "deviate by 0.00" in said
-    assert collider.placement.translation == (1, 2, 3)
+    assert collider.transform.translation == (1, 2, 3)
 
 
 def test_tables_are_iterable(body):
     other = morula.Collider(body)
-    other.place((0.01, 0, 0))
+    other.set_transform((0.01, 0, 0))
     contacts = morula.collide(body, other)
     assert len(contacts) > 0
     rows = list(contacts)
@@ -221,7 +221,7 @@ def test_choices_of_type_checkers_are_those_of_the_library():
     choices = morula._morula._choices
     assert choices["Method"] == morula.all_methods() and choices["Quality"] == morula.all_qualities()
     assert choices["Rule"] == morula.all_rules() and choices["Reduction"] == morula.all_reductions()
-    assert choices["Optimiser"] == morula.all_optimisers()
+    assert choices["Optimizer"] == morula.all_optimizers()
     if hasattr(morula, "clump_formats"):
         assert choices["ClumpFormatName"] == [written.name for written in morula.clump_formats()]
     assert set(choices) <= set(morula.typing.__all__)

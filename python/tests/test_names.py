@@ -32,10 +32,10 @@ ELSEWHERE = {
     "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",
     "VtpArray": "write_vtp", "VtpData": "write_vtp", "PvdEntry": "write_pvd", "MeshFileKind": "file_formats",
-    "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "PosedTree": "PosedSpheres", "Method": "all_methods",
-    "Reduction": "all_reductions", "Optimiser": "all_optimisers", "Quality": "all_qualities", "Rule": "all_rules",
+    "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "SphereState": "PosedSpheres", "Method": "all_methods",
+    "Reduction": "all_reductions", "Optimizer": "all_optimizers", "Quality": "all_qualities", "Rule": "all_rules",
     "Axis": "Bend", "method_from_name": "all_methods", "quality_from_name": "all_qualities",
-    "reduction_from_name": "all_reductions", "optimiser_from_name": "all_optimisers", "rule_from_name": "all_rules",
+    "reduction_from_name": "all_reductions", "optimizer_from_name": "all_optimizers", "rule_from_name": "all_rules",
     "SampleCounts": "FitSampler", "PageContent": "make_page", "validate": "CoveredTree.validate",
     "inverse": "RigidTransform", "inside_volume": "SignedDistance.inside_volume",
     "outside_volume": "SignedDistance.outside_volume", "traits": "rule_table", "covers_alone": "RuleTraits.covers",
@@ -58,7 +58,7 @@ LEFT_OUT = {
     "query/brute_force.hpp": "oracles of tests, slower than NumPy is", "tree/walk.hpp": "a template over functions: each step would call Python",
 }
 LEFT_OUT_NAMES = {
-    "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "place() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
+    "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "set_transform() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
     "describe": "a deformation prints itself", "corner_position": "a line of NumPy with Cover.cut_vertices and cut_weights",
     "add_marks": "CollidePage.add does it", "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",

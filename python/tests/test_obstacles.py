@@ -123,7 +123,7 @@ def test_what_is_refused_leaves_the_query_where_it_stood(limb, surface):
 
 def test_filters_and_fields_may_be_python_and_raise(limb, surface):
     floor = morula.HalfSpace((0, 0, 1), numpy.median(limb.positions[:, 2]))
-    even = morula.ObstacleQuery(features="vertices", keeps=lambda v: v % 2 == 0)
+    even = morula.ObstacleQuery(features="vertices", accepts=lambda v: v % 2 == 0)
     even.run(surface, floor)
     every = morula.ObstacleQuery(features="vertices")
     every.run(surface, floor, morula.Workers(2))
@@ -185,8 +185,8 @@ def test_what_is_no_obstacle_is_refused(surface):
         morula.ObstacleQuery(features="edges")
     with pytest.raises(TypeError, match="value"):
         morula.DistanceField(3)
-    with pytest.raises(TypeError, match="keeps"):
-        morula.ObstacleQuery(keeps=3)
+    with pytest.raises(TypeError, match="accepts"):
+        morula.ObstacleQuery(accepts=3)
 
 
 def test_hulls_are_those_of_scipy():
@@ -206,8 +206,8 @@ def test_hulls_are_those_of_scipy():
         morula.ConvexHull(points * [1, 1, 0])
 
 
-def test_bodies_touch_hulls_as_they_touch_the_half_spaces_of_a_box(limb, built):
-    body = morula.Body(limb, built)
+def test_bodies_touch_hulls_as_they_touch_the_half_spaces_of_a_box(limb, model):
+    body = morula.Body(limb, model)
     top = limb.positions[used(limb), 2].max()
     box = morula.ConvexHull.box((-50, -50, top - 0.1), (50, 50, 50))
     floor = morula.HalfSpace((0, 0, -1), -(top - 0.1))
@@ -224,7 +224,7 @@ def test_the_volume_that_two_boxes_share_is_between_the_bounds():
     points = morula.ConvexHull.box((0, 0, 0), (1, 1, 1))
     box = morula.Mesh(points.vertices, points.facets)
     a, b = (morula.Collider(morula.Body(box, morula.build(box, method="octree", depth=2))) for _ in range(2))
-    b.place((0.5, 0.25, 0.0))
+    b.set_transform((0.5, 0.25, 0.0))
     query = morula.PenetrationQuery(a, b)
     truth = 0.5 * 0.75 * 1.0
     coarse = query.run(budget=500)
@@ -233,7 +233,7 @@ def test_the_volume_that_two_boxes_share_is_between_the_bounds():
     assert coarse.lower <= fine.lower <= truth <= fine.upper <= coarse.upper and fine.finished
     assert abs(fine.estimate - truth) < 0.03 * truth
     numpy.testing.assert_allclose(fine.center, (0.75, 0.625, 0.5), atol=0.02)
-    b.place((3, 0, 0))
+    b.set_transform((3, 0, 0))
     with pytest.raises(ValueError):
         query.resume()
     apart = query.run()

@@ -71,7 +71,7 @@ contacts = morula.collide(body, morula.Collider(body), budget="200us")
 deepest: float = float(contacts.depth.max())
 figures = [m.looseness.looseness for m in morula.measure(mesh, built)]
 where: tuple[float, float, float] = body.origin
-scene = morula.Scene(budget="1ms", keeps=lambda a, b: a != b)
+scene = morula.Scene(budget="1ms", accepts=lambda a, b: a != b)
 first: morula.BodyId = scene.add(body, user_data=3)
 for pair in scene.pairs():
     deepest = max(deepest, float(pair.contacts.depth.max()))
@@ -93,12 +93,12 @@ ignore_missing_imports = True
 """,
         encoding="utf-8",
     )
-    built = pathlib.Path(morula.__file__).parent.parent
+    model = pathlib.Path(morula.__file__).parent.parent
 
     def check(*what):
         return subprocess.run(
-            [sys.executable, "-m", "mypy", "--cache-dir", str(built / "mypy_cache"), *what],
-            cwd=tmp_path, env={**os.environ, "MYPYPATH": str(built)}, capture_output=True, text=True, check=False,
+            [sys.executable, "-m", "mypy", "--cache-dir", str(model / "mypy_cache"), *what],
+            cwd=tmp_path, env={**os.environ, "MYPYPATH": str(model)}, capture_output=True, text=True, check=False,
         )
 
     right = check("script.py")

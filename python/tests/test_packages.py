@@ -14,8 +14,8 @@ def test_meshes_of_trimesh_are_meshes(limb):
     assert morula.Mesh.of(theirs) == limb
     assert morula.build(theirs, method="octree", depth=2) == morula.build(limb, method="octree", depth=2)
     ball = trimesh.creation.icosphere(subdivisions=3, radius=2.0)
-    built = morula.build(ball, quality="fast")
-    body = morula.Body(ball, built)
+    model = morula.build(ball, quality="fast")
+    body = morula.Body(ball, model)
     body.update(ball.vertices * 1.5)
     assert body.certify(ball.vertices * 1.5)
     assert numpy.isclose(morula.signed_volume(ball), ball.volume)
@@ -66,7 +66,7 @@ def test_distances_agree_with_coal():
     generator = numpy.random.default_rng(7)
     for _ in range(20):
         turn = morula.RigidTransform.from_axis(generator.normal(size=3), generator.uniform(0, 6), generator.normal(size=3) * 2.5)
-        ours.place(turn)
+        ours.set_transform(turn)
         pose = coal.Transform3s(turn.matrix[:3, :3], turn.matrix[:3, 3])
         request, result = coal.DistanceRequest(), coal.DistanceResult()
         expected = coal.distance(a, pose, b, coal.Transform3s(), request, result)
@@ -100,7 +100,7 @@ def test_distances_agree_with_mujoco():
             for _ in range(2)
         ]
         for i, (collider, turn) in enumerate(zip(colliders, turns)):
-            collider.place(turn)
+            collider.set_transform(turn)
             quaternion = numpy.zeros(4)
             mujoco.mju_mat2Quat(quaternion, turn.matrix[:3, :3].ravel())
             data.qpos[7 * i : 7 * i + 7] = [*turn.translation, *quaternion]
@@ -114,24 +114,24 @@ def test_distances_agree_with_mujoco():
     assert compared >= 8
 
 
-def test_the_cloud_of_a_pyvista_plot_has_the_spheres(built):
+def test_the_cloud_of_a_pyvista_plot_has_the_spheres(model):
     pyvista = pytest.importorskip("pyvista")
-    cloud = morula.plot.to_pyvista(built.level(1))
+    cloud = morula.plot.to_pyvista(model.level(1))
     assert isinstance(cloud, pyvista.PolyData)
-    spheres = built.level(1)
+    spheres = model.level(1)
     numpy.testing.assert_allclose(cloud.points.min(axis=0), (spheres[:, :3] - spheres[:, 3:]).min(axis=0), atol=0.03)
     numpy.testing.assert_allclose(cloud.points.max(axis=0), (spheres[:, :3] + spheres[:, 3:]).max(axis=0), atol=0.03)
 
 
-def test_polyscope_shows_spheres_and_meshes(limb, built):
+def test_polyscope_shows_spheres_and_meshes(limb, model):
     polyscope = pytest.importorskip("polyscope")
     try:
         polyscope.set_allow_headless_backends(True)
         polyscope.init()
     except Exception as fault:  # noqa: BLE001: there may be no display and no software renderer
         pytest.skip(f"Polyscope does not start here: {fault}")
-    cloud = morula.plot.to_polyscope(built.level(2), name="leaves")
-    assert cloud.n_points() == len(built.level(2)) and polyscope.get_point_cloud("leaves") is not None
+    cloud = morula.plot.to_polyscope(model.level(2), name="leaves")
+    assert cloud.n_points() == len(model.level(2)) and polyscope.get_point_cloud("leaves") is not None
     surface = morula.plot.to_polyscope(limb, name="limb")
     assert surface.n_faces() == limb.facet_count
     polyscope.remove_all_structures()
@@ -282,13 +282,13 @@ def test_the_broad_phase_says_what_it_is_not_for(limb):
     assert phase.name() == "Morula"
 
 
-def test_plots_show_what_was_measured(limb, built, motion):
+def test_plots_show_what_was_measured(limb, model, motion):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
-    curve = morula.plot.looseness_of_motion(limb, built, motion, resolution=48)
+    curve = morula.plot.looseness_of_motion(limb, model, motion, resolution=48)
     assert curve.shape == (len(motion),) and (curve > 0).all() and curve[0] == curve[-1]
     axes = morula.plot.looseness_curve({"exact": curve})
     assert list(axes.lines[0].get_ydata()) == list(curve) and axes.get_legend() is not None
-    rows = morula.plot.levels_table(morula.measure(limb, built))
-    assert [row["level"] for row in rows] == [0, 1, 2] and rows[2]["bare_area"] == 0
-    assert len(morula.plot.spheres(built.level(1)).collections) == len(built.level(1))
+    rows = morula.plot.levels_table(morula.measure(limb, model))
+    assert [row["level"] for row in rows] == [0, 1, 2] and rows[2]["uncovered_area"] == 0
+    assert len(morula.plot.spheres(model.level(1)).collections) == len(model.level(1))

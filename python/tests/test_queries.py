@@ -19,7 +19,7 @@ def pair(limb):
     tool = morula.sample_body("tool", 16)
     a = morula.Collider(morula.Body(limb, morula.build(limb, method="grid", depth=2)))
     b = morula.Collider(morula.Body(tool, morula.build(tool, method="grid", depth=2)))
-    b.place((0.0, 0.4, 0.0))
+    b.set_transform((0.0, 0.4, 0.0))
     return a, b
 
 
@@ -50,7 +50,7 @@ def test_crossings_are_those_of_brute_force(limb, pair):
     found = morula.crossings(*pair)
     expected = brute_crossings(limb, limb.positions, tool, tool.positions + [0.0, 0.4, 0.0])
     assert list(zip(found.facet_a.tolist(), found.facet_b.tolist())) == expected and len(found) > 10
-    exact = morula.collide(*pair, exact=True)
+    exact = morula.collide(*pair, find_crossings=True)
     assert exact.crossings == found
 
 
@@ -157,8 +157,8 @@ def test_components_are_inside_or_not():
         morula.InsideQuery(body).components_inside(other, numpy.array([two.vertex_count]))
 
 
-def test_samplers_and_estimators_say_what_single_calls_say(limb, built, motion):
-    spheres = built.level(1)
+def test_samplers_and_estimators_say_what_single_calls_say(limb, model, motion):
+    spheres = model.level(1)
     sampled = morula.measure_spheres(limb, spheres, resolution=16, with_sampled_fit=True).sampled
     sampler = morula.FitSampler(limb)
     assert sampler.measure(spheres) == sampled == sampler.measure(spheres, morula.Workers(2))
@@ -167,7 +167,7 @@ def test_samplers_and_estimators_say_what_single_calls_say(limb, built, motion):
     estimator = morula.LoosenessEstimator(limb)
     assert estimator.has_volume
     assert not morula.LoosenessEstimator(morula.Mesh(limb.positions, limb.facets[1:])).has_volume
-    body = morula.Body(limb, built)
+    body = morula.Body(limb, model)
     for positions in motion[:3]:
         body.update(positions)
         assert numpy.array_equal(estimator.estimate(body, positions), morula.estimate_looseness(body, positions))
@@ -177,10 +177,10 @@ def test_samplers_and_estimators_say_what_single_calls_say(limb, built, motion):
         morula.LoosenessEstimator(limb, 3)
 
 
-def test_distance_lies_between_its_bounds(limb, built):
+def test_distance_lies_between_its_bounds(limb, model):
     tool = morula.sample_body("tool", 12)
-    a, b = morula.Collider(morula.Body(limb, built)), morula.Collider(morula.Body(tool, morula.build(tool, quality="fast")))
-    b.place((0.0, 2.5, 0.0))
+    a, b = morula.Collider(morula.Body(limb, model)), morula.Collider(morula.Body(tool, morula.build(tool, quality="fast")))
+    b.set_transform((0.0, 2.5, 0.0))
     bounds = morula.distance(a, b)
     points = morula.TriangleBvh(limb).closest_points(tool.positions + [0.0, 2.5, 0.0])
     assert bounds.lower <= bounds.upper <= points.distances.min() + 1e-12
@@ -202,7 +202,7 @@ def test_a_box_is_where_it_is():
 
     touch = morula.touch(body, morula.HalfSpace((0, 0, -1), -top + 0.1))
     assert touch.touches and numpy.isclose(touch.deepest.depth, 0.1)
-    assert morula.touch(body, (0.0, 0.0, top + 1.0, 0.5)).clear
+    assert morula.touch(body, (0.0, 0.0, top + 1.0, 0.5)).proven_clear
     assert morula.touch(body, morula.Capsule((0, 0, top + 1.0), (0, 0, top + 2.0), 1.01)).touches
     with pytest.raises(TypeError, match="shape"):
         morula.touch(body, "floor")
@@ -228,9 +228,9 @@ def test_measures_of_a_ball_are_those_of_formulas():
     measured = morula.measure_spheres(capsule, numpy.array([[0.0, 0.0, 0.0, 2.0]]))
     expected = 4 / 3 * numpy.pi * 8 / volume - 1
     assert abs(measured.looseness.looseness - expected) < 0.02 * expected
-    assert measured.coverage.covered and measured.coverage.bare_area == 0
+    assert measured.coverage.covered and measured.coverage.uncovered_area == 0
     bare = morula.coverage(capsule, numpy.array([[0.0, 0.0, 0.0, 0.1]]))
-    assert not bare.covered and bare.bare_area > 0.99 and bare.gap <= bare.gap_upper
+    assert not bare.covered and bare.uncovered_area > 0.99 and bare.uncovered_distance <= bare.uncovered_distance_upper
 
 
 def test_measures_are_those_of_the_command(command, tmp_path):
@@ -263,10 +263,10 @@ def test_pairs_of_features_are_those_of_brute_force():
     assert set(zip(found.a[of_kind].tolist(), found.b[of_kind].tolist())) == near and near
     assert numpy.allclose(numpy.linalg.norm(found.point_b - found.point_a, axis=1), found.distance)
     # A filter in Python, and one that fails.
-    chosen = morula.proximity(surface, other, distance=0.08, keeps=lambda kind, a, b: a == 0)
+    chosen = morula.proximity(surface, other, distance=0.08, accepts=lambda kind, a, b: a == 0)
     assert set(chosen.a.tolist()) <= {0}
     with pytest.raises(ZeroDivisionError):
-        morula.proximity(surface, other, distance=0.08, keeps=lambda kind, a, b: 1 / 0)
+        morula.proximity(surface, other, distance=0.08, accepts=lambda kind, a, b: 1 / 0)
 
 
 def test_swept_pairs_come_no_later_than_they_touch():
@@ -302,7 +302,7 @@ def test_medial_balls_hold_no_surface():
     normals /= numpy.linalg.norm(normals, axis=1)[:, None]
     balls = morula.shrinking_balls(shape, points, normals).balls
     assert len(balls) > 50 and (-shape(numpy.array(balls[:, :3])) >= balls[:, 3] - 1e-6).all()
-    tree = morula.tree_over_balls(numpy.array(balls))
+    tree = morula.tree_from_spheres(numpy.array(balls))
     assert tree.leaf_count == len(balls) and tree.validate() == []
 
 
@@ -327,13 +327,13 @@ print("done")
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120).stdout == "done\n"
 
 
-def test_posed_spheres_are_asked_as_bodies_are(built):
-    spheres = morula.PosedSpheres(built.tree)
+def test_posed_spheres_are_asked_as_bodies_are(model):
+    spheres = morula.PosedSpheres(model.tree)
     collider = morula.Collider(spheres)
     assert morula.overlap(collider, collider) and not collider.has_surface
-    far = numpy.array(built.tree.spheres)
+    far = numpy.array(model.tree.spheres)
     far[:, 0] += 100
-    other = morula.PosedSpheres(built.tree)
+    other = morula.PosedSpheres(model.tree)
     other.set(far)
     assert not morula.overlap(collider, other)
     with pytest.raises(ValueError):

@@ -24,7 +24,7 @@ def same_contacts(found, expected):
 def collider_of(name, resolution=10, place=(0.0, 0.0, 0.0)):
     mesh = morula.sample_body(name, resolution)
     collider = morula.Collider(morula.Body(mesh, morula.build(mesh, method="octree", depth=2)))
-    collider.place(place)
+    collider.set_transform(place)
     return mesh, collider
 
 
@@ -45,17 +45,17 @@ def test_contacts_are_those_of_the_command(command, tmp_path, budget, text):
     report = json.loads(command("collide", "--scene", "room.json", "--json", *text))
 
     mesh = morula.read_mesh(tmp_path / "limb.obj")
-    built = morula.build(mesh, quality="fast")
-    moved = [morula.Body(mesh, built) for _ in bodies]
+    model = morula.build(mesh, quality="fast")
+    moved = [morula.Body(mesh, model) for _ in bodies]
     scene = morula.Scene(budget=budget, surfaces=True)
     ids = [
         scene.add(body, is_static=i == 0, weight=2.0 if i == 2 else 1.0, user_data=i) for i, body in enumerate(moved)
     ]
-    scene.collider(ids[0]).place((0.0, 0.6, 0.0))
+    scene.collider(ids[0]).set_transform((0.0, 0.6, 0.0))
     ours, began, ended = [], [], []
     for frame, positions in enumerate(morula.read_motion(tmp_path / "motion", mesh)):
         moved[1].update(positions)
-        scene.collider(ids[2]).place(path[frame])
+        scene.collider(ids[2]).set_transform(path[frame])
         status = scene.update()
         assert (status.finished, status.near_pairs, status.open_pairs, status.pair_tests) == tuple(
             report["frames"][frame][name] for name in ("finished", "near_pairs", "open_pairs", "pair_tests")
@@ -93,14 +93,14 @@ def crowd():
 
 
 def test_a_finished_pair_has_the_contacts_of_two_bodies_alone(crowd):
-    scene = morula.Scene(surfaces=True, exact=True)
+    scene = morula.Scene(surfaces=True, find_crossings=True)
     ids = [scene.add(collider, user_data=i) for i, (_, collider) in enumerate(crowd)]
     assert scene.update(morula.Workers(2)).finished and len(scene) == len(crowd)
     pairs = scene.pairs()
     touching = set()
     for a in range(len(crowd)):
         for b in range(a + 1, len(crowd)):
-            alone = morula.collide(crowd[a][1], crowd[b][1], surfaces=True, exact=True)
+            alone = morula.collide(crowd[a][1], crowd[b][1], surfaces=True, find_crossings=True)
             pair = scene.find(ids[b], ids[a])
             assert (pair is not None) == (len(alone) > 0)
             if pair is not None:
@@ -133,7 +133,7 @@ def test_no_crossing_is_lost_to_a_budget(crowd):
             for b in range(a + 1, len(crowd)):
                 (mesh_a, one), (mesh_b, other) = crowd[a], crowd[b]
                 crossed = brute_crossings(
-                    mesh_a, mesh_a.positions + one.placement.translation, mesh_b, mesh_b.positions + other.placement.translation
+                    mesh_a, mesh_a.positions + one.transform.translation, mesh_b, mesh_b.positions + other.transform.translation
                 )
                 if not crossed:
                     continue
@@ -152,14 +152,14 @@ def test_touches_begin_and_end():
     down, up = scene.add(floor, is_static=True), scene.add(ball)
     seen = []
     for height in (9.0, 0.5, 0.4, 9.0, 0.5):
-        ball.place((0.0, height, 0.0))
+        ball.set_transform((0.0, height, 0.0))
         scene.update()
         seen.append(([(p.id, p.began) for p in scene.pairs()], [p.id for p in scene.ended()]))
     first, second = seen[1][0][0][0], seen[4][0][0][0]
     assert seen == [([], []), ([(first, True)], []), ([(first, False)], []), ([], [first]), ([(second, True)], [])] and first != second
     scene.sleep(up)
     scene.update()                                   # looks at it for the last time
-    ball.place((0.0, 9.0, 0.0))
+    ball.set_transform((0.0, 9.0, 0.0))
     scene.update()
     assert len(scene.pairs()) == 1 and scene.is_asleep(up)
     scene.wake(up)
@@ -189,11 +189,11 @@ def test_filters_decide_who_meets():
 
     asked = []
 
-    def keeps(a, b):
+    def accepts(a, b):
         asked.append((scene.user_data(a), scene.user_data(b)))
         return scene.user_data(a) + scene.user_data(b) != 2
 
-    scene = morula.Scene(keeps=keeps)
+    scene = morula.Scene(accepts=accepts)
     for i, collider in enumerate(colliders):
         scene.add(collider, user_data=i)
     assert touching(scene) == [(0, 1), (0, 3), (1, 2), (1, 3), (2, 3)] == touching(scene)
@@ -207,26 +207,26 @@ def test_filters_decide_who_meets():
             raise ZeroDivisionError
         return not (a.place == 0 and b.place == 1)
 
-    scene.set_options(keeps=fails)
+    scene.set_options(accepts=fails)
     with pytest.raises(ZeroDivisionError):
         scene.update()
     assert touching(scene) == [(0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
     for budget in (0, "1us", None):
         scene.set_budget(budget)
         assert len(touching(scene)) == 5
-    scene.set_options(keeps=lambda a, b: scene.pairs() is None)
-    with pytest.raises(RuntimeError, match="keeps"):
+    scene.set_options(accepts=lambda a, b: scene.pairs() is None)
+    with pytest.raises(RuntimeError, match="accepts"):
         scene.update()
-    with pytest.raises(TypeError, match="keeps"):
-        morula.Scene(keeps=3)
+    with pytest.raises(TypeError, match="accepts"):
+        morula.Scene(accepts=3)
 
 
 def test_a_filter_that_knows_its_scene_is_collected():
     class Owner:
         def __init__(self):
-            self.scene = morula.Scene(keeps=self.keeps)
+            self.scene = morula.Scene(accepts=self.accepts)
 
-        def keeps(self, a, b):
+        def accepts(self, a, b):
             return True
 
     gone = weakref.ref(Owner())
@@ -255,7 +255,7 @@ def test_rays_and_shapes_find_what_each_body_says(crowd):
         alone = {ids[i]: morula.touch(collider, shape) for i, (_, collider) in enumerate(crowd)}
         found = {touch.body: touch.touch.touches for touch in scene.touch(shape)}
         assert {body for body, touches in found.items() if touches} == {body for body, touch in alone.items() if touch.touches}
-    crowd[0][1].place((9.0, 9.0, 9.0))
+    crowd[0][1].set_transform((9.0, 9.0, 9.0))
     with pytest.raises(ValueError):
         scene.first_hit((0, 0, 9.0), (0, 0, -1.0))
     with pytest.raises(TypeError, match="shape"):
@@ -292,8 +292,8 @@ def test_what_is_wrong_is_said_and_changes_nothing(crowd):
 
 def test_a_body_that_was_rebuilt_is_replaced():
     mesh = morula.sample_body("limb", 10)
-    built = morula.build(mesh, method="octree", depth=2)
-    body = morula.RebuiltBody(mesh, built, thread="caller", rebuild_every=3, min_improvement=-1e9)
+    model = morula.build(mesh, method="octree", depth=2)
+    body = morula.RebuiltBody(mesh, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     scene = morula.Scene()
     number = scene.add(body)
     scene.add(collider_of("bar", 8)[1])
@@ -317,7 +317,7 @@ def test_threads_wait_for_each_other(crowd):
     def work(number):
         try:
             for k in range(40):
-                scene.collider(ids[number]).place((0.1 * k, 0.0, 0.0))
+                scene.collider(ids[number]).set_transform((0.1 * k, 0.0, 0.0))
                 scene.update()
                 assert all(len(pair.contacts) > 0 for pair in scene.pairs())
         except Exception as error:  # noqa: BLE001: told below

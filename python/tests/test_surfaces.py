@@ -106,13 +106,13 @@ def test_one_surface_with_itself():
     assert numpy.array_equal(near.safe_distances(), morula.safe_distances(surface, distance=0.01))
 
 
-def test_surfaces_that_follow_bodies(limb, built):
+def test_surfaces_that_follow_bodies(limb, model):
     rng = numpy.random.default_rng(3)
-    bodies = [morula.Body(limb, built), morula.Body(limb, built)]
+    bodies = [morula.Body(limb, model), morula.Body(limb, model)]
     colliders = [morula.Collider(body) for body in bodies]
     following = [morula.SurfaceTree(limb) for _ in bodies]
     updated = [morula.SurfaceTree(limb) for _ in bodies]
-    colliders[1].place((0.02, 0.01, 0.8 * numpy.ptp(limb.positions[:, 2])))
+    colliders[1].set_transform((0.02, 0.01, 0.8 * numpy.ptp(limb.positions[:, 2])))
     for frame in range(3):
         for body, collider, surface, other in zip(bodies, colliders, following, updated):
             body.update(limb.positions + rng.uniform(-0.005, 0.005, limb.positions.shape))
@@ -169,10 +169,10 @@ def test_steps_and_candidates(surfaces):
 
 def test_filters_and_what_is_refused(surfaces):
     a, b = surfaces
-    query = morula.ProximityQuery(distance=0.05, keeps=lambda kind, i, j: i == 7)
+    query = morula.ProximityQuery(distance=0.05, accepts=lambda kind, i, j: i == 7)
     query.run(a, b)
     assert set(query.pairs().a.tolist()) <= {7}
-    failing = morula.ProximityQuery(distance=0.05, keeps=lambda kind, i, j: 1 / 0)
+    failing = morula.ProximityQuery(distance=0.05, accepts=lambda kind, i, j: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         failing.run(a, b)
     with pytest.raises(ValueError):

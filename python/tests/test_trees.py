@@ -25,24 +25,24 @@ def test_trees_are_those_of_the_command(command, tmp_path, options, arguments):
     command("sample", "limb", "--resolution", "16", "-o", "limb.obj")
     command("build", "limb.obj", "-o", "theirs.morula", *arguments)
     mesh = morula.read_mesh(tmp_path / "limb.obj")
-    built = morula.build(mesh, **options)
-    morula.write_tree(tmp_path / "ours.morula", built)
+    model = morula.build(mesh, **options)
+    morula.write_tree(tmp_path / "ours.morula", model)
     assert (tmp_path / "ours.morula").read_bytes() == (tmp_path / "theirs.morula").read_bytes()
-    assert morula.read_covered_tree(tmp_path / "theirs.morula", mesh) == built
+    assert morula.read_covered_tree(tmp_path / "theirs.morula", mesh) == model
 
 
-def test_workers_change_no_bit(limb, built):
-    assert morula.build(limb, method="grid", depth=2, workers=morula.Workers(2)) == built
+def test_workers_change_no_bit(limb, model):
+    assert morula.build(limb, method="grid", depth=2, workers=morula.Workers(2)) == model
 
 
-def test_every_level_covers(limb, built):
-    assert built.validate(limb) == []
-    for level in range(built.level_count):
-        assert covers_by_sampling(limb, limb.positions, built.level(level))
+def test_every_level_covers(limb, model):
+    assert model.validate(limb) == []
+    for level in range(model.level_count):
+        assert covers_by_sampling(limb, limb.positions, model.level(level))
 
 
-def test_arrays_of_a_tree_agree(built):
-    tree = built.tree
+def test_arrays_of_a_tree_agree(model):
+    tree = model.tree
     assert tree.spheres.shape == (len(tree), 4) and tree.level_begin[-1] == len(tree)
     inner = tree.child_count > 0
     assert (tree.parent[tree.first_child[inner]] == numpy.flatnonzero(inner)).all()
@@ -61,19 +61,19 @@ def test_views_of_a_tree_outlive_it(limb):
     assert (spheres[:, 3] > 0).all() and patches.max() < limb.facet_count
 
 
-def test_pickle_copy_and_equality(built, limb):
-    for value in (built, built.tree, built.cover, built.report):
+def test_pickle_copy_and_equality(model, limb):
+    for value in (model, model.tree, model.cover, model.report):
         again = pickle.loads(pickle.dumps(value))
         assert again == value and type(again) is type(value)
-    assert copy.deepcopy(built) == built and copy.copy(built.tree) == built.tree
+    assert copy.deepcopy(model) == model and copy.copy(model.tree) == model.tree
     other = morula.build(limb, method="octree", depth=2)
-    assert other != built and built.tree != other.tree and built.cover != other.cover
-    body = morula.Body(limb, pickle.loads(pickle.dumps(built)))
-    assert body.hash() == morula.Body(limb, built).hash()
+    assert other != model and model.tree != other.tree and model.cover != other.cover
+    body = morula.Body(limb, pickle.loads(pickle.dumps(model)))
+    assert body.hash() == morula.Body(limb, model).hash()
 
 
-def test_what_is_no_tree_is_refused(built):
-    tree = built.tree
+def test_what_is_no_tree_is_refused(model):
+    tree = model.tree
     arrays = [tree.spheres, tree.first_child, tree.child_count, tree.parent, tree.level_begin]
     assert morula.SphereTree(*arrays, branching=tree.branching) == tree
     broken = numpy.array(tree.parent)
@@ -110,24 +110,24 @@ def test_progress_goes_up_to_one_and_may_end_the_build(limb):
         morula.build(limb, quality="fast", progress=stop)
 
 
-def test_imported_spheres_are_made_to_cover(limb, built):
-    shrunk = numpy.array(built.tree.spheres)
+def test_imported_spheres_are_made_to_cover(limb, model):
+    shrunk = numpy.array(model.tree.spheres)
     shrunk[:, 3] *= 0.8
-    tree = built.tree
+    tree = model.tree
     bare = morula.SphereTree(shrunk, tree.first_child, tree.child_count, tree.parent, tree.level_begin, tree.branching)
     again = morula.cover(limb, bare)
     assert again.report.method == "imported" and again.validate(limb) == []
     assert morula.certify(again.cover, limb.positions, again.spheres)
-    assert not morula.certify(built.cover, limb.positions, shrunk)
-    nested = morula.nest(built.tree)
+    assert not morula.certify(model.cover, limb.positions, shrunk)
+    nested = morula.make_nested(model.tree)
     assert morula.certify_nesting(nested).nested and nested.nested
 
 
-def test_files_round_trip(tmp_path, limb, built, motion):
-    morula.write_tree(tmp_path / "tree.sph", built.tree)
+def test_files_round_trip(tmp_path, limb, model, motion):
+    morula.write_tree(tmp_path / "tree.sph", model.tree)
     assert morula.read_tree(tmp_path / "tree.sph").cover is None
-    moved = morula.Body(limb, built).follow(motion)
-    morula.write_sphere_frames(tmp_path / "spheres.npz", built.tree, moved)
+    moved = morula.Body(limb, model).follow(motion)
+    morula.write_sphere_frames(tmp_path / "spheres.npz", model.tree, moved)
     assert numpy.array_equal(morula.read_sphere_frames(tmp_path / "spheres.npz").spheres, moved)
     assert numpy.array_equal(numpy.load(tmp_path / "spheres.npz")["spheres"], moved)
     morula.write_motion(tmp_path / "motion.npy", limb, motion)
@@ -140,7 +140,7 @@ def test_files_round_trip(tmp_path, limb, built, motion):
         morula.write_mesh(tmp_path / "limb.txt", limb)
 
 
-def test_a_tree_shows_itself_in_a_notebook(built):
-    shown = built._repr_html_()
-    assert shown.count("<circle") == sum(len(built.level(level)) for level in range(built.level_count))
+def test_a_tree_shows_itself_in_a_notebook(model):
+    shown = model._repr_html_()
+    assert shown.count("<circle") == sum(len(model.level(level)) for level in range(model.level_count))
     assert "<table>" in shown and "grid" in shown

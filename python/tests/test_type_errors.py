@@ -53,30 +53,30 @@ def told(call, *given, **named):
 def instances(folder):
     """Of every class that has methods with arguments."""
     mesh = morula.sample_body("limb", 8)
-    built = morula.build(mesh, method="octree", depth=1)
-    body = morula.Body(mesh, built)
+    model = morula.build(mesh, method="octree", depth=1)
+    body = morula.Body(mesh, model)
     modes = morula.sample_modes(mesh.positions)
-    spheres = built.tree.spheres
+    spheres = model.tree.spheres
     contacts = morula.collide(body, body)
     yield from [
-        mesh, built, built.tree, built.cover, body, body.spheres, morula.Collider(body), morula.SurfaceTree(mesh), contacts,
+        mesh, model, model.tree, model.cover, body, body.spheres, morula.Collider(body), morula.SurfaceTree(mesh), contacts,
         morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.InsideQuery(body),
         morula.PenetrationQuery(body, body), morula.ProximityQuery(distance=0.1), morula.SweptQuery(),
         morula.SurfaceCrossingQuery(), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
         morula.BroadPhase(), morula.BodyId(0, 0), morula.SignedDistance(mesh), morula.TriangleBvh(mesh),
-        morula.KDopTree(mesh, built, 14), morula.RebuiltBody(mesh, built, thread="none"), morula.PosedSpheres(built.tree),
+        morula.KDopTree(mesh, model, 14), morula.RebuiltBody(mesh, model, thread="none"), morula.PosedSpheres(model.tree),
         morula.RigidTransform(), morula.ConvexHull.box((0, 0, 0), (1, 1, 1)), morula.LoosenessEstimator(mesh),
         morula.LoosenessMeter(mesh), morula.FitSampler(mesh, interior=10, surface=10), morula.Workers(1), modes,
         morula.sample_skin(mesh.positions), morula.PowerDiagram(spheres), morula.connectivity(mesh),
         morula.cut_by_power(mesh.positions[:3], spheres[:2]), morula.ModalCertificate(mesh, modes, largest_norm=1e-9),
-        morula.MotionWriter(folder / "frames", mesh, 1), morula.SphereFramesWriter(folder / "frames.npz", built.tree, 1),
+        morula.MotionWriter(folder / "frames", mesh, 1), morula.SphereFramesWriter(folder / "frames.npz", model.tree, 1),
     ]
     morula.write_mesh(folder / "0.obj", mesh)
     yield morula.Motion(folder / "0.obj", mesh)
     if hasattr(morula, "fit_clump"):
         yield from [morula.fit_clump(mesh, spheres=2, quality="draft"), morula.clump_formats()[0]]
     if hasattr(morula, "PageScene"):
-        yield morula.PageScene(morula.PageMotion(mesh.facets, mesh.positions[None]), built.tree)
+        yield morula.PageScene(morula.PageMotion(mesh.facets, mesh.positions[None]), model.tree)
     if hasattr(morula, "CollidePage"):
         yield morula.CollidePage([body, body])
     if hasattr(morula._morula, "batch_engine"):
@@ -200,8 +200,8 @@ def test_a_class_that_cannot_be_called_says_where_its_instances_come_from(kind):
 
 
 def test_reports_are_unpickled_though_their_class_cannot_be_called():
-    built = morula.build(morula.sample_body("limb", 8), method="octree", depth=1)
-    assert pickle.loads(pickle.dumps(built.report)) == built.report
+    model = morula.build(morula.sample_body("limb", 8), method="octree", depth=1)
+    assert pickle.loads(pickle.dumps(model.report)) == model.report
 
 
 def test_contacts_come_from_collide():

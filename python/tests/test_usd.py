@@ -20,8 +20,8 @@ def contain(centers, radii, spheres):
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_spheres_in_motion_are_points_with_widths(limb, built, motion, tmp_path, ending):
-    spheres = morula.Body(limb, built).follow(motion)
+def test_spheres_in_motion_are_points_with_widths(limb, model, motion, tmp_path, ending):
+    spheres = morula.Body(limb, model).follow(motion)
     path = tmp_path / f"spheres.{ending}"
     morula.usd.write_spheres(path, spheres, frames_per_second=30, up="Z")
     stage = Usd.Stage.Open(str(path))
@@ -41,12 +41,12 @@ def test_spheres_in_motion_are_points_with_widths(limb, built, motion, tmp_path,
         assert (numpy.array(high) >= (centers + widths[:, None] / 2).max(axis=0) - 1e-6).all()
 
 
-def test_spheres_are_instances_of_one_ball(built, tmp_path):
+def test_spheres_are_instances_of_one_ball(model, tmp_path):
     path = tmp_path / "spheres.usda"
-    morula.usd.write_spheres(path, built, level=1, kind="instances")
+    morula.usd.write_spheres(path, model, level=1, kind="instances")
     stage = Usd.Stage.Open(str(path))
     instancer = UsdGeom.PointInstancer(stage.GetPrimAtPath("/morula/spheres"))
-    given = built.tree.level(1)
+    given = model.tree.level(1)
     matrices = instancer.ComputeInstanceTransformsAtTime(Usd.TimeCode.Default(), Usd.TimeCode.Default())
     assert len(matrices) == len(given)
     for matrix, (x, y, z, radius) in zip(matrices, given):
@@ -207,8 +207,8 @@ def test_what_is_no_motion_is_refused(tmp_path):
         morula.usd.read_mesh(tmp_path / "none.usda")
 
 
-def test_what_cannot_be_written_is_refused(built, tmp_path):
-    spheres = built.tree.level(1)
+def test_what_cannot_be_written_is_refused(model, tmp_path):
+    spheres = model.tree.level(1)
     for arguments, words in [
         ({"path": "s.obj", "spheres": spheres}, "USD files end in"),
         ({"path": "s.usda", "spheres": spheres, "kind": "balls"}, "none of points, instances"),

@@ -25,7 +25,7 @@ double triangle_less_sector(const Vec2& a, const Vec2& b, double radius) {
 }  // namespace
 
 double area_outside_disc(std::span<const Vec2> polygon, double radius) {
-  // Green's theorem about the disc's centre: a piece of border inside the disc adds a triangle to the polygon's area
+  // Green's theorem about the disc's center: a piece of border inside the disc adds a triangle to the polygon's area
   // and the same triangle to the area covered, so only pieces outside remain.
   double sum = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -63,7 +63,7 @@ FacetPlane::FacetPlane(const Triangle& facet) {
 
 double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygon, const Sphere& sphere,
                            std::vector<Vec2>& scratch) {
-  // From the sphere's centre, so that far from the origin nothing cancels. A corner's own height differs from the
+  // From the sphere's center, so that far from the origin nothing cancels. A corner's own height differs from the
   // plane's by rounding alone; the first will do.
   const double height = morula::dot(polygon[0] - sphere.center, plane.normal);
   scratch.clear();

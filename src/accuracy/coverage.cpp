@@ -49,7 +49,7 @@ class FacetRange {
   }
 
   double area = 0;
-  double bare_area = 0;
+  double uncovered_area = 0;
   LargestGap gap;
   bool all_contained = true;
 
@@ -69,7 +69,7 @@ class FacetRange {
     all_contained = false;
     gap.add(points_, facet, upper);
     if (morula::area(corners) > 0)
-      bare_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
+      uncovered_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
   }
 
   MeshView mesh_;
@@ -101,12 +101,12 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
     for (std::size_t f = begin; f < end; ++f) range.look_at(static_cast<std::uint32_t>(f));
   });
 
-  double area = 0, bare_area = 0;
+  double area = 0, uncovered_area = 0;
   LargestGap gap(diagram, result.tolerance);
   result.covered = true;
   for (const FacetRange& range : ranges) {
     area += range.area;
-    bare_area += range.bare_area;
+    uncovered_area += range.uncovered_area;
     result.covered = result.covered && range.all_contained;
     gap.add(range.gap);
   }
@@ -118,9 +118,9 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
     result.covered = true;
     return result;
   }
-  result.bare_area = area > 0 ? std::min(1.0, bare_area / area) : 0.0;
-  result.gap = std::max(0.0, gap.lower());
-  result.gap_upper = gap.upper() + result.tolerance;
+  result.uncovered_area = area > 0 ? std::min(1.0, uncovered_area / area) : 0.0;
+  result.uncovered_distance = std::max(0.0, gap.lower());
+  result.uncovered_distance_upper = gap.upper() + result.tolerance;
   result.worst_facet = gap.facet();
   return result;
 }

@@ -108,7 +108,7 @@ class ProtrusionSearch {
       const Cell cell = cells.back();
       cells.pop_back();
       // Projecting into the ball shortens no distance to the ball's points, so a point of the ball looked at near the
-      // cube's centre bounds the cube as well as the centre itself would, and can be attained.
+      // cube's center bounds the cube as well as the center itself would, and can be attained.
       const Vec3 p = projected(cell.center);
       const SignedDistance::Result at_p = look_at(p);
       const double bound = std::min(cell.upper, at_p.distance + std::sqrt(3.0) * cell.half_edge);

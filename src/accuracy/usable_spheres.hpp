@@ -12,7 +12,7 @@
 
 namespace morula::detail {
 
-/// Throws std::invalid_argument, naming the first offender, unless all centres and radii are finite and of usable scale
+/// Throws std::invalid_argument, naming the first offender, unless all centers and radii are finite and of usable scale
 /// and no radius is negative.
 inline void require_usable(std::span<const Sphere> spheres, const char* measure) {
   for (std::size_t i = 0; i < spheres.size(); ++i)

@@ -17,13 +17,13 @@ namespace morula::detail {
 enum class Inside { unknown, nonzero_winding, odd_crossings };
 
 struct VoxelCounts {
-  std::size_t in_union = 0;  ///< centre in some closed ball
-  std::size_t inside = 0;    ///< centre in the object; 0 when unknown
+  std::size_t in_union = 0;  ///< center in some closed ball
+  std::size_t inside = 0;    ///< center in the object; 0 when unknown
   std::size_t in_both = 0;
 };
 
 /// On a closed mesh no column leaks, wherever edges and vertices lie: a column that meets one of them counts as if it
-/// passed just beside it, on the same side for all facets that share it. A centre exactly on a facet along two axes
+/// passed just beside it, on the same side for all facets that share it. A center exactly on a facet along two axes
 /// counts as if it lay just beyond it along +x, +y or +z, so boxes side by side share no voxel; on a slanted facet it
 /// may count either way.
 VoxelCounts count_voxels(const VoxelLattice& lattice, const MeshView& mesh, Inside inside,
@@ -38,7 +38,7 @@ struct OpenVoxelCounts {
   std::int64_t closed_turns = 0;                   ///< winding numbers of the closed surface, added up over all voxels
 };
 
-/// Of an open surface by its generalised winding number: that of the closed one, whose crossings are counted, less that
+/// Of an open surface by its generalized winding number: that of the closed one, whose crossings are counted, less that
 /// of its caps, which are its last facets, from `first_cap` on. sign: −1 where the surface is inside out. Voxels so far
 /// from the caps that these cannot change a verdict are counted in runs; the others ask a tree over the caps.
 OpenVoxelCounts count_open_voxels(const VoxelLattice& lattice, const MeshView& closed, std::size_t first_cap,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Voxel lattice. Counting works in lattice coordinates, in which voxel centres are the integers.
+// Voxel lattice. Counting works in lattice coordinates, in which voxel centers are the integers.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace morula::detail {
 
-/// A finite piece of a cubic lattice: voxel (i, j, k) has its centre at lattice coordinates (i, j, k),
+/// A finite piece of a cubic lattice: voxel (i, j, k) has its center at lattice coordinates (i, j, k),
 /// 0 ≤ i < count[0] and so on.
 struct VoxelLattice {
   Vec3 origin;                  // a corner of the lattice, mesh units

@@ -79,16 +79,16 @@ morula_status morula_body_update_float(morula_body* body, const float* positions
   return update(body, positions, vertex_count, stride_bytes);
 }
 
-morula_status morula_body_place(morula_body* body, const double* rotation, const double* translation) {
+morula_status morula_body_set_transform(morula_body* body, const double* rotation, const double* translation) {
   return guarded([&] {
     require_pointer(body, "body");
     require_pointer(rotation, "rotation");
     require_pointer(translation, "translation");
-    RigidTransform placement;
+    RigidTransform transform;
     for (std::size_t row = 0; row < 3; ++row)
-      placement.rows[row] = {rotation[3 * row], rotation[3 * row + 1], rotation[3 * row + 2]};
-    placement.translation = {translation[0], translation[1], translation[2]};
-    body->collider.place(placement);
+      transform.rows[row] = {rotation[3 * row], rotation[3 * row + 1], rotation[3 * row + 2]};
+    transform.translation = {translation[0], translation[1], translation[2]};
+    body->collider.set_transform(transform);
     return MORULA_OK;
   });
 }

@@ -23,12 +23,12 @@ struct morula_mesh {
 };
 
 struct morula_model {
-  std::shared_ptr<const morula::CoveredTree> built;
+  std::shared_ptr<const morula::CoveredTree> model;
 };
 
 struct morula_body {
   morula_body(const morula_mesh& of, const morula_model& model, const morula::UpdateOptions& options, unsigned threads)
-      : mesh(of.mesh), workers(threads), body(*mesh, model.built, options, workers), collider(*mesh, body) {}
+      : mesh(of.mesh), workers(threads), body(*mesh, model.model, options, workers), collider(*mesh, body) {}
 
   std::shared_ptr<const morula::Mesh> mesh;
   morula::Workers workers;

@@ -19,8 +19,8 @@ namespace {
 morula_mesh* handle_of(Mesh&& mesh) {
   return new morula_mesh{std::make_shared<const Mesh>(std::move(mesh))};
 }
-morula_model* handle_of(CoveredTree&& built) {
-  return new morula_model{std::make_shared<const CoveredTree>(std::move(built))};
+morula_model* handle_of(CoveredTree&& model) {
+  return new morula_model{std::make_shared<const CoveredTree>(std::move(model))};
 }
 
 template <class Value>
@@ -101,7 +101,7 @@ void morula_build_options_init(morula_build_options* options) {
   if (options == nullptr) return;
   *options = {};
   options->size = sizeof *options;
-  options->method = "morula";
+  options->method = "optimized";
   options->quality = "default";
   options->branching = 8;
   options->depth = -1;
@@ -151,7 +151,7 @@ morula_status morula_model_write(const morula_model* model, const char* path) {
   return guarded([&] {
     require_pointer(model, "model");
     require_pointer(path, "path");
-    write_tree(path, *model->built);
+    write_tree(path, *model->model);
     return MORULA_OK;
   });
 }
@@ -160,26 +160,26 @@ void morula_model_destroy(morula_model* model) {
   delete model;
 }
 size_t morula_model_node_count(const morula_model* model) {
-  return model == nullptr ? 0 : model->built->tree.node_count();
+  return model == nullptr ? 0 : model->model->tree.node_count();
 }
 size_t morula_model_level_count(const morula_model* model) {
-  return model == nullptr ? 0 : model->built->tree.level_count();
+  return model == nullptr ? 0 : model->model->tree.level_count();
 }
 size_t morula_model_leaf_count(const morula_model* model) {
-  return model == nullptr ? 0 : model->built->tree.leaf_count();
+  return model == nullptr ? 0 : model->model->tree.leaf_count();
 }
 const morula_sphere* morula_model_spheres(const morula_model* model) {
   // Two standard-layout structs of four doubles each, in the same order: asserted above.
-  return model == nullptr ? nullptr : reinterpret_cast<const morula_sphere*>(model->built->tree.spheres.data());
+  return model == nullptr ? nullptr : reinterpret_cast<const morula_sphere*>(model->model->tree.spheres.data());
 }
 const uint32_t* morula_model_first_child(const morula_model* model) {
-  return model == nullptr ? nullptr : model->built->tree.first_child.data();
+  return model == nullptr ? nullptr : model->model->tree.first_child.data();
 }
 const uint32_t* morula_model_child_count(const morula_model* model) {
-  return model == nullptr ? nullptr : model->built->tree.child_count.data();
+  return model == nullptr ? nullptr : model->model->tree.child_count.data();
 }
 const uint32_t* morula_model_parent(const morula_model* model) {
-  return model == nullptr ? nullptr : model->built->tree.parent.data();
+  return model == nullptr ? nullptr : model->model->tree.parent.data();
 }
 
 morula_status morula_model_level_set(const morula_model* model, size_t level, uint32_t* nodes, size_t capacity,
@@ -189,7 +189,7 @@ morula_status morula_model_level_set(const morula_model* model, size_t level, ui
     *count = 0;
     require_pointer(model, "model");
     if (capacity != 0) require_pointer(nodes, "nodes");
-    const std::vector<std::uint32_t> set = level_set(model->built->tree, level);
+    const std::vector<std::uint32_t> set = level_set(model->model->tree, level);
     *count = set.size();
     std::copy_n(set.begin(), std::min(capacity, set.size()), nodes);
     return MORULA_OK;

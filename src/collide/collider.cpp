@@ -11,11 +11,11 @@
 namespace morula {
 using namespace detail;
 
-Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.pose()) {}
+Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.sphere_state()) {}
 
-Collider::Collider(const PosedTree& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
+Collider::Collider(const SphereState& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
 
-Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
+Collider::Collider(const Mesh& mesh, const Cover& cover, const SphereState& pose)
     : pose_(&pose), kept_(pose.shared.lock()), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
   const StandardFloats standard;
   const SphereTree& tree = *pose.tree;
@@ -50,9 +50,9 @@ Collider::Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
   }
 }
 
-void Collider::place(const RigidTransform& placement) {
+void Collider::set_transform(const RigidTransform& transform) {
   const StandardFloats standard;
-  placement_ = rigid_or_throw(placement, "the placement of a body");
+  transform_ = rigid_or_throw(transform, "the transform of a body");
   ++changes_.value;
 }
 

@@ -37,7 +37,7 @@ struct ContactQuery::State {
 
   Status usable() const {
     const Needs needs{.all_spheres = !options.reach,
-                      .positions = options.surfaces || options.exact || options.containment};
+                      .positions = options.surfaces || options.find_crossings || options.containment};
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
       const ColliderPair& pair = walk.pairs[i];
       for (Status status : {status_of(*pair.a, 0, needs), status_of(*pair.b, 1, needs)}) {
@@ -69,13 +69,13 @@ struct ContactQuery::State {
     if (front.pairs.empty()) return {Code::no_front};
     if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
     const auto side = [&](const Front::Side& stamp, const Collider& collider) {
-      const std::size_t nodes = collider.pose().spheres.size();
-      if (stamp.ownership != collider.pose().ownership || stamp.spheres.size() != nodes ||
-          stamp.travelled.size() != nodes)
+      const std::size_t nodes = collider.sphere_state().spheres.size();
+      if (stamp.cover_id != collider.sphere_state().cover_id || stamp.spheres.size() != nodes ||
+          stamp.path_length.size() != nodes)
         return Code::other_bodies;
       if (!same_frame) return Code::ok;
-      if (stamp.frame != collider.pose().frame) return Code::other_frame;
-      return stamp.placement == collider.placement() ? Code::ok : Code::other_placement;
+      if (stamp.frame != collider.sphere_state().frame) return Code::other_frame;
+      return stamp.transform == collider.transform() ? Code::ok : Code::other_transform;
     };
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
       if (const Code code = side(front.pairs[i].a, *walk.pairs[i].a); code != Code::ok)

@@ -151,7 +151,7 @@ PointLocation InsideQuery::locate(const Vec3& point) {
   result.status = askable(*body_);
   if (result.status && !is_near(point)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = body_->pose().covers;
+  result.certified = body_->sphere_state().covers;
 
   const PlacedSpheres spheres(*body_);
   const Sphere root = spheres(0);
@@ -197,7 +197,7 @@ Probe InsideQuery::probe(const Sphere& ball) {
   result.distance = result.inside ? -away : away;
   result.depth = ball.radius - result.distance;
   result.touches = result.depth >= 0;
-  // From the centre through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
+  // From the center through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
   // normal.
   if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);
@@ -215,7 +215,7 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
     if (result.status && vertex >= other.vertex_count()) result.status = {Status::Code::bad_option};
   result.inside.clear();
   result.inside_count = 0;
-  result.certified = body_->pose().covers;
+  result.certified = body_->sphere_state().covers;
   if (!result.status) return false;
   // An exception leaves what is found to say that it ended so.
   result.status = {Status::Code::ended_by_exception};

@@ -128,7 +128,7 @@ void CrossingQuery::State::look_at(const NodePair& pair) {
 }
 
 void CrossingQuery::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
-  const Vec3 origin = a.placement()(a.pose().origin);
+  const Vec3 origin = a.transform()(a.sphere_state().origin);
   facets_a.start(a, origin);
   facets_b.start(b, origin);
   tested.clear();

@@ -84,7 +84,7 @@ class Search {
     }
     answer_.complete = is_done();
     answer_.lower = lower();
-    answer_.farther = answer_.lower > options_.only_within;
+    answer_.farther = answer_.lower > options_.stop_above;
     return answer_;
   }
 
@@ -106,9 +106,9 @@ class Search {
     // A pair exactly as near as the best so far is still looked at: the answer is then that of the lowest facets,
     // whatever was known at the start.
     if (waiting_.empty() || waiting_.front().bound > answer_.upper || is_settled_) return true;
-    if (answer_.upper <= options_.near_enough) return true;
+    if (answer_.upper <= options_.stop_below) return true;
     const double below = lower();
-    return below > options_.only_within || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
+    return below > options_.stop_above || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
   }
 
   // Two corners, so that there is an upper bound whatever the budget.
@@ -176,13 +176,13 @@ class Search {
         if (was_just_looked_at(facets_a_[i].facet, facets_b_[j].facet)) continue;
         const double found = try_facets(facets_a_[i], facets_b_[j]);
         looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
-        if (answer_.upper <= options_.near_enough) {
+        if (answer_.upper <= options_.stop_below) {
           // The rest of this pair is left.
           looked_at_ = std::min(looked_at_, pair.bound);
           return;
         }
       }
-    if (!options_.exact) {
+    if (!options_.to_facets) {
       // No pair that waits is nearer by its spheres.
       looked_at_ = std::min(looked_at_, pair.bound);
       is_settled_ = true;
@@ -298,7 +298,7 @@ struct DistanceQuery::State {
   CallState call;
   Scratch scratch;
   // The last answer, and of which bodies.
-  std::uint64_t ownership_a = 0, ownership_b = 0;
+  std::uint64_t cover_id_a = 0, cover_id_b = 0;
   std::uint32_t last_a = no_facet, last_b = no_facet;
 
   void forget() noexcept {
@@ -322,13 +322,13 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   if (refused.status) refused.status = askable(a, 0);
   if (refused.status) refused.status = askable(b, 1);
   if (refused.status &&
-      !(options.tolerance >= 0 && options.only_within >= 0 && options.near_enough >= 0 && options.budget.tests() >= 0))
+      !(options.tolerance >= 0 && options.stop_above >= 0 && options.stop_below >= 0 && options.budget.tests() >= 0))
     refused.status = {Status::Code::bad_option};
   if (!refused.status) return refused;
 
   State& s = *state_;
   const PairAsRead read(a, b);
-  const bool same = s.ownership_a == a.pose().ownership && s.ownership_b == b.pose().ownership &&
+  const bool same = s.cover_id_a == a.sphere_state().cover_id && s.cover_id_b == b.sphere_state().cover_id &&
                     s.last_a < a.mesh_facets().size() && s.last_b < b.mesh_facets().size();
   const bool warm = options.warm_start && same;
   Search search(a, b, options, s.scratch);
@@ -336,9 +336,9 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   own.finish(read.status());
   refused.status = s.call.ended;
   if (!refused.status) return refused;
-  answer.certified = a.pose().covers && b.pose().covers;
-  s.ownership_a = a.pose().ownership;
-  s.ownership_b = b.pose().ownership;
+  answer.certified = a.sphere_state().covers && b.sphere_state().covers;
+  s.cover_id_a = a.sphere_state().cover_id;
+  s.cover_id_b = b.sphere_state().cover_id;
   s.last_a = answer.a.facet;
   s.last_b = answer.b.facet;
   return answer;

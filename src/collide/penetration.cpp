@@ -45,11 +45,11 @@ double ball_in_cube(double radius) {
 
 struct Frame {
   std::uint64_t frame;
-  RigidTransform placement;
+  RigidTransform transform;
   bool operator==(const Frame&) const = default;
 };
 Frame frame_of(const Collider& collider) {
-  return {collider.pose().frame, collider.placement()};
+  return {collider.sphere_state().frame, collider.transform()};
 }
 
 Box box_of(const Collider& body) {
@@ -76,7 +76,7 @@ struct PenetrationQuery::State {
   double volume = 0;               // of a first cell
   double first_volume = 0;         // of all of them
   double sure = 0;                 // of cells inside both
-  Vec3 sure_moment;                // times their centres
+  Vec3 sure_moment;                // times their centers
   std::vector<Cell> cells, parts;  // undecided ones of this level, those before `next` divided already, and of the next
   std::size_t next = 0;
   /// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside.
@@ -123,7 +123,7 @@ struct PenetrationQuery::State {
     const double largest = std::max(max_norm(both.lower), max_norm(both.upper));
     const double room = 0x1p-40 * largest;
     both.lower -= Vec3{room, room, room}, both.upper += Vec3{room, room, room};
-    // Centres of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
+    // Centers of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
     pad = 0x1p-44 * largest;
     const Vec3 extent = both.extent();
     const double side = std::max({extent.x, extent.y, extent.z}) / first_cells;
@@ -152,7 +152,7 @@ struct PenetrationQuery::State {
     std::size_t probes = 0;
   };
   /// Asks the bodies that are not known to hold all of the cell.
-  Verdict look(Cell& cell) {
+  Verdict visit(Cell& cell) {
     Verdict verdict;
     const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
     // mutant penetration-cell-by-its-middle: `length` -> `0 * length`
@@ -179,7 +179,7 @@ struct PenetrationQuery::State {
       radius_inside = std::min(radius_inside, -probe.distance - pad);
       radius_outside = std::max(radius_outside, probe.distance - pad);
     }
-    // Of the largest cube about the centre that is in the cell.
+    // Of the largest cube about the center that is in the cell.
     const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
     verdict.share.inside = ball_in_cube(radius_inside / least_half) * cube * (1 - 0x1p-40);
     verdict.share.outside = ball_in_cube(radius_outside / least_half) * cube * (1 - 0x1p-40);
@@ -224,7 +224,7 @@ struct PenetrationQuery::State {
         below[k] = {cell.center + Vec3{k & 1 ? quarter.x : -quarter.x, k & 2 ? quarter.y : -quarter.y,
                                        k & 4 ? quarter.z : -quarter.z},
                     level, cell.in_a, cell.in_b};
-        verdicts[k] = look(below[k]);
+        verdicts[k] = visit(below[k]);
         result.probes += verdicts[k].probes;
         if (!verdicts[k].status) {
           result.status = verdicts[k].status;
@@ -260,7 +260,7 @@ struct PenetrationQuery::State {
     result.lower = std::max(0.0, lower - rounding);
     result.upper = is_empty ? 0.0 : upper + rounding;
     result.estimate = std::clamp(guess, result.lower, result.upper);
-    result.certified = body[0]->pose().covers && body[1]->pose().covers;
+    result.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
     return result;
   }
 };
@@ -290,9 +290,10 @@ Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
   if (!own.status()) return {.status = own.status()};
   if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
   for (std::uint8_t i = 0; i < 2; ++i) {
-    if (s.body[i]->pose().frame != s.frames[i].frame) return {.status = {.code = Status::Code::other_frame, .body = i}};
-    if (!(s.body[i]->placement() == s.frames[i].placement))
-      return {.status = {.code = Status::Code::other_placement, .body = i}};
+    if (s.body[i]->sphere_state().frame != s.frames[i].frame)
+      return {.status = {.code = Status::Code::other_frame, .body = i}};
+    if (!(s.body[i]->transform() == s.frames[i].transform))
+      return {.status = {.code = Status::Code::other_transform, .body = i}};
   }
   s.begin_reading();
   return s.done(own, s.go_on(options));

@@ -11,9 +11,9 @@ using namespace detail;
 
 Status detail::status_of(const Collider& collider, std::uint8_t body, Needs needs) {
   using Code = Status::Code;
-  if (collider.pose().ended) return {Code::body_replaced, body};
-  if (!collider.pose().current) return {Code::body_not_current, body};
-  if (needs.all_spheres && !collider.pose().complete) return {Code::body_not_complete, body};
+  if (collider.sphere_state().ended) return {Code::body_replaced, body};
+  if (!collider.sphere_state().current) return {Code::body_not_current, body};
+  if (needs.all_spheres && !collider.sphere_state().complete) return {Code::body_not_complete, body};
   if (needs.positions && !collider.has_surface()) return {Code::no_surface, body};
   if (needs.positions && !collider.has_current_positions()) return {Code::positions_not_current, body};
   return {};
@@ -21,7 +21,7 @@ Status detail::status_of(const Collider& collider, std::uint8_t body, Needs need
 
 Status askable(const Collider& collider, std::uint8_t body) {
   if (const Status status = status_of(collider, body, {.positions = true}); !status) return status;
-  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far, body};
+  if (!(max_norm(collider.transform().translation) < 0x1p200)) return {Status::Code::transform_too_far, body};
   return {};
 }
 

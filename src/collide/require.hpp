@@ -42,7 +42,7 @@ class ColliderAsRead {
   bool is_usable() const { return pose_->current && !pose_->ended; }
 
   const Collider* collider_ = nullptr;
-  const PosedTree* pose_ = nullptr;
+  const SphereState* pose_ = nullptr;
   std::uint64_t frame_ = 0, changes_ = 0;
   bool was_usable_ = true;
 };

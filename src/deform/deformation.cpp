@@ -181,7 +181,7 @@ double curvature(const Bend& bend, const Axes& axes, const Rest& rest, double t)
   return t * bend.degrees * radians_per_degree / extent_along(axes, rest, bend);
 }
 
-// The bend maps a point at v across the axis to distance 1/k − v from the centre of the arc: beyond it, space has
+// The bend maps a point at v across the axis to distance 1/k − v from the center of the arc: beyond it, space has
 // turned inside out.
 void require_no_fold(const Bend& bend, const Rest& rest, double t, const std::vector<Vec3>& positions) {
   const Axes axes(bend.axis, rest);

@@ -30,8 +30,8 @@ constexpr std::array<Entry, 7> entries{{
     {Method::spawn, "spawn", build_spawn},
     {Method::medial, "medial", build_medial},
     {Method::combined, "combined", build_combined},
-    {Method::morula, "morula",
-     [](const Mesh& mesh, const BuildRun& run, Workers& workers) { return build_own(mesh, run, workers); }},
+    {Method::optimized, "optimized",
+     [](const Mesh& mesh, const BuildRun& run, Workers& workers) { return build_optimized(mesh, run, workers); }},
 }};
 
 // An enumeration whose values count up from 0, with its names in that order.
@@ -55,7 +55,7 @@ struct Names {
   }
 };
 constexpr Names<Reduction, 6> reduction_names({"grid", "hubbard", "spawn", "merge", "burst", "expand"});
-constexpr Names<Optimiser, 4> optimiser_names({"none", "refit", "simplex", "balance"});
+constexpr Names<Optimizer, 4> optimizer_names({"none", "recenter", "simplex", "balance"});
 constexpr Names<Quality, 4> quality_names({"draft", "fast", "default", "best"});
 
 constexpr auto methods = [] {
@@ -86,18 +86,18 @@ void require_used(const BuildOptions& options) {
         options.reducers.begin() + static_cast<std::ptrdiff_t>(i))
       throw std::invalid_argument("build: reducer " + reducer + " is listed twice");
   }
-  const bool proposes = options.method != Method::octree && options.method != Method::morula;
-  if (options.optimiser != Optimiser::none && !proposes)
-    throw std::invalid_argument("build: method " + method + " has no use for optimiser " +
-                                std::string(name(options.optimiser)));
+  const bool proposes = options.method != Method::octree && options.method != Method::optimized;
+  if (options.optimizer != Optimizer::none && !proposes)
+    throw std::invalid_argument("build: method " + method + " has no use for optimizer " +
+                                std::string(name(options.optimizer)));
   if (!(options.balance_excess >= 0) || !std::isfinite(options.balance_excess))
     throw std::invalid_argument("build: balance excess is not a number of at least 0");
-  if (options.balance_excess > 0 && options.optimiser != Optimiser::balance)
-    throw std::invalid_argument("build: a balance excess needs the optimiser balance, not " +
-                                std::string(name(options.optimiser)));
-  if (options.quality != Quality::standard && options.method != Method::morula)
+  if (options.balance_excess > 0 && options.optimizer != Optimizer::balance)
+    throw std::invalid_argument("build: a balance excess needs the optimizer balance, not " +
+                                std::string(name(options.optimizer)));
+  if (options.quality != Quality::standard && options.method != Method::optimized)
     throw std::invalid_argument("build: method " + method + " has one way only; quality " +
-                                std::string(name(options.quality)) + " is for method morula");
+                                std::string(name(options.quality)) + " is for method optimized");
 }
 
 void require_length(double value, const char* what) {
@@ -107,22 +107,22 @@ void require_length(double value, const char* what) {
 
 // A level that is asked for has its parts, also where they are as large as the whole: parts of a ball that move apart
 // need to be parts.
-void remove_useless_divisions(const BuildOptions& options, CoveredTree& built) {
+void remove_useless_divisions(const BuildOptions& options, CoveredTree& model) {
   if (options.spheres > 0 || options.max_protrusion > 0) return;
-  const std::size_t leaves = remove_equal_children(built, !options.depth);
+  const std::size_t leaves = remove_equal_children(model, !options.depth);
   if (leaves == 0) return;
-  built.report.notes.push_back(
+  model.report.notes.push_back(
       std::to_string(leaves) +
       (leaves == 1 ? " node stays a leaf, because its parts would be as large as it is"
                    : " nodes stay leaves, because their parts would be as large as they are") +
-      (built.tree.node_count() == 1 ? "; a given depth keeps the parts for bodies that deform" : ""));
+      (model.tree.node_count() == 1 ? "; a given depth keeps the parts for bodies that deform" : ""));
 }
 
 // So that no method returns a tree that does not cover.
-void wrap(const Mesh& mesh, CoveredTree& built, Workers& workers) {
-  const LevelGrowth growth = wrap_regions(mesh, built, workers);
+void wrap(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+  const LevelGrowth growth = wrap_regions(mesh, model, workers);
   if (growth.grown == 0) return;
-  BuildReport& report = built.report;
+  BuildReport& report = model.report;
   report.notes.push_back(std::to_string(growth.grown) + " spheres grew by up to " +
                          short_number(growth.largest_growth) + ", for the rounding of coordinates");
   if (report.protrusion_bound) *report.protrusion_bound += growth.largest_growth;
@@ -154,14 +154,14 @@ std::span<const Reduction> all_reductions() {
   return reduction_names.values;
 }
 
-std::string_view name(Optimiser optimiser) {
-  return optimiser_names.name(optimiser, "optimiser");
+std::string_view name(Optimizer optimizer) {
+  return optimizer_names.name(optimizer, "optimizer");
 }
-std::optional<Optimiser> optimiser_from_name(std::string_view wanted) {
-  return optimiser_names.find(wanted);
+std::optional<Optimizer> optimizer_from_name(std::string_view wanted) {
+  return optimizer_names.find(wanted);
 }
-std::span<const Optimiser> all_optimisers() {
-  return optimiser_names.values;
+std::span<const Optimizer> all_optimizers() {
+  return optimizer_names.values;
 }
 
 std::string_view name(Quality quality) {
@@ -191,13 +191,13 @@ CoveredTree build(const Mesh& mesh, const BuildOptions& options, Workers& worker
   require_usable_scale(mesh);
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
-  CoveredTree built = chosen.build(mesh, run, workers);
-  remove_useless_divisions(options, built);
-  built.cover = with_fewer_cuts(mesh, built, workers);
-  built.report.most_patches_of_a_facet = built.cover.most_patches_of_a_facet();
-  wrap(mesh, built, workers);
-  if (options.nested) nest(built.tree);
-  return built;
+  CoveredTree model = chosen.build(mesh, run, workers);
+  remove_useless_divisions(options, model);
+  model.cover = with_fewer_cuts(mesh, model, workers);
+  model.report.most_patches_of_a_facet = model.cover.most_patches_of_a_facet();
+  wrap(mesh, model, workers);
+  if (options.nested) make_nested(model.tree);
+  return model;
 }
 
 }  // namespace morula

@@ -11,7 +11,7 @@
 #include "generators/methods.hpp"
 #include "generators/reduce/adaptive_medial.hpp"
 #include "generators/reduce/ball_set.hpp"
-#include "generators/reduce/optimise.hpp"
+#include "generators/reduce/optimize.hpp"
 #include "generators/reduce/reducers.hpp"
 
 namespace morula::detail {
@@ -106,7 +106,7 @@ Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> re
 
 Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options) {
   const bool any_medial = std::any_of(reductions.begin(), reductions.end(), reduces_medial_balls);
-  return [reductions = std::move(reductions), any_medial, optimiser = options.optimiser,
+  return [reductions = std::move(reductions), any_medial, optimizer = options.optimizer,
           excess = options.balance_excess](const ReducerInput& node) {
     Proposals all;
     for (const Reduction r : reductions) {
@@ -116,7 +116,7 @@ Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& 
     }
     if (any_medial) append(all, propose_medial(node, reductions));
     std::erase_if(all, [](const Proposal& p) { return p.spheres.empty(); });
-    for (Proposal& p : all) optimise(p, node, optimiser, excess);
+    for (Proposal& p : all) optimize(p, node, optimizer, excess);
     if (all.empty()) all.push_back({no_proposal, {node.sphere}});
     return all;
   };

@@ -16,6 +16,6 @@ CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& worker
 CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
 CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
 CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_optimized(const Mesh& mesh, const BuildRun& run, Workers& workers);
 
 }  // namespace morula::detail

@@ -124,7 +124,7 @@ bool exact_difference(const Vec3& p, const Vec3& base, Number* row) {
 int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   std::array<Number, 12> rows;
   Number *first = rows.data(), *second = first + 3, *third = first + 6, *fourth = first + 9;
-  // Neighbours on a grid, and points close to each other, have exact differences: six products instead of 24.
+  // Neighbors on a grid, and points close to each other, have exact differences: six products instead of 24.
   if (exact_difference(b, a, first) && exact_difference(c, a, second) && exact_difference(d, a, third)) {
     ExactSum sum{std::span(rows).first(9)};
     add_determinant(sum, first, second, third, false);
@@ -206,7 +206,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const {
   const int sign = exact_orient3d((*t_)[0], (*t_)[1], (*t_)[2], d);
   // Only as good as double makes it, but not on the other side; NaN after an overflow.
-  // mutant exact-side-keeps-its-value: `0 || !(value * sign > 0)` -> `0`
+  // mutant exact-side-accepts-its-value: `0 || !(value * sign > 0)` -> `0`
   if (sign == 0 || !(value * sign > 0)) value = 0;
   return {sign, value};
 }

@@ -50,7 +50,7 @@ double detail::surface_area(const OwnUnits& own) {
 }
 
 double detail::signed_volume(const OwnUnits& own) {
-  // About the box centre, so that far from the origin nothing cancels.
+  // About the box center, so that far from the origin nothing cancels.
   const Vec3 origin = own.box().center();
   double six_times = 0;
   for (std::size_t f = 0; f < own.mesh().facet_count(); ++f) {

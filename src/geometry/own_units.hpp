@@ -11,7 +11,7 @@
 namespace morula::detail {
 
 /// Meshes of ordinary size stay as they are and need no copy: scaling by a power of two changes no digit. Others have
-/// their vertices about the box's centre.
+/// their vertices about the box's center.
 class OwnUnits {
  public:
   /// box: of the mesh.

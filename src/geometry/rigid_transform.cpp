@@ -53,7 +53,7 @@ RigidTransform inverse(const RigidTransform& t) {
   RigidTransform back;
   for (int row = 0; row < 3; ++row)
     back.rows[static_cast<std::size_t>(row)] = {t.rows[0][row], t.rows[1][row], t.rows[2][row]};
-  back.translation = -t.turn_back(t.translation);
+  back.translation = -t.inverse_rotate(t.translation);
   return back;
 }
 
@@ -65,7 +65,7 @@ RigidTransform relative_to(const RigidTransform& base, const RigidTransform& p) 
   for (std::size_t row = 0; row < 3; ++row)
     t.rows[row] = {dot(back.rows[row], columns.rows[0]), dot(back.rows[row], columns.rows[1]),
                    dot(back.rows[row], columns.rows[2])};
-  t.translation = base.turn_back(p.translation - base.translation);
+  t.translation = base.inverse_rotate(p.translation - base.translation);
   return t;
 }
 

@@ -131,7 +131,7 @@ Mesh limb(int resolution) {
   return rounded_tube(quarter, along, [](const Vec3& d, double even) {
     // Rows lie closer where the arm is thinner.
     const double a = even + 0.25 * even * (1 - even);
-    // The centre line: a hyperbola with a slight sideways sweep. It turns with a radius of 1 at the elbow, wider than
+    // The center line: a hyperbola with a slight sideways sweep. It turns with a radius of 1 at the elbow, wider than
     // the arm is there, so that the surface cannot run into itself.
     const double u = 2 * a - 1, root = std::sqrt(u * u + 0.16);
     const Vec3 center{2 * u, 1.6 * root - 1.2, 0.15 * u * u * u};

@@ -4,7 +4,7 @@
 //
 // Coordinates are integers up to 2²⁰, so an orientation is an exact sum of products below 2⁶³, and an in-sphere test
 // one below 2¹⁰⁶. "In conflict" means strictly inside the circumsphere. With exact signs that alone is enough for any
-// input, lattices and cospherical points too: where a tetrahedron T is in conflict and its neighbour N is not, the new
+// input, lattices and cospherical points too: where a tetrahedron T is in conflict and its neighbor N is not, the new
 // point is strictly on T's side of their facet. (On the facet's plane the two circumspheres have the same circle, and
 // beyond it N's sphere contains what T's does; either way N would be in conflict as well.) So no new tetrahedron is
 // flat or turned over, and no point but a duplicate is ever refused.
@@ -44,7 +44,7 @@ class Delaunay {
   const std::vector<std::uint32_t>& removed() const { return cavity_; }
   const std::vector<std::uint32_t>& created() const { return created_; }
 
-  /// Centre of a finite tetrahedron's circumsphere minus the point vertices[0], in lattice units: an exact fraction,
+  /// Center of a finite tetrahedron's circumsphere minus the point vertices[0], in lattice units: an exact fraction,
   /// rounded once a coordinate.
   Vec3 circumcenter_offset(std::uint32_t slot) const;
 

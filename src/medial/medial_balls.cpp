@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t leaf_size = 8;
 
-// A k-d tree of the centres, without nodes: a range's middle element divides it, and axes follow from boxes on the
+// A k-d tree of the centers, without nodes: a range's middle element divides it, and axes follow from boxes on the
 // way.
 class CenterTree {
  public:
@@ -84,7 +84,7 @@ class CenterTree {
 };
 
 // Fills neighbor_begin and neighbors from pairs of balls, given in one direction or both and any number of times.
-// Each ball's neighbours come in ascending order.
+// Each ball's neighbors come in ascending order.
 void set_neighbors(MedialBalls& medial, std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs) {
   const std::size_t given = pairs.size();
   for (std::size_t i = 0; i < given; ++i) pairs.emplace_back(pairs[i].second, pairs[i].first);
@@ -99,7 +99,7 @@ void set_neighbors(MedialBalls& medial, std::vector<std::pair<std::uint32_t, std
   std::partial_sum(medial.neighbor_begin.begin(), medial.neighbor_begin.end(), medial.neighbor_begin.begin());
 }
 
-// Neighbours are balls that overlap, one of them among the `count` nearest centres of the other (ties: lower index).
+// Neighbors are balls that overlap, one of them among the `count` nearest centers of the other (ties: lower index).
 // Same bits for any number of workers. Cost: O(n log n).
 void connect_overlapping(MedialBalls& medial, std::size_t count, Workers& workers) {
   using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;

@@ -37,7 +37,7 @@ Sphere made_room(const SignedDistance& shape, const Vec3& p, Vec3 center, Signed
 }
 
 /// The ball that touches the surface at p from inside, made smaller until no surface is in it: each step leads to the
-/// ball that touches at p and goes through the surface point nearest to the last centre.
+/// ball that touches at p and goes through the surface point nearest to the last center.
 std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const Vec3& n, double diagonal) {
   if (!is_finite(p) || !(squared_length(n) > 0.5)) return {};
   double radius = 0.5 * diagonal;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Shrinking balls alone, for who has no use for their neighbours.
+// Shrinking balls alone, for who has no use for their neighbors.
 #pragma once
 
 #include <morula/medial/medial_balls.hpp>

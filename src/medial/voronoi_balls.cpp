@@ -68,7 +68,7 @@ struct VoronoiBalls::Data {
   void finish();
   void fill(std::uint32_t slot);
 
-  // What is known of a ball's centre.
+  // What is known of a ball's center.
   struct Known {
     static constexpr std::int8_t unknown = 2;
     std::int8_t side = unknown;
@@ -79,7 +79,7 @@ struct VoronoiBalls::Data {
     const double reach = box.diagonal();
     return !(squared_distance(box, balls[slot].ball.center) <= reach * reach);
   }
-  // within: surface is known to be no farther from the centre.
+  // within: surface is known to be no farther from the center.
   const Closest& ask(std::uint32_t slot, double within = std::numeric_limits<double>::infinity());
   int side(std::uint32_t slot);
 
@@ -141,7 +141,7 @@ void VoronoiBalls::Data::fill(std::uint32_t slot) {
     ball.neighbors[k] = no_ball;
     if (delaunay.is_ghost(neighbor)) continue;
     ball.neighbors[k] = neighbor;
-    // A ball that stays can only get neighbours that are new, so this keeps both sides up to date.
+    // A ball that stays can only get neighbors that are new, so this keeps both sides up to date.
     const std::array<std::uint32_t, 4>& back = delaunay.slots()[neighbor].neighbors;
     const auto side = static_cast<std::size_t>(std::find(back.begin(), back.end(), slot) - back.begin());
     balls[neighbor].neighbors[side] = slot;

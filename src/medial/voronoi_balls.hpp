@@ -30,7 +30,7 @@ struct VoronoiBall {
 /// is exact: cospherical and grid-like samples need no special case. (Several balls may then be one and the same.)
 /// Until four samples are not in one plane there are no balls; the sample that ends this brings those of all samples.
 ///
-/// What is asked about a ball's centre is found out when it is first asked, and remembered while the ball is alive.
+/// What is asked about a ball's center is found out when it is first asked, and remembered while the ball is alive.
 class VoronoiBalls {
  public:
   /// Samples must lie in the box. shape: borrowed.
@@ -49,19 +49,19 @@ class VoronoiBalls {
   const std::vector<std::uint32_t>& removed() const;
   const std::vector<std::uint32_t>& created() const;
 
-  // Of the centres of balls that are alive:
+  // Of the centers of balls that are alive:
 
   /// Whether it is farther from the box than the box's diagonal: too far for any other question.
   bool is_far(std::uint32_t slot) const;
   struct Closest {
-    double distance;  ///< signed, to the object; negative inside. Infinite where the centre is far
-    Vec3 point;       ///< of the surface, at that distance; none where the centre is far
+    double distance;  ///< signed, to the object; negative inside. Infinite where the center is far
+    Vec3 point;       ///< of the surface, at that distance; none where the center is far
   };
   const Closest& closest(std::uint32_t slot) const;
   double distance(std::uint32_t slot) const { return closest(slot).distance; }
   /// Its sign: −1 inside, 0 on the surface, 1 outside. Mostly known without asking for the distance.
   int side(std::uint32_t slot) const;
-  /// Nothing where the surface is farther than `most` from the centre, which takes less time to tell.
+  /// Nothing where the surface is farther than `most` from the center, which takes less time to tell.
   std::optional<Closest> closest_within(std::uint32_t slot, double most) const;
 
  private:

@@ -39,7 +39,7 @@ Units::Units(const Box& box)
   if (size > 0) scale = std::ldexp(1.0, std::clamp(-1 - std::ilogb(size), -most, most));
 }
 
-// What is away from the centre is off by a share of that: heights by 2^-21.9 of the reach, ends of a box by 2^-24 as
+// What is away from the center is off by a share of that: heights by 2^-21.9 of the reach, ends of a box by 2^-24 as
 // they are rounded, together less than 2^-21. Computed closest points are off by less than 2^-48 of their coordinates.
 // Where meshes are all but a point, that is more than a float holds, and as good as everything.
 BoxMaker::BoxMaker(const Units& units, const Box& all) : units_(units) {
@@ -81,7 +81,7 @@ FacetBoxes BoxMaker::facets_of(int k, std::span<const Triangle> patch) const {
   return facets;
 }
 
-// In Units, from the centre. Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
+// In Units, from the center. Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
 Box BoxMaker::along(const Axes& axes, std::span<const Triangle> patch) const {
   const Vec3 rows[3] = {row(axes[0]), row(axes[1]), row(axes[2])};
   Vec3 lower{infinity, infinity, infinity}, upper = -lower;

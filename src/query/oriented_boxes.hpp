@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Four boxes side by side, each in axes of its own, and how far they are from a point at least. A box that lies along a
 // flat patch of a surface holds little beside it. Where much of the surface is nearly as near as the nearest point, as
-// from the centre of a ball inside it, boxes along the coordinates leave twenty times as many facets to be looked at.
+// from the center of a ball inside it, boxes along the coordinates leave twenty times as many facets to be looked at.
 #pragma once
 
 #include <array>
@@ -30,13 +30,13 @@ struct Units {
 struct alignas(64) OrientedBoxes {
   static constexpr int count = 4;
   float axis[3][3][count];  // axis, coordinate, box
-  float lower[3][count];    // along the axes, from the centre
+  float lower[3][count];    // along the axes, from the center
   float upper[3][count];
   float center[3];  // in Units
   float far_share;  // of squared distances in double, what is no more than the true one
 };
 
-/// Boxes about the facets of a patch, in the axes of the patch's own box and from its centre.
+/// Boxes about the facets of a patch, in the axes of the patch's own box and from its center.
 struct alignas(16) FacetBoxes {
   float lower[3][OrientedBoxes::count];
   float upper[3][OrientedBoxes::count];
@@ -83,8 +83,8 @@ class NearDistances {
     return squared < 0x1p120 ? static_cast<float>(squared) * (1 + 0x1p-22f) + least : most;
   }
 
-  // Why these are no more: let x be the computed closest point of a facet, D its distance from p, q = p - centre, r the
-  // reach of all boxes from their centre, all in Units, and a_i a box's axes, as floats. Rounding moves q by 2^-24 |q|
+  // Why these are no more: let x be the computed closest point of a facet, D its distance from p, q = p - center, r the
+  // reach of all boxes from their center, all in Units, and a_i a box's axes, as floats. Rounding moves q by 2^-24 |q|
   // and 2^-52 |p|, three products and their sum are off by 3.01 * 2^-24 |q|: heights a_i q are off by less than
   // 2^-21.9 |q| + 2^-52 |p|, where |q| <= D + r. The part of r, and how far x is from the exact facet, the boxes are
   // padded by (BoxMaker), so a gap is at most |a_i (q - x)| + 2^-21.9 D, but for a last rounding of 2^-24 of itself.
@@ -101,7 +101,7 @@ class NearDistances {
         },
         boxes, result);
   }
-  /// To facets of box k. What was said holds for them as well: axes, centre and pad are those of the box.
+  /// To facets of box k. What was said holds for them as well: axes, center and pad are those of the box.
   void operator()(const OrientedBoxes& boxes, int k, const FacetBoxes& facets, float* result) const {
     const std::array<float, 3> q = from_center(boxes);
     squared(

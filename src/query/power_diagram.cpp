@@ -10,7 +10,7 @@
 #include <morula/query/power_diagram.hpp>
 #include <numeric>
 
-#include "query/owner_by_power.hpp"
+#include "query/power_cell_of.hpp"
 #include "query/stack_memory.hpp"
 
 namespace morula {
@@ -42,7 +42,7 @@ double power_difference(const Sphere& a, const Sphere& b, const Vec3& x) {
   return std::abs(difference) <= pa.rounding + pb.rounding ? 0.0 : difference;
 }
 
-// A power at this distance from the centre, lowered by more than rounding can have raised it.
+// A power at this distance from the center, lowered by more than rounding can have raised it.
 double least_power(double distance, double radius) {
   // mutant power-least: `radius - 0x1p-40 * (distance * distance + radius * radius)` -> `radius`
   return distance * distance - radius * radius - 0x1p-40 * (distance * distance + radius * radius);
@@ -93,7 +93,7 @@ class Cutter {
   }
 
   std::uint32_t owner_at(const Vec3& x, std::span<const std::uint32_t> candidates) const {
-    return detail::owner_by_power(x, spheres_, candidates);
+    return detail::power_cell_of(x, spheres_, candidates);
   }
 
   // Candidates that can own a part of the polygon: their least power over its bounding ball is not above the least

@@ -22,7 +22,7 @@ constexpr std::size_t grain = 4096;
 constexpr std::uint32_t undecided = several_facets;
 
 // A facet whose height is below this share of its longest edge has a normal that rounding has turned. Across it the
-// surface goes on in a direction that its neighbours' normals do not show, so leaving it out of an average is no cure:
+// surface goes on in a direction that its neighbors' normals do not show, so leaving it out of an average is no cure:
 // what touches it is decided by the winding number.
 // mutant signed-slivers: `1e-7` -> `0`
 constexpr double sliver_ratio = 1e-7;

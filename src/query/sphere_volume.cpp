@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball ∩ object as a sum over facets of ball ∩ cone(centre, facet), arranged so that nothing is
-// singular wherever the centre lies. In units of the radius, with the centre at the origin, a facet T in the plane n·x
+// Ball ∩ object as a sum over facets of ball ∩ cone(center, facet), arranged so that nothing is
+// singular wherever the center lies. In units of the radius, with the center at the origin, a facet T in the plane n·x
 // = H cuts the ball in D = T ∩ disc. Its cone inside the ball has three times the volume
 //
 //   H area(D) + s Ω(T) − s Ω(D),   s the sign of H, Ω the solid angle.
 //
-// The first and the difference of the others are sums over the border, by the angle φ about the foot of the centre:
+// The first and the difference of the others are sums over the border, by the angle φ about the foot of the center:
 // area = ∫ ½ρ² dφ, and s Ω(T) − s Ω(D) = ∫ H/√(H² + ρ²) dφ along the arcs that D has instead of T's sides, minus the
 // same integral along the replaced parts of the sides. On an arc of angle θ it is H θ, on a line at distance h from the
 // foot g(t₂) − g(t₁) with tan g = H t / (h √(H² + h² + t²)). The replaced parts are outside the ball, so these are
@@ -37,13 +37,13 @@ bool comes_before(const Vec3& a, const Vec3& b) {
 }
 
 // The line through a facet's side from a to b, which differ. Close to the line everything depends on the direction from
-// the centre to it, and the two facets that share the side must see the same one, or their solid angles would not fit
+// the center to it, and the two facets that share the side must see the same one, or their solid angles would not fit
 // together. Hence nothing here depends on the order of a and b but the signs of `along` and `plane`, and the nearest
 // point is found from the nearer end, where it loses least.
 struct Side {
   Vec3 along;          // unit, from a to b
-  Vec3 nearest;        // point of the line nearest to the centre
-  Vec3 plane;          // normal of the plane through centre, a and b, seen from the left of the side
+  Vec3 nearest;        // point of the line nearest to the center
+  Vec3 plane;          // normal of the plane through center, a and b, seen from the left of the side
   double first, last;  // a and b, as distances along the line from `nearest`
 };
 
@@ -55,7 +55,7 @@ Side side_between(const Vec3& a, const Vec3& b) {
   const double to_a = squared_length(a), to_b = squared_length(b);
   const bool from_a = to_a != to_b ? to_a < to_b : comes_before(a, b);
   side.nearest = from_a ? a - side.along * side.first : b - side.along * side.last;
-  // Through the centre, as far as rounding can tell: what is left points along the line.
+  // Through the center, as far as rounding can tell: what is left points along the line.
   const double off_line = squared_length(side.nearest);
   side.nearest -= side.along * dot(side.along, side.nearest);
   if (!(squared_length(side.nearest) > 0.25 * off_line)) {
@@ -67,7 +67,7 @@ Side side_between(const Vec3& a, const Vec3& b) {
   return side;
 }
 
-// Whether the centre is so close to a side or corner, for the facet's size, that solid_angle has lost more than two
+// Whether the center is so close to a side or corner, for the facet's size, that solid_angle has lost more than two
 // digits: both arguments of its arctangent are then sums that cancel.
 bool passes_closely(const Triangle& t) {
   const double a = length(t[0]), b = length(t[1]), c = length(t[2]);
@@ -76,7 +76,7 @@ bool passes_closely(const Triangle& t) {
   return std::max(std::abs(denominator), std::abs(dot(t[0], cross(t[1], t[2])))) < 0.01 * product;
 }
 
-// Solid angle of the triangle modulo 2π, by the angles between the planes through the centre and its sides: their sum
+// Solid angle of the triangle modulo 2π, by the angles between the planes through the center and its sides: their sum
 // less π. Seen from behind all change their signs, and π is as good as −π.
 double solid_angle_modulo_turn(const Triangle& corners, const std::array<Side, 3>& sides) {
   double sum = -std::numbers::pi;
@@ -135,7 +135,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
     for (std::size_t k = 0; k < 3; ++k) {
       local[k] = (t[k] - ball.center) / ball.radius;
       if (local[k] != Vec3{}) continue;
-      // As if the centre were beside the vertex, on the same side for all facets there.
+      // As if the center were beside the vertex, on the same side for all facets there.
       local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
       is_at_corner = true;
     }
@@ -166,7 +166,7 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
       for (const Side& side : sides) cones += part_of_cone(normal, height, side);
   }
 
-  // The index sums the very same solid angles of the facets nearby, so whatever rounding does to them when the centre
+  // The index sums the very same solid angles of the facets nearby, so whatever rounding does to them when the center
   // is on the surface drops out of the difference. On an open surface nothing says the rest: the result is then the
   // integral of the winding number, as exact as the far field.
   constexpr double turn = 2 * std::numbers::pi;

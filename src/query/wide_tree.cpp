@@ -17,7 +17,7 @@ namespace morula::detail::wide {
 namespace {
 
 // Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
-// one chunk. Large enough to amortise a chunk, small enough that a few cores have something to do.
+// one chunk. Large enough to amortize a chunk, small enough that a few cores have something to do.
 constexpr std::uint32_t subtree_grain = 4096;
 constexpr std::size_t facet_grain = 8192;
 
@@ -365,7 +365,7 @@ class Builder {
   }
 
   static constexpr int most_bins = 16;
-  // Where a box falls on each axis: by its centre, doubled.
+  // Where a box falls on each axis: by its center, doubled.
   struct Binning {
     Float4 lower, scale, last;
     Float4 operator()(const FloatBox& box) const {
@@ -432,7 +432,7 @@ class Builder {
         cut.half_area[1] = right_area[b];
       }
     }
-    if (best_axis < 0) return halves(range);  // all centres at one point
+    if (best_axis < 0) return halves(range);  // all centers at one point
 
     const auto best = static_cast<float>(best_bin);
     Reference *low = begin, *high = end;

@@ -244,7 +244,7 @@ void BroadPhase::find(const Box& box, std::vector<std::uint32_t>& found) const {
 
 void BroadPhase::find_behind(const Vec3& normal, double offset, std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
-  // The corner that is farthest behind; rounding counts in its favour.
+  // The corner that is farthest behind; rounding counts in its favor.
   state_->list(
       [&](const FloatBox& b) {
         double least = 0, size = 0;

@@ -44,7 +44,7 @@ CollideOptions PairFront::options_for(const SceneOptions& options, const Budget&
   return result;
 }
 
-void PairFront::look(const SceneOptions& options) {
+void PairFront::visit(const SceneOptions& options) {
   const TreePair trees(*a_, *b_, options.margin, options.level.value_or(leaf_level));
   part();
   roots_overlap_ = trees.overlaps(0, 0);
@@ -65,7 +65,8 @@ bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most
   if (const std::optional<std::size_t> expected = tests_expected()) return *expected <= most_tests;
   // Where nothing is known: with surfaces or crossings, which are those of finished contacts alone, only what cannot be
   // stopped; else as many as a round gives at least.
-  if (options.surfaces || options.exact) return a_->tree().node_count() * b_->tree().node_count() <= most_tests;
+  if (options.surfaces || options.find_crossings)
+    return a_->tree().node_count() * b_->tree().node_count() <= most_tests;
   return most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
 }
 

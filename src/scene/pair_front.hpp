@@ -26,7 +26,7 @@ class PairFront {
   const Collider& a() const { return *a_; }
   const Collider& b() const { return *b_; }
   /// A look at both roots, of bodies that have moved: contacts are coarse then. Cost: some 0.2 us.
-  void look(const SceneOptions& options);
+  void visit(const SceneOptions& options);
   /// Both roots are apart, as is known otherwise.
   void part();
   /// No front of before fits any more.
@@ -104,7 +104,7 @@ void PairFront::add_extras(const SceneOptions& options, const FacetShares& share
       surfaces_.push_back(contact_surface(*a_, c.node_a, *b_, c.node_b, c.point, c.normal, c.depth, extras.surfaces));
     }
   }
-  if (options.exact) {
+  if (options.find_crossings) {
     extras.nodes.clear();
     for (const Contact& c : finished) extras.nodes.push_back({c.node_a, c.node_b});
     if (extras.nodes.empty() || !extras.crossings.run(*a_, *b_, extras.nodes)) return;

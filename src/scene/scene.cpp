@@ -51,8 +51,9 @@ void Scene::set_options(SceneOptions options) {
   SceneState& s = state_->idle("set_options");
   require_good_options(options);
   s.everything_anew = s.everything_anew || options.level != s.options.level || options.margin != s.options.margin;
-  s.filter_anew = s.filter_anew || options.keeps || s.options.keeps;
-  s.extras_anew = s.extras_anew || options.surfaces != s.options.surfaces || options.exact != s.options.exact;
+  s.filter_anew = s.filter_anew || options.accepts || s.options.accepts;
+  s.extras_anew =
+      s.extras_anew || options.surfaces != s.options.surfaces || options.find_crossings != s.options.find_crossings;
   s.options = std::move(options);
 }
 
@@ -63,7 +64,7 @@ const SceneOptions& Scene::options() const {
 BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
   const StandardFloats standard;
   SceneState& s = state_->idle("add");
-  require_masks(options.of);
+  require_masks(options.category);
   if (!(std::isfinite(options.weight) && options.weight >= 0))
     throw std::invalid_argument("the weight of a body is " + std::to_string(options.weight) +
                                 ": it must be finite and not negative");
@@ -123,11 +124,11 @@ void Scene::wake(BodyId id) {
   body.is_to_be_read = true;
 }
 
-void Scene::set_masks(BodyId id, std::uint32_t of, std::uint32_t with) {
+void Scene::set_masks(BodyId id, std::uint32_t category, std::uint32_t mask) {
   SceneState& s = state_->idle("set_masks");
   SceneBody& body = s.known(id);
-  require_masks(of);
-  body.options.of = of, body.options.with = with;
+  require_masks(category);
+  body.options.category = category, body.options.mask = mask;
   s.filter_anew = true;
 }
 
@@ -184,10 +185,10 @@ SceneBody& detail::SceneState::known(BodyId id) {
 
 Status detail::SceneState::usable(const Collider& collider) const {
   if (const Status status =
-          status_of(collider, 0, {.all_spheres = true, .positions = options.surfaces || options.exact});
+          status_of(collider, 0, {.all_spheres = true, .positions = options.surfaces || options.find_crossings});
       !status)
     return status;
-  if (!(max_norm(collider.placement().translation) < 0x1p200)) return {Status::Code::placement_too_far};
+  if (!(max_norm(collider.transform().translation) < 0x1p200)) return {Status::Code::transform_too_far};
   return {};
 }
 

@@ -11,9 +11,9 @@ namespace morula::detail {
 
 /// What tells whether a body has moved.
 struct BodyStamp {
-  std::uint64_t ownership = 0, frame = 0;
+  std::uint64_t cover_id = 0, frame = 0;
   Vec3 origin{};
-  RigidTransform placement{};
+  RigidTransform transform{};
   bool operator==(const BodyStamp&) const = default;
 };
 

@@ -63,7 +63,7 @@ SceneRayHit SceneState::first_hit(const Ray& ray) const {
   }
   // Bodies that the ray does not come near could stick out of their boxes.
   for (const SceneBody& body : bodies)
-    hit.certified = hit.certified && (body.collider == nullptr || body.collider->pose().covers);
+    hit.certified = hit.certified && (body.collider == nullptr || body.collider->sphere_state().covers);
   return hit;
 }
 
@@ -80,7 +80,7 @@ SceneStatus SceneState::touch_found(const Shape& shape, const TouchOptions& touc
       if (touches.size() == touch_queries.size()) touch_queries.push_back(std::make_unique<TouchQuery>());
       const Touch& touch = touch_queries[touches.size()]->run(collider, shape, touch_options);
       if (!touch.status) return refusal(touch.status, id_of(place));
-      if (!touch.clear) touches.push_back({id_of(place), &touch});
+      if (!touch.proven_clear) touches.push_back({id_of(place), &touch});
     }
   } catch (...) {
     // Some of them would look like all, and a query may be half made.

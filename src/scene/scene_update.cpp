@@ -80,7 +80,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
 }
 
 bool SceneState::has_callbacks(const Workers& workers) const {
-  return options.keeps || options.clock || workers.is_of_host() || asked_now() != nullptr;
+  return options.accepts || options.clock || workers.is_of_host() || asked_now() != nullptr;
 }
 
 SceneStatus SceneState::unmoved() const {
@@ -152,10 +152,10 @@ void SceneState::list_near() {
     const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
     if (pair.is_new || filter_anew) {
       const bool was_wanted = pair.is_wanted;
-      // mutant scene-mask-of-one-side: `(a.options.of & b.options.with) != 0` -> `true`
-      // mutant scene-mask-of-other-side: `(b.options.of & a.options.with) != 0` -> `true`
-      pair.is_wanted = (a.options.of & b.options.with) != 0 && (b.options.of & a.options.with) != 0 &&
-                       (!options.keeps || options.keeps(id_of(pair.a), id_of(pair.b)));
+      // mutant scene-mask-of-one-side: `(a.options.category & b.options.mask) != 0` -> `true`
+      // mutant scene-mask-of-other-side: `(b.options.category & a.options.mask) != 0` -> `true`
+      pair.is_wanted = (a.options.category & b.options.mask) != 0 && (b.options.category & a.options.mask) != 0 &&
+                       (!options.accepts || options.accepts(id_of(pair.a), id_of(pair.b)));
       if (was_wanted && !pair.is_wanted) end(std::exchange(pair, {.a = pair.a, .b = pair.b}));
       // Who is not wanted has been asked, and has no roots to look at.
       pair.is_new = pair.is_wanted && (pair.is_new || !was_wanted);
@@ -191,7 +191,7 @@ void SceneState::look_at_roots(Workers& workers) {
       if (distance(a.center, b.center) * (1 - 0x1p-40) > a.radius + b.radius) {
         pair.front->part();
       } else {
-        pair.front->look(options);
+        pair.front->visit(options);
       }
       pair.is_new = false;
     }
@@ -380,7 +380,7 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
   const auto is_late = [&] { return by_time && now() >= deadline; };
   used_workers.run(chosen_.size(), [&](std::size_t i) {
     // Crossings are on top of any budget.
-    if (!options.exact && is_late()) return;
+    if (!options.find_crossings && is_late()) return;
     PairFront& front = *chosen_[i];
     const ExtrasPool::Loan extras(extras_);
     front.add_extras(options, bodies[front.id_a().place].shares, bodies[front.id_b().place].shares, *extras, is_late);
@@ -400,7 +400,7 @@ void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneS
     const std::chrono::nanoseconds begun = now();
     refine_by_time(options.surfaces ? begun + (deadline - begun) / 2 : deadline, workers);
   }
-  if (options.surfaces || options.exact) add_extras(start + budget.time() - to_publish_, workers);
+  if (options.surfaces || options.find_crossings) add_extras(start + budget.time() - to_publish_, workers);
   status.pair_tests = tests_done_;
 }
 
@@ -427,7 +427,7 @@ void SceneState::publish(SceneStatus& status) {
                          .finished = front.is_finished(),
                          .contacts = front.contacts(),
                          .surfaces = options.surfaces ? front.surfaces() : std::span<const ContactSurface>(),
-                         .crossings = options.exact ? front.crossings() : std::span<const Crossing>()});
+                         .crossings = options.find_crossings ? front.crossings() : std::span<const Crossing>()});
   }
   ended.insert(ended.end(), before, touching.end());
   std::sort(ended.begin(), ended.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
@@ -466,7 +466,7 @@ SceneStatus SceneState::update(Workers& workers) {
 // As if all bodies had just been added. Only the touches that were told of remain, whose end is still to be told.
 void SceneState::start_over() noexcept {
   published.clear(), ended.clear();
-  // mutant scene-interrupted-lists: `near.clear(), next_near.clear(), work_.clear` -> `work_.clear`
+  // mutant scene-interrupted-lists: `near.clear(), next_near.clear(), work_.proven_clear` -> `work_.proven_clear`
   near.clear(), next_near.clear(), work_.clear(), chosen_.clear();
   parted_fronts.clear(), spare_fronts.clear(), fronts.clear();
   extras_.forget();

@@ -35,7 +35,7 @@ Sphere sphere_around(std::span<const Sphere> balls, Part part) {
   return sphere;
 }
 
-/// Puts the lower half along the longest side of the centres' box in front; ties go by number.
+/// Puts the lower half along the longest side of the centers' box in front; ties go by number.
 std::array<Part, 2> halves(std::span<const Sphere> balls, Part part, std::size_t in_front) {
   Box box;
   for (const std::uint32_t i : part) box.add(balls[i].center);
@@ -71,7 +71,7 @@ void require_usable_balls(std::span<const Sphere> balls) {
 }  // namespace
 }  // namespace detail
 
-SphereTree tree_over_balls(std::span<const Sphere> balls, std::uint32_t branching) {
+SphereTree tree_from_spheres(std::span<const Sphere> balls, std::uint32_t branching) {
   using namespace detail;
   const StandardFloats standard;
   require_usable_balls(balls);

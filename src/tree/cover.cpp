@@ -31,8 +31,8 @@ struct Pieces {
 
 // Cuts facets by the power diagram of all leaves; a piece that sticks out of its owner goes whole to the leaf that
 // contains it after the least growth.
-Pieces share_out(const Mesh& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
-                 std::size_t end) {
+Pieces assign_facets(const Mesh& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
+                     std::size_t end) {
   Pieces result;
   CutFacet cut;
   std::vector<std::uint32_t> scratch;
@@ -91,7 +91,7 @@ SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions
   return result;
 }
 
-// The smaller of {same centre, larger radius} and {smallest sphere of the points}, padded against rounding.
+// The smaller of {same center, larger radius} and {smallest sphere of the points}, padded against rounding.
 Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, double pad_coordinate) {
   const auto padded = [&](const Vec3& center, double farthest) {
     // mutant cover-growth-not-padded: `rounded_up_radius ... std::max(pad_coordinate, max_norm(center)))` -> `farthest`
@@ -119,7 +119,7 @@ std::vector<Region> regions_by_power(const Mesh& mesh, const SphereTree& tree, s
   constexpr std::size_t facets_per_chunk = 1024;
   std::vector<Pieces> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
   parallel_for(workers, mesh.facet_count(), facets_per_chunk, [&](std::size_t begin, std::size_t end) {
-    chunks[begin / facets_per_chunk] = share_out(mesh, diagram, leaves, begin, end);
+    chunks[begin / facets_per_chunk] = assign_facets(mesh, diagram, leaves, begin, end);
   });
 
   std::vector<Region> regions(tree.node_count());
@@ -135,13 +135,13 @@ std::vector<Region> regions_by_power(const Mesh& mesh, const SphereTree& tree, s
 }
 
 // Spheres that do not contain their regions.
-void grow_spheres(const Mesh& mesh, CoveredTree& built, Workers& workers) {
+void grow_spheres(const Mesh& mesh, CoveredTree& model, Workers& workers) {
   const double pad_coordinate = largest_coordinate(mesh);
-  parallel_for(workers, built.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
+  parallel_for(workers, model.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
     std::vector<Vec3> points;
-    for (const std::uint32_t c : built.cover.region_corners(static_cast<std::uint32_t>(i)))
-      points.push_back(corner_position(built.cover, c, mesh.positions));
-    Sphere& sphere = built.tree.spheres[i];
+    for (const std::uint32_t c : model.cover.region_corners(static_cast<std::uint32_t>(i)))
+      points.push_back(corner_position(model.cover, c, mesh.positions));
+    Sphere& sphere = model.tree.spheres[i];
     // mutant cover-does-not-grow: `farthest_distance(sphere.center, points) > sphere.radius` -> `false`
     if (farthest_distance(sphere.center, points) > sphere.radius)
       sphere = grown_to_contain(sphere, points, pad_coordinate);
@@ -150,26 +150,26 @@ void grow_spheres(const Mesh& mesh, CoveredTree& built, Workers& workers) {
 
 // tree: as it was given; kept: its node of each that is left.
 void complete_report(const Mesh& mesh, const SphereTree& tree, std::span<const std::uint32_t> kept,
-                     CoveredTree& built) {
-  BuildReport& report = built.report;
+                     CoveredTree& model) {
+  BuildReport& report = model.report;
   report.method = "imported";
   report.branching = tree.branching;
   report.depth = static_cast<std::uint32_t>(tree.level_count() - 1);
   report.mesh_hash = mesh_hash(mesh);
-  report.most_patches_of_a_facet = built.cover.most_patches_of_a_facet();
-  report.dropped_spheres = tree.node_count() - built.tree.node_count();
-  report.growth.resize(built.tree.level_count());
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level)
-    for (std::uint32_t i = built.tree.level_begin[level]; i < built.tree.level_begin[level + 1]; ++i) {
-      const double before = tree.spheres[kept[i]].radius, after = built.tree.spheres[i].radius;
-      if (tree.spheres[kept[i]] == built.tree.spheres[i]) continue;
+  report.most_patches_of_a_facet = model.cover.most_patches_of_a_facet();
+  report.dropped_spheres = tree.node_count() - model.tree.node_count();
+  report.growth.resize(model.tree.level_count());
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level)
+    for (std::uint32_t i = model.tree.level_begin[level]; i < model.tree.level_begin[level + 1]; ++i) {
+      const double before = tree.spheres[kept[i]].radius, after = model.tree.spheres[i].radius;
+      if (tree.spheres[kept[i]] == model.tree.spheres[i]) continue;
       LevelGrowth& growth = report.growth[level];
       ++growth.grown;
       growth.largest_growth = std::max(growth.largest_growth, after - before);
       growth.largest_factor = std::max(growth.largest_factor, before > 0 ? after / before : 1.0);
     }
-  for (std::uint32_t i = 0; i + 1 < built.tree.level_begin.back(); ++i)
-    report.early_leaves += built.tree.is_leaf(i) && i < built.tree.level_begin[built.tree.level_count() - 1];
+  for (std::uint32_t i = 0; i + 1 < model.tree.level_begin.back(); ++i)
+    report.early_leaves += model.tree.is_leaf(i) && i < model.tree.level_begin[model.tree.level_count() - 1];
 }
 
 // |p − c| − r where squares vanish or overflow: in units of the largest number involved, which changes no digit. What
@@ -238,19 +238,19 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
       throw std::invalid_argument("node " + std::to_string(i) +
                                   " of the sphere tree has a number beyond 1e30: scale mesh and tree down");
 
-  CoveredTree built;
-  std::vector<Region> regions = regions_by_power(mesh, tree, built.report.leftover_patches, workers);
+  CoveredTree model;
+  std::vector<Region> regions = regions_by_power(mesh, tree, model.report.leftover_patches, workers);
   std::vector<std::uint32_t> kept;
-  built.tree = without_empty(tree, regions, kept);
+  model.tree = without_empty(tree, regions, kept);
   std::vector<Region> kept_regions(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) kept_regions[i] = std::move(regions[kept[i]]);
-  built.cover = assemble_cover(mesh, built.tree, std::move(kept_regions));
-  grow_spheres(mesh, built, workers);
-  built.cover = with_fewer_cuts(mesh, built, workers);
-  // mutant cover-keeps-nested: `options.nested || tree.nested` -> `options.nested`
-  if (options.nested || tree.nested) nest(built.tree);
-  complete_report(mesh, tree, kept, built);
-  return built;
+  model.cover = assemble_cover(mesh, model.tree, std::move(kept_regions));
+  grow_spheres(mesh, model, workers);
+  model.cover = with_fewer_cuts(mesh, model, workers);
+  // mutant cover-accepts-nested: `options.nested || tree.nested` -> `options.nested`
+  if (options.nested || tree.nested) make_nested(model.tree);
+  complete_report(mesh, tree, kept, model);
+  return model;
 }
 
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the centre of
+// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the center of
 // node n to a corner that n owned before. A leaf takes over patches of a facet only where every corner that it takes
 // has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
 //   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): what is
 //               compared is what certify() computes, by the same expression, so where the tree's spheres were certified
-//               they are; and a rule that measures what nodes own finds no larger radius about the same centre at rest.
+//               they are; and a rule that measures what nodes own finds no larger radius about the same center at rest.
 //               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
 //               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no
@@ -44,7 +44,7 @@ struct Share {
 
 class Sharing {
  public:
-  Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers);
+  Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers);
   Cover with_fewer_cuts() &&;
 
  private:
@@ -76,8 +76,8 @@ class Sharing {
   std::vector<std::uint32_t> corners_;
 };
 
-Sharing::Sharing(const Mesh& mesh, const CoveredTree& built, Workers& workers)
-    : mesh_(mesh), tree_(built.tree), cover_(built.cover) {
+Sharing::Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers)
+    : mesh_(mesh), tree_(model.tree), cover_(model.cover) {
   places_.resize(cover_.vertex_count + cover_.cut_points.size());
   for (std::uint32_t i = 0; i < places_.size(); ++i) places_[i] = corner_position(cover_, i, mesh.positions);
   reach_.resize(tree_.node_count());
@@ -297,9 +297,9 @@ Cover Sharing::assembled() const {
 
 }  // namespace
 
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers) {
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers) {
   const StandardFloats standard;
-  return Sharing(mesh, built, workers).with_fewer_cuts();
+  return Sharing(mesh, model, workers).with_fewer_cuts();
 }
 
 }  // namespace morula

@@ -37,7 +37,7 @@ Sphere nested_sphere(const Sphere& sphere, std::span<const Sphere> children) {
   const Sphere smallest = around(enclosing_sphere_of_spheres(children).center, children);
   const bool holds =
       std::all_of(children.begin(), children.end(), [&](const Sphere& child) { return encloses(sphere, child); });
-  // mutant nest-keeps-what-does-not-hold: `holds ? sphere : around(sphere.center, children)` -> `sphere`
+  // mutant nest-accepts-what-does-not-hold: `holds ? sphere : around(sphere.center, children)` -> `sphere`
   const Sphere about_its_center = holds ? sphere : around(sphere.center, children);
   return smallest.radius < about_its_center.radius ? smallest : about_its_center;
 }
@@ -73,7 +73,7 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
   return result;
 }
 
-void nest(SphereTree& tree) {
+void make_nested(SphereTree& tree) {
   const StandardFloats standard;
   SphereTree unpromised = tree;
   unpromised.nested = false;

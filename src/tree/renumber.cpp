@@ -27,11 +27,11 @@ std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order, std::si
 
 }  // namespace
 
-std::vector<std::uint32_t> leaf_order(const CoveredTree& built) {
+std::vector<std::uint32_t> leaf_order(const CoveredTree& model) {
   std::vector<std::uint32_t> leaves;
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    if (built.tree.is_leaf(node)) leaves.push_back(node);
-  const Cover& cover = built.cover;
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    if (model.tree.is_leaf(node)) leaves.push_back(node);
+  const Cover& cover = model.cover;
   // Regions lie depth first.
   std::sort(leaves.begin(), leaves.end(),
             [&](std::uint32_t a, std::uint32_t b) { return cover.region_begin[a] < cover.region_begin[b]; });
@@ -58,11 +58,11 @@ Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order) {
   return result;
 }
 
-CoveredTree renumbered(const CoveredTree& built, const Mesh& mesh, std::span<const std::uint32_t> order) {
-  const std::vector<std::uint32_t> number = inverse(order, built.cover.vertex_count);
-  CoveredTree result = built;
+CoveredTree renumbered(const CoveredTree& model, const Mesh& mesh, std::span<const std::uint32_t> order) {
+  const std::vector<std::uint32_t> number = inverse(order, model.cover.vertex_count);
+  CoveredTree result = model;
   for (std::uint32_t& c : result.cover.corners)
-    if (c < built.cover.vertex_count) c = number[c];
+    if (c < model.cover.vertex_count) c = number[c];
   for (CutPoint& cut : result.cover.cut_points)
     for (std::uint32_t& v : cut.vertex) v = number[v];
   result.report.mesh_hash = mesh_hash(mesh);
@@ -70,7 +70,7 @@ CoveredTree renumbered(const CoveredTree& built, const Mesh& mesh, std::span<con
     const std::vector<Vec3> before = pose.positions;
     for (std::size_t i = 0; i < order.size(); ++i) pose.positions[i] = before[order[i]];
     const Mesh posed{pose.positions, mesh.facets};
-    pose.built = std::make_shared<const CoveredTree>(renumbered(*pose.built, posed, order));
+    pose.model = std::make_shared<const CoveredTree>(renumbered(*pose.model, posed, order));
   }
   return result;
 }

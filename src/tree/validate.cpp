@@ -149,18 +149,18 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover) {
   return faults;
 }
 
-static std::vector<std::string> faults_at_rest(const MeshView& mesh, const CoveredTree& built) {
-  std::vector<std::string> faults = validate(built.tree);
+static std::vector<std::string> faults_at_rest(const MeshView& mesh, const CoveredTree& model) {
+  std::vector<std::string> faults = validate(model.tree);
   if (!faults.empty()) return faults;
-  // mutant validate-vertex-count: `built.cover.vertex_count != mesh.vertex_count()` -> `false`
-  if (built.cover.vertex_count != mesh.vertex_count()) return {"the cover is for another number of vertices"};
-  // mutant validate-facet-count: `built.cover.facet_count != mesh.facet_count()` -> `false`
-  if (built.cover.facet_count != mesh.facet_count()) return {"the cover is for another number of facets"};
-  faults = validate(built.tree, built.cover);
+  // mutant validate-vertex-count: `model.cover.vertex_count != mesh.vertex_count()` -> `false`
+  if (model.cover.vertex_count != mesh.vertex_count()) return {"the cover is for another number of vertices"};
+  // mutant validate-facet-count: `model.cover.facet_count != mesh.facet_count()` -> `false`
+  if (model.cover.facet_count != mesh.facet_count()) return {"the cover is for another number of facets"};
+  faults = validate(model.tree, model.cover);
   if (!faults.empty()) return faults;
-  check_tiling(mesh, built.cover, faults);
+  check_tiling(mesh, model.cover, faults);
   if (!faults.empty()) return faults;
-  const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres);
+  const Certificate certificate = certify(model.cover, mesh.positions, model.tree.spheres);
   // mutant validate-wraps: `!certificate.covered` -> `false`
   if (!certificate.covered)
     faults.push_back("node " + std::to_string(certificate.worst_node) + " does not wrap its region: a corner is " +
@@ -170,22 +170,22 @@ static std::vector<std::string> faults_at_rest(const MeshView& mesh, const Cover
 
 // The first fault of a known pose, in words; empty where there is none.
 static std::string fault_of_pose(const MeshView& mesh, const KnownPose& pose) {
-  if (!pose.built) return "it has no tree";
-  if (!pose.built->poses.empty()) return "its tree carries poses of its own";
+  if (!pose.model) return "it has no tree";
+  if (!pose.model->poses.empty()) return "its tree carries poses of its own";
   if (pose.positions.size() != mesh.vertex_count())
     return "it has " + std::to_string(pose.positions.size()) + " positions for " + std::to_string(mesh.vertex_count()) +
            " vertices";
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f)
       if (!is_finite(pose.positions[v])) return "vertex " + std::to_string(v) + " is not finite";
-  const std::vector<std::string> faults = faults_at_rest({pose.positions, mesh.facets}, *pose.built);
+  const std::vector<std::string> faults = faults_at_rest({pose.positions, mesh.facets}, *pose.model);
   return faults.empty() ? std::string() : faults.front();
 }
 
-std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built) {
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& model) {
   const StandardFloats standard;
-  std::vector<std::string> faults = faults_at_rest(mesh, built);
-  for (const KnownPose& pose : built.poses)
+  std::vector<std::string> faults = faults_at_rest(mesh, model);
+  for (const KnownPose& pose : model.poses)
     if (const std::string fault = fault_of_pose(mesh, pose); !fault.empty())
       faults.push_back("known pose \"" + pose.name + "\": " + fault);
   return faults;

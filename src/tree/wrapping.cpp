@@ -5,12 +5,12 @@
 // polygons are cut for its children, and go from child to child. The weights of a new cut point are rounded, so the
 // point is off the segment that it cuts by up to 5 u A per coordinate, where u = 2^-53 and A is the largest
 // |coordinate|. That adds up from cut to cut, and a body whose size is a few thousand u A is no longer convex at that
-// scale: a new point can be farther from the centre than both ends of its segment. The pad of the sphere, 32 u A, holds
+// scale: a new point can be farther from the center than both ends of its segment. The pad of the sphere, 32 u A, holds
 // for a few cuts only.
 //
 // Why d (1 + 8 u) + 8 u C <= r proves it, with d the computed distance of the farthest corner and C the largest of A
-// and the centre's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up to 1:
-// it is off by at most 3 u A. Its difference to the centre adds u |x - c|. So the vector is off by at most sqrt(3) 3 u
+// and the center's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up to 1:
+// it is off by at most 3 u A. Its difference to the center adds u |x - c|. So the vector is off by at most sqrt(3) 3 u
 // A + u d, and squares, sums and root add 2.5 u d. The true distance is at most d (1 + 4 u) + 5.2 u C, and computing
 // the left side costs less than the 4 u d + 2.8 u C that remain.
 //
@@ -47,14 +47,14 @@ bool is_proven(const Sphere& sphere, double farthest, double largest_coordinate)
 
 }  // namespace
 
-LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& built, Workers& workers) {
-  const Cover& cover = built.cover;
+LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+  const Cover& cover = model.cover;
   std::vector<Vec3> places(cover.vertex_count + cover.cut_points.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) places[i] = corner_position(cover, i, mesh.positions);
   const double of_mesh = largest_coordinate(mesh);
-  std::vector<double> radii(built.tree.node_count());
+  std::vector<double> radii(model.tree.node_count());
   parallel_for(workers, radii.size(), 1, [&](std::size_t node, std::size_t) {
-    const Sphere& sphere = built.tree.spheres[node];
+    const Sphere& sphere = model.tree.spheres[node];
     const double largest = std::max(of_mesh, max_norm(sphere.center));
     const double farthest =
         farthest_distance_to(sphere.center, cover.region_corners(static_cast<std::uint32_t>(node)), places);
@@ -62,7 +62,7 @@ LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& built, Workers& workers)
   });
   LevelGrowth growth;
   for (std::size_t node = 0; node < radii.size(); ++node) {
-    double& radius = built.tree.spheres[node].radius;
+    double& radius = model.tree.spheres[node].radius;
     if (radii[node] == radius) continue;
     ++growth.grown;
     growth.largest_growth = std::max(growth.largest_growth, radii[node] - radius);

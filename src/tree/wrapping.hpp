@@ -7,12 +7,12 @@
 
 namespace morula::detail {
 
-/// Grows every sphere that is not proven to contain its region, about its own centre, to the radius that
+/// Grows every sphere that is not proven to contain its region, about its own center, to the radius that
 /// rounded_up_radius gives it. Afterwards certify() holds at rest, and its answer is true of the real numbers.
 ///
 /// built: its cover is of this mesh, whose scale is usable. A sphere with the proof stays as it is, bit for bit;
 /// spheres that rounded_up_radius made for the same corners have it, in whatever order their products were added. The
 /// result says what grew. Cost: O(levels × corners).
-LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& built, Workers& workers);
+LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& model, Workers& workers);
 
 }  // namespace morula::detail

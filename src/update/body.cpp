@@ -11,15 +11,15 @@
 namespace morula {
 using namespace detail;
 
-Body::Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const CoveredTree>(built), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, const CoveredTree& model, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(model), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options, Workers& workers)
-    : Body(mesh, std::make_shared<const CoveredTree>(std::move(built)), std::move(options), workers) {}
+Body::Body(const Mesh& mesh, CoveredTree&& model, UpdateOptions options, Workers& workers)
+    : Body(mesh, std::make_shared<const CoveredTree>(std::move(model)), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options, Workers& workers) {
+Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
-  state_ = State::made(mesh, std::move(built), std::move(options), workers);
+  state_ = State::made(mesh, std::move(model), std::move(options), workers);
 }
 
 // Colliders keep the state for longer: it is not to look like a body that stands still.
@@ -89,14 +89,14 @@ UpdateStatus Body::update_modal_lazily(std::span<const double> coordinates, std:
   return s.shown(s.counted_lazily(s.follow_lazily(coordinates, nodes), nodes));
 }
 
-std::size_t Body::reach(std::uint32_t node) noexcept {
+std::size_t Body::refresh_children(std::uint32_t node) noexcept {
   const StandardFloats standard;
-  const std::size_t brought = state_->reach(node);
+  const std::size_t brought = state_->refresh_children(node);
   state_->show();
   return brought;
 }
 
-bool Body::is_reached(std::uint32_t node) const {
+bool Body::is_fresh(std::uint32_t node) const {
   return !state_->lazy || state_->reached[node] != 0;
 }
 
@@ -115,7 +115,7 @@ Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinate
       if (const auto sphere = engine->sphere_alone(node, {.origin = pose.origin, .modes = &pose}))
         return {pose.origin + Vec3(sphere->center), static_cast<double>(sphere->radius)};
   }
-  return {s.built->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
+  return {s.model->tree.spheres[node].center, std::numeric_limits<double>::infinity()};
 }
 
 std::span<const Spheref> Body::spheres() const {
@@ -143,7 +143,7 @@ void Body::copy_spheres(std::vector<Sphere>& spheres) const {
 }
 
 SphereTree Body::current_tree() const {
-  SphereTree tree = state_->built->tree;
+  SphereTree tree = state_->model->tree;
   tree.nested = state_->posed.nested;
   copy_spheres(tree.spheres);
   return tree;
@@ -156,7 +156,7 @@ std::uint64_t Body::hash() const {
   return hash.value();
 }
 
-const PosedTree& Body::pose() const {
+const SphereState& Body::sphere_state() const {
   return state_->posed;
 }
 
@@ -168,16 +168,16 @@ bool Body::is_current() const {
   return state_->current;
 }
 
-std::uint64_t Body::ownership() const {
-  return state_->ownership;
+std::uint64_t Body::cover_id() const {
+  return state_->cover_id;
 }
 
 const SphereTree& Body::rest_tree() const {
-  return state_->built->tree;
+  return state_->model->tree;
 }
 
 const Cover& Body::cover() const {
-  return state_->built->cover;
+  return state_->model->cover;
 }
 
 const UpdateOptions& Body::options() const {
@@ -189,12 +189,12 @@ const BindReport& Body::bind_report() const {
 }
 
 std::size_t Body::vertex_count() const {
-  return state_->built->cover.vertex_count;
+  return state_->model->cover.vertex_count;
 }
 
-Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, bool fits_leaves,
+Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves,
                               Workers& workers) {
-  Body body(mesh, std::move(built), {}, workers);
+  Body body(mesh, std::move(model), {}, workers);
   if (fits_leaves) body.state_->fit_leaves(workers);
   return body;
 }

@@ -17,10 +17,10 @@ UpdateStatus Body::State::counted(const UpdateStatus& status) noexcept {
 }
 
 void Body::State::show() noexcept {
-  posed.tree = &built->tree;
+  posed.tree = &model->tree;
   posed.spheres = spheres;
   posed.origin = origin;
-  posed.ownership = ownership;
+  posed.cover_id = ownership;
   posed.frame = frames;
   posed.current = current;
   posed.complete = !lazy;
@@ -39,7 +39,7 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
 
 // The one engine of such a body.
 void Body::State::fit_leaves(Workers& workers) {
-  static_cast<ExactRule&>(engines[0]).fit_leaves(depth_first_leaves(built->tree), local.points(), spheres, workers);
+  static_cast<ExactRule&>(engines[0]).fit_leaves(depth_first_leaves(model->tree), local.points(), spheres, workers);
 }
 
 // Nodes that look at no other sphere first, then level by level upwards those that read their children. Radii are
@@ -52,13 +52,13 @@ void Body::State::write_spheres(const RuleFrame& frame, Workers& workers) noexce
 }
 
 void Body::State::write_levels(const RuleFrame& frame, Workers& workers) noexcept {
-  for (std::size_t level = built->tree.level_count(); level-- > 0;)
+  for (std::size_t level = model->tree.level_count(); level-- > 0;)
     for (const auto& engine : engines) engine->update_level(level, frame, spheres, workers);
 }
 
 void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   raised->measure(local.points(), spheres, workers);
-  const SphereTree& tree = built->tree;
+  const SphereTree& tree = model->tree;
   // Children come behind their parents: those of a wrapped node have been raised before it.
   for (std::size_t k = raised->nodes().size(); k-- > 0;) {
     const std::uint32_t node = raised->nodes()[k];
@@ -90,7 +90,7 @@ static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
 // Good input gives a good status, here and below.
 UpdateStatus Body::State::refused_positions(const PositionView& positions) const noexcept {
   if (const UpdateStatus fault = refusal(follows); !fault) return fault;
-  if (positions.size() != built->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
+  if (positions.size() != model->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
   return {};
 }
 
@@ -173,8 +173,8 @@ UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Wo
 }
 
 std::size_t Body::State::nodes_to_level(std::size_t level) const noexcept {
-  const auto& begin = built->tree.level_begin;
-  return begin[std::min(level, built->tree.level_count() - 1) + 1];
+  const auto& begin = model->tree.level_begin;
+  return begin[std::min(level, model->tree.level_count() - 1) + 1];
 }
 
 bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
@@ -212,9 +212,9 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
   return status;
 }
 
-std::size_t Body::State::reach(std::uint32_t node) noexcept {
+std::size_t Body::State::refresh_children(std::uint32_t node) noexcept {
   // The points are lost when an update was refused since.
-  if (!lazy || !current || built->tree.is_leaf(node)) return 0;
+  if (!lazy || !current || model->tree.is_leaf(node)) return 0;
   std::size_t brought = 0;
   ModalPose pose;
   RuleFrame frame{.origin = origin, .points = local.points()};
@@ -222,8 +222,8 @@ std::size_t Body::State::reach(std::uint32_t node) noexcept {
     pose = modal->pose(coordinates_reached);
     frame.modes = &pose;
   }
-  const std::uint32_t first = built->tree.first_child[node];
-  for (std::uint32_t child = first; child < first + built->tree.child_count[node]; ++child) {
+  const std::uint32_t first = model->tree.first_child[node];
+  for (std::uint32_t child = first; child < first + model->tree.child_count[node]; ++child) {
     if (reached[child] != 0) continue;
     engines[0].update_one(child, frame, spheres);
     reached[child] = 1;

@@ -18,7 +18,7 @@ struct BodyPlan;
 }
 
 struct Body::State {
-  std::shared_ptr<const CoveredTree> built;
+  std::shared_ptr<const CoveredTree> model;
   UpdateOptions options;
   detail::LocalPoints local;
   std::vector<Spheref> spheres{};
@@ -32,8 +32,8 @@ struct Body::State {
   std::optional<detail::SkinPoser> skin{};     // of a body with a skin
   RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
   std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
-  std::uint64_t ownership = 0;
-  PosedTree posed{};         // what queries read; show() brings it up to date
+  std::uint64_t cover_id = 0;
+  SphereState posed{};       // what queries read; show() brings it up to date
   std::uint64_t frames = 0;  // good updates
   bool current = true;       // the last update was good
   bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
@@ -45,7 +45,7 @@ struct Body::State {
   std::vector<double> coordinates_reached{};
 
   // At rest; throws like Body's constructors.
-  static std::shared_ptr<State> made(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options,
+  static std::shared_ptr<State> made(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options,
                                      Workers& workers);
 
   // Each moves the spheres, or says why not; what they return is to be counted.
@@ -68,7 +68,7 @@ struct Body::State {
   UpdateStatus follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept;
   UpdateStatus counted_lazily(UpdateStatus status, std::size_t nodes) noexcept;
   std::size_t nodes_to_level(std::size_t level) const noexcept;
-  std::size_t reach(std::uint32_t node) noexcept;
+  std::size_t refresh_children(std::uint32_t node) noexcept;
 
   // Takes the largest of a rule's own radius and what the node owns.
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;

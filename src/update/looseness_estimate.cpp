@@ -34,7 +34,7 @@ bool may_face(const BlockBound& a, const BlockBound& b) {
   return dot(a.axis, b.axis) <= facing_cosine * cosine + facing_sine * sine;
 }
 
-// Smallest positive root of 1 + a t + b t²: where neighbouring rays meet.
+// Smallest positive root of 1 + a t + b t²: where neighboring rays meet.
 float focal_distance(float a, float b) {
   const float discriminant = a * a - 4 * b;
   const float divisor = discriminant >= 0 ? std::sqrt(discriminant) - a : 0.0f;
@@ -176,7 +176,7 @@ void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::si
   raise_over_spheres(side, blocks);
 }
 
-// Rays end at focal points: neighbouring ones meet there, and beyond each would count what is the other's.
+// Rays end at focal points: neighboring ones meet there, and beyond each would count what is the other's.
 SampleBlock::Lanes LoosenessEstimator::State::ray_lengths(std::size_t b, float side) const noexcept {
   const SampleBlock& block = samples.blocks()[b];
   SampleBlock::Lanes lengths;

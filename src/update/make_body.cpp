@@ -96,12 +96,12 @@ void bind_engines(const Binding& binding, EngineList& engines) {
 
 // Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
 // mesh.
-std::uint64_t ownership_stamp(const CoveredTree& built) {
+std::uint64_t cover_id_of(const CoveredTree& model) {
   Hasher hash;
-  hash.add(tree_hash(built.tree));
-  hash.add(built.cover.vertex_count);
-  hash.add(built.cover.facet_count);
-  for (const std::uint32_t end : built.cover.region_end) hash.add(end);
+  hash.add(tree_hash(model.tree));
+  hash.add(model.cover.vertex_count);
+  hash.add(model.cover.facet_count);
+  for (const std::uint32_t end : model.cover.region_end) hash.add(end);
   return hash.value();
 }
 
@@ -109,18 +109,18 @@ std::uint64_t ownership_stamp(const CoveredTree& built) {
 
 // What the rules ask for and what nodes own, settled before anything is bound.
 struct detail::BodyPlan {
-  BodyPlan(const Mesh& mesh_, const CoveredTree& built, const UpdateOptions& options)
+  BodyPlan(const Mesh& mesh_, const CoveredTree& model, const UpdateOptions& options)
       : mesh(mesh_),
-        rule_of_level(rules_of_levels(options, built.tree.level_count())),
-        rule_of_node(rules_of_nodes(built.tree, rule_of_level)),
-        order(depth_first_leaves(built.tree)),
+        rule_of_level(rules_of_levels(options, model.tree.level_count())),
+        rule_of_node(rules_of_nodes(model.tree, rule_of_level)),
+        order(depth_first_leaves(model.tree)),
         raises(options.conservative && some_node([](Rule rule) { return !covers_alone(rule); })),
         reads_points(raises || some_node([](Rule rule) { return traits(rule).reads != RuleTraits::Reads::nothing; })),
         reads_links(some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) {
-    const std::vector<std::uint8_t> measured = leaves_measured(built.tree, order, rule_of_node, options.conservative);
-    ownership = share_points(mesh, built.cover, order, measured, hull_tolerance);
-    share_levels(mesh, built.tree, built.cover, order, hull_tolerance, ownership);
-    assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, measured, hull_tolerance).empty());
+    const std::vector<std::uint8_t> measured = leaves_measured(model.tree, order, rule_of_node, options.conservative);
+    ownership = share_points(mesh, model.cover, order, measured, hull_tolerance);
+    share_levels(mesh, model.tree, model.cover, order, hull_tolerance, ownership);
+    assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, measured, hull_tolerance).empty());
   }
 
   const Mesh& mesh;
@@ -136,23 +136,23 @@ struct detail::BodyPlan {
   }
 };
 
-std::shared_ptr<Body::State> Body::State::made(const Mesh& mesh, std::shared_ptr<const CoveredTree> built,
+std::shared_ptr<Body::State> Body::State::made(const Mesh& mesh, std::shared_ptr<const CoveredTree> model,
                                                UpdateOptions options, Workers& workers) {
-  if (!built) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
-  require_belonging(mesh, *built);
-  const BodyPlan plan(mesh, *built, options);
-  LocalPoints local(mesh, built->cover, plan.ownership);
-  const auto state = std::make_shared<State>(State{std::move(built), std::move(options), std::move(local)});
+  if (!model) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
+  require_belonging(mesh, *model);
+  const BodyPlan plan(mesh, *model, options);
+  LocalPoints local(mesh, model->cover, plan.ownership);
+  const auto state = std::make_shared<State>(State{std::move(model), std::move(options), std::move(local)});
   state->posed.shared = state;
   const LocalPoints::Frame rest = state->local.move(mesh.positions, workers);
   if (!rest.finite)
     throw std::invalid_argument(
         "vertex " + std::to_string(rest.first_bad_vertex) +
-        " is too far from the centre for an update, or all are too far from the origin: scale "
-        "mesh and tree so that coordinates about the centre stay below 1e17, others below 1e30");
+        " is too far from the center for an update, or all are too far from the origin: scale "
+        "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   state->origin = rest.origin;
   state->follows = followed_by(plan.rule_of_level, state->options);
-  narrow_spheres(state->built->tree.spheres, rest.origin, state->spheres);
+  narrow_spheres(state->model->tree.spheres, rest.origin, state->spheres);
   state->bind(plan, rest, workers);
   if (plan.raises) state->raise_at_rest(plan, rest.rounding, workers);
   state->note_promises(plan);
@@ -168,18 +168,18 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
   if (plan.reads_links) bvh.emplace(mesh, workers);
   if (!options.modes.empty()) {
     require_modes(options.modes, mesh);
-    modal.emplace(mesh, *built, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
+    modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
   }
   if (!options.skin.empty()) {
     require_skin(options.skin, mesh);
-    skin.emplace(mesh, *built, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
+    skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
   }
   if (plan.reads_points && (modal || skin)) rest_positions = moved_positions = mesh.positions;
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};
   const Binding binding{.mesh = mesh,
-                        .built = *built,
+                        .model = *model,
                         .options = options,
                         .rule_of_level = plan.rule_of_level,
                         .rule_of_node = plan.rule_of_node,
@@ -199,7 +199,7 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
 }
 
 void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, Workers& workers) {
-  raised.emplace(built->tree, plan.order, plan.ownership, raised_nodes(plan.rule_of_node));
+  raised.emplace(model->tree, plan.order, plan.ownership, raised_nodes(plan.rule_of_node));
   for (const Rule rule : plan.rule_of_node) wraps.push_back(rule == Rule::wrapped ? 1 : 0);
   work.points_tested += raised->tested_points();
   raise(rounding, workers);
@@ -207,8 +207,8 @@ void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, 
 
 // What the spheres promise, and what a good update does.
 void Body::State::note_promises(const BodyPlan& plan) {
-  const SphereTree& tree = built->tree;
-  ownership = ownership_stamp(*built);
+  const SphereTree& tree = model->tree;
+  ownership = cover_id_of(*model);
   reached.resize(tree.node_count());
   coordinates_reached.resize(options.modes.mode_count);
   posed.covers = options.conservative || std::all_of(plan.rule_of_level.begin(), plan.rule_of_level.end(),

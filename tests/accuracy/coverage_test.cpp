@@ -62,15 +62,15 @@ double bare_area_of_unit_square(std::span<const Sphere> spheres, int lines) {
 }
 
 void expect_bounds_agree(const Coverage& c) {
-  EXPECT_GE(c.gap_upper, c.gap);
-  EXPECT_LE(c.gap_upper, c.gap * (1 + 1e-6) + 2 * c.tolerance);
-  EXPECT_LE(c.bare_area, 1);
+  EXPECT_GE(c.uncovered_distance_upper, c.uncovered_distance);
+  EXPECT_LE(c.uncovered_distance_upper, c.uncovered_distance * (1 + 1e-6) + 2 * c.tolerance);
+  EXPECT_LE(c.uncovered_area, 1);
   if (c.covered) {
-    EXPECT_EQ(c.bare_area, 0);
-    EXPECT_EQ(c.gap, 0);
-    EXPECT_EQ(c.gap_upper, 0);
+    EXPECT_EQ(c.uncovered_area, 0);
+    EXPECT_EQ(c.uncovered_distance, 0);
+    EXPECT_EQ(c.uncovered_distance_upper, 0);
   } else {
-    EXPECT_GT(c.gap_upper, c.tolerance);
+    EXPECT_GT(c.uncovered_distance_upper, c.tolerance);
   }
 }
 
@@ -81,8 +81,8 @@ TEST(Coverage, of_a_plate_with_one_disc_is_exact) {
         const std::vector<Sphere> ball{{{0.5, 0.5, height}, std::hypot(disc, height)}};
         const Coverage c = coverage(grid_plate(n), ball);
         EXPECT_FALSE(c.covered);
-        EXPECT_NEAR(c.bare_area, 1 - pi * disc * disc, 1e-13) << n << " squares, disc " << disc;
-        EXPECT_NEAR(c.gap, std::sqrt(0.5 + height * height) - ball[0].radius, 1e-13);
+        EXPECT_NEAR(c.uncovered_area, 1 - pi * disc * disc, 1e-13) << n << " squares, disc " << disc;
+        EXPECT_NEAR(c.uncovered_distance, std::sqrt(0.5 + height * height) - ball[0].radius, 1e-13);
         expect_bounds_agree(c);
       }
 }
@@ -94,8 +94,8 @@ TEST(Coverage, of_a_plate_whose_disc_reaches_over_its_edges_is_exact) {
     const double cap = r * r * (half_angle - std::sin(2 * half_angle) / 2);
     const std::vector<Sphere> ball{{{0.5, 0.5, 0}, r}};
     const Coverage c = coverage(grid_plate(3), ball);
-    EXPECT_NEAR(c.bare_area, 1 - (pi * r * r - 4 * cap), 1e-14) << r;
-    EXPECT_NEAR(c.gap, std::sqrt(0.5) - r, 1e-14);
+    EXPECT_NEAR(c.uncovered_area, 1 - (pi * r * r - 4 * cap), 1e-14) << r;
+    EXPECT_NEAR(c.uncovered_distance, std::sqrt(0.5) - r, 1e-14);
   }
   // The circumscribed sphere passes through the corners, up to rounding.
   EXPECT_TRUE(coverage(grid_plate(3), std::vector<Sphere>{{{0.5, 0.5, 0}, std::sqrt(0.5)}}).covered);
@@ -105,7 +105,7 @@ TEST(Coverage, of_two_discs_counts_their_lens_once) {
   const double r = 0.25, apart = 0.3;
   const std::vector<Sphere> balls{{{0.35, 0.5, 0}, r}, {{0.65, 0.5, 0}, r}};
   const double lens = 2 * r * r * std::acos(apart / (2 * r)) - apart / 2 * std::sqrt(4 * r * r - apart * apart);
-  for (int n : {1, 4}) EXPECT_NEAR(coverage(grid_plate(n), balls).bare_area, 1 - 2 * pi * r * r + lens, 1e-13);
+  for (int n : {1, 4}) EXPECT_NEAR(coverage(grid_plate(n), balls).uncovered_area, 1 - 2 * pi * r * r + lens, 1e-13);
 }
 
 TEST(Coverage, bare_area_of_a_facet_in_many_cells_agrees_with_scan_lines) {
@@ -116,7 +116,7 @@ TEST(Coverage, bare_area_of_a_facet_in_many_cells_agrees_with_scan_lines) {
     const double expected = bare_area_of_unit_square(spheres, 20000);
     for (int n : {1, 5}) {
       const Coverage c = coverage(grid_plate(n), spheres);
-      EXPECT_NEAR(c.bare_area, expected, 3e-6) << "seed " << seed;
+      EXPECT_NEAR(c.uncovered_area, expected, 3e-6) << "seed " << seed;
       expect_bounds_agree(c);
     }
   }
@@ -130,8 +130,8 @@ TEST(Coverage, sees_nested_equal_and_point_spheres_as_nothing_new) {
                                  {{0.5, 0.5, 0}, 0.0},
                                  {{0.4, 0.5, 0.05}, 0.0}};
   const Coverage a = coverage(grid_plate(2), ball), b = coverage(grid_plate(2), more);
-  EXPECT_NEAR(a.bare_area, b.bare_area, 1e-13);
-  EXPECT_NEAR(a.gap, b.gap, 1e-13);
+  EXPECT_NEAR(a.uncovered_area, b.uncovered_area, 1e-13);
+  EXPECT_NEAR(a.uncovered_distance, b.uncovered_distance, 1e-13);
 }
 
 // Three spheres through one point of a facet: the power vertex lies on all three, and just there the cover is closed.
@@ -143,8 +143,8 @@ TEST(Coverage, closes_at_a_power_vertex_on_the_boundary) {
     for (Sphere& s : balls) s.radius = 5 - less;
     const Coverage c = coverage(facet, balls);
     EXPECT_FALSE(c.covered) << less;
-    EXPECT_NEAR(c.gap, less, 1e-6 * less + 1e-14);
-    EXPECT_LT(c.bare_area, 2 * less);
+    EXPECT_NEAR(c.uncovered_distance, less, 1e-6 * less + 1e-14);
+    EXPECT_LT(c.uncovered_area, 2 * less);
     expect_bounds_agree(c);
   }
 }
@@ -161,7 +161,7 @@ TEST(Coverage, closes_at_power_vertices_wherever_rounding_puts_them) {
     const auto around = [&](double angle) { return std::cos(angle) * u + std::sin(angle) * cross(n, u); };
     const auto power_of_ten = [&](double from, double to) { return std::pow(10.0, random.uniform(from, to)); };
 
-    // Spheres through p with centres on all sides of it, seen in the facet's plane.
+    // Spheres through p with centers on all sides of it, seen in the facet's plane.
     std::vector<Sphere> balls;
     double smallest = 10;
     const int sides = 3 + trial % 4;
@@ -183,7 +183,7 @@ TEST(Coverage, closes_at_power_vertices_wherever_rounding_puts_them) {
     for (int k = 0; k < 3; ++k)
       facet.positions.push_back(p + size * around(2 * pi / 3 * k + random.uniform(-0.3, 0.3)));
     const Coverage c = coverage(facet, balls);
-    EXPECT_TRUE(c.covered) << "trial " << trial << ": gap " << c.gap << ", tolerance " << c.tolerance;
+    EXPECT_TRUE(c.covered) << "trial " << trial << ": gap " << c.uncovered_distance << ", tolerance " << c.tolerance;
 
     const PowerDiagram diagram(balls);
     std::vector<std::uint32_t> scratch;
@@ -198,7 +198,7 @@ TEST(Coverage, closes_at_power_vertices_wherever_rounding_puts_them) {
   EXPECT_GT(misplaced, 0u) << "no cell was misplaced, so nothing was tried";
 }
 
-// What builders do: cells, then radii that just contain them. Neighbours then meet at corners on both their boundaries.
+// What builders do: cells, then radii that just contain them. Neighbors then meet at corners on both their boundaries.
 TEST(Coverage, confirms_radii_that_just_contain_the_cells) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     auto spheres = random_spheres(bounding_box(named.mesh), 30, 0.01, 0.2, 21);
@@ -218,7 +218,7 @@ TEST(Coverage, confirms_radii_that_just_contain_the_cells) {
     for (std::size_t i = 0; i < spheres.size(); ++i) spheres[i].radius = reach[i];
     std::erase_if(spheres, [](const Sphere& s) { return s.radius == 0; });
     const Coverage c = coverage(named.mesh, spheres);
-    EXPECT_TRUE(c.covered) << named.name << ": gap " << c.gap << ", tolerance " << c.tolerance;
+    EXPECT_TRUE(c.covered) << named.name << ": gap " << c.uncovered_distance << ", tolerance " << c.tolerance;
   }
 }
 
@@ -233,7 +233,7 @@ TEST(Coverage, gap_in_the_middle_of_three_spheres_is_exact) {
     for (const Vec3& p : facet.positions) balls.push_back({p, r});
     const Coverage c = coverage(facet, balls);
     EXPECT_FALSE(c.covered);
-    EXPECT_NEAR(c.gap, circumradius - r, 1e-6 * (circumradius - r) + 1e-14);
+    EXPECT_NEAR(c.uncovered_distance, circumradius - r, 1e-6 * (circumradius - r) + 1e-14);
     expect_bounds_agree(c);
   }
 }
@@ -261,9 +261,10 @@ TEST(Coverage, agrees_with_sampling_on_random_bodies) {
       }
       const double share = static_cast<double>(bare) / sample_count;
       // Stratified sampling errs less than this bound for independent samples; five of its standard deviations.
-      const double error = 5 * std::sqrt(std::max(c.bare_area * (1 - c.bare_area), 1.0 / sample_count) / sample_count);
-      EXPECT_NEAR(c.bare_area, share, error) << named.name << ", " << count;
-      EXPECT_GE(c.gap_upper + c.tolerance, sampled_gap) << named.name << ", " << count;
+      const double error =
+          5 * std::sqrt(std::max(c.uncovered_area * (1 - c.uncovered_area), 1.0 / sample_count) / sample_count);
+      EXPECT_NEAR(c.uncovered_area, share, error) << named.name << ", " << count;
+      EXPECT_GE(c.uncovered_distance_upper + c.tolerance, sampled_gap) << named.name << ", " << count;
       if (c.covered) continue;
 
       // The gap is attained on the facet that it names: no grid point of it is farther out, and one is nearly so.
@@ -279,8 +280,8 @@ TEST(Coverage, agrees_with_sampling_on_random_bodies) {
           std::sqrt(std::max({squared_distance(worst[0], worst[1]), squared_distance(worst[1], worst[2]),
                               squared_distance(worst[2], worst[0])})) /
           steps;
-      EXPECT_LE(nearly, c.gap_upper + c.tolerance) << named.name << ", " << count;
-      EXPECT_LE(c.gap, nearly + spacing) << named.name << ", " << count;
+      EXPECT_LE(nearly, c.uncovered_distance_upper + c.tolerance) << named.name << ", " << count;
+      EXPECT_LE(c.uncovered_distance, nearly + spacing) << named.name << ", " << count;
     }
 }
 
@@ -292,32 +293,32 @@ TEST(Coverage, counts_facets_without_area_for_the_gap_but_not_for_the_area) {
   const std::vector<Sphere> balls{{{0.5, 0.5, 0}, 1}, {{10, 0, 0}, 2}};
   const Coverage c = coverage(mesh, balls);
   EXPECT_FALSE(c.covered);
-  EXPECT_EQ(c.bare_area, 0);
+  EXPECT_EQ(c.uncovered_area, 0);
   EXPECT_EQ(c.worst_facet, 2u);
   // |x − (½, ½)| − 1 = 10 − x − 2 on the segment.
   const double x = (81 - 0.5) / (2 * (9 - 0.5));
-  EXPECT_NEAR(c.gap, 8 - x, 1e-5);
+  EXPECT_NEAR(c.uncovered_distance, 8 - x, 1e-5);
   expect_bounds_agree(c);
 
   const Mesh point{{{3, 4, 0}}, {{0, 0, 0}}};
   const Coverage of_point = coverage(point, std::vector<Sphere>{{{0, 0, 0}, 1}});
   EXPECT_FALSE(of_point.covered);
-  EXPECT_DOUBLE_EQ(of_point.gap, 4);
-  EXPECT_EQ(of_point.bare_area, 0);
+  EXPECT_DOUBLE_EQ(of_point.uncovered_distance, 4);
+  EXPECT_EQ(of_point.uncovered_area, 0);
 }
 
 TEST(Coverage, of_one_facet_far_outside_is_all_bare) {
   const Mesh facet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   const Coverage c = coverage(facet, std::vector<Sphere>{{{-3, -4, 0}, 1}});
-  EXPECT_DOUBLE_EQ(c.bare_area, 1);
-  EXPECT_NEAR(c.gap, std::sqrt(9 + 25.0) - 1, 1e-14);
+  EXPECT_DOUBLE_EQ(c.uncovered_area, 1);
+  EXPECT_NEAR(c.uncovered_distance, std::sqrt(9 + 25.0) - 1, 1e-14);
 }
 
 TEST(Coverage, names_the_lowest_of_equally_bare_facets) {
   const Mesh box = box_mesh({-1, -1, -1}, {1, 1, 1});
   const Coverage c = coverage(box, std::vector<Sphere>{{{0, 0, 0}, 1.5}});
   EXPECT_EQ(c.worst_facet, 0u);
-  EXPECT_NEAR(c.gap, std::sqrt(3.0) - 1.5, 1e-14);
+  EXPECT_NEAR(c.uncovered_distance, std::sqrt(3.0) - 1.5, 1e-14);
 }
 
 TEST(Coverage, does_not_depend_on_the_place) {
@@ -328,8 +329,8 @@ TEST(Coverage, does_not_depend_on_the_place) {
   auto there = spheres;
   for (Sphere& s : there) s.center += offset;
   const Coverage moved = coverage(test::translated(mesh, offset), there);
-  EXPECT_NEAR(moved.bare_area, here.bare_area, 1e-7);
-  EXPECT_NEAR(moved.gap, here.gap, 1e-6 * here.gap + 1e-8);
+  EXPECT_NEAR(moved.uncovered_area, here.uncovered_area, 1e-7);
+  EXPECT_NEAR(moved.uncovered_distance, here.uncovered_distance, 1e-6 * here.uncovered_distance + 1e-8);
   EXPECT_GT(moved.tolerance, 1e5 * here.tolerance);
 
   // A sphere that just contains everything still does, after all coordinates have been rounded.
@@ -350,9 +351,9 @@ TEST(Coverage, has_the_same_bits_for_any_number_of_workers) {
       3);
   for (Workers* workers : {&two, &eight, &backwards}) {
     const Coverage many = coverage(mesh, spheres, *workers);
-    EXPECT_EQ(one.bare_area, many.bare_area);
-    EXPECT_EQ(one.gap, many.gap);
-    EXPECT_EQ(one.gap_upper, many.gap_upper);
+    EXPECT_EQ(one.uncovered_area, many.uncovered_area);
+    EXPECT_EQ(one.uncovered_distance, many.uncovered_distance);
+    EXPECT_EQ(one.uncovered_distance_upper, many.uncovered_distance_upper);
     EXPECT_EQ(one.worst_facet, many.worst_facet);
   }
 }

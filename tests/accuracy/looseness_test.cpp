@@ -144,7 +144,7 @@ TEST(Looseness, counts_odd_crossings_on_closed_meshes_without_orientation) {
   EXPECT_NEAR(fast.object_volume, inside * std::pow(fast.voxel_edge, 3), 1e-9);
 }
 
-// Faces, edges, diagonals and vertices lie exactly on columns and centres; a leak would add or take whole columns.
+// Faces, edges, diagonals and vertices lie exactly on columns and centers; a leak would add or take whole columns.
 TEST(Looseness, boxes_on_the_lattice_count_exactly) {
   const double edge = 0.25;
   const std::vector<Sphere> nowhere{{{0.26, 0.27, 0.28}, 0.0}};
@@ -165,7 +165,7 @@ TEST(Looseness, boxes_side_by_side_share_no_voxel) {
   EXPECT_EQ(counts_of(looseness(all, nowhere, fixed_grid(0.25))).missed, 512u);
 }
 
-// Vertices on whole lattice points, so that nearly every column meets edges and vertices. Centres on slanted facets may
+// Vertices on whole lattice points, so that nearly every column meets edges and vertices. Centers on slanted facets may
 // go either way; a leak would show in whole columns beyond those.
 TEST(Looseness, does_not_leak_where_columns_meet_edges_and_vertices) {
   const std::vector<Sphere> nowhere{{{0.3, 0.3, 0.3}, 0.0}};
@@ -266,7 +266,7 @@ TEST(Looseness, of_a_fixed_grid_does_not_see_whole_steps_of_the_lattice) {
     for (Sphere& s : there) s.center += offset;
     return looseness(test::translated(mesh, offset), there, grid);
   };
-  // Moving rounds the coordinates, so a centre that all but touches the surface may change sides.
+  // Moving rounds the coordinates, so a center that all but touches the surface may change sides.
   const Looseness whole = moved({3 * 0x1p-5, -40 * 0x1p-5, 17 * 0x1p-5});
   EXPECT_NEAR(whole.outside_volume, here.outside_volume, 3 * std::pow(0x1p-5, 3));
   EXPECT_NEAR(*whole.missed_volume, *here.missed_volume, 1e-4);

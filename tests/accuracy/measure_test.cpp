@@ -37,7 +37,7 @@ TEST(Measure, takes_leaves_that_ended_early_into_deeper_levels) {
     const LevelMeasure& m = levels[level];
     EXPECT_EQ(m.level, level);
     EXPECT_EQ(m.spheres, expected[level]);
-    EXPECT_TRUE(m.coverage.covered) << "level " << level << ": gap " << m.coverage.gap;
+    EXPECT_TRUE(m.coverage.covered) << "level " << level << ": gap " << m.coverage.uncovered_distance;
     EXPECT_EQ(m.looseness.missed_volume, 0.0);
     ASSERT_TRUE(m.protrusion);
     EXPECT_NEAR(m.looseness.object_volume, 4, 1e-12);
@@ -67,8 +67,8 @@ TEST(Measure, equals_the_single_measures) {
     EXPECT_GT(*l.missed_volume, 0);
     const Coverage c = coverage(bar, spheres);
     EXPECT_FALSE(c.covered);
-    EXPECT_EQ(levels[level].coverage.gap, c.gap);
-    EXPECT_EQ(levels[level].coverage.bare_area, c.bare_area);
+    EXPECT_EQ(levels[level].coverage.uncovered_distance, c.uncovered_distance);
+    EXPECT_EQ(levels[level].coverage.uncovered_area, c.uncovered_area);
     const Protrusion p = protrusion(object, spheres, 0.05);
     EXPECT_EQ(levels[level].protrusion->worst, p.worst);
     EXPECT_EQ(levels[level].protrusion->mean, p.mean);

@@ -63,7 +63,7 @@ double plain_turns(const Mesh& mesh, const Vec3& p) {
 
 TEST(OpenLooseness, counts_what_every_voxel_with_every_facet_counts) {
   const Mesh mesh = hemisphere(16, false);
-  // No centre of a voxel lies on a sphere or in the plane of the hole, where rounding decides.
+  // No center of a voxel lies on a sphere or in the plane of the hole, where rounding decides.
   const std::vector<Sphere> spheres{
       {{0.0131, -0.0217, 0.3937}, 1.0613}, {{0.5171, 0.3023, 0.2119}, 0.8071}, {{-0.6013, 0.0151, 0.1303}, 0.5119}};
   const Looseness l = LoosenessMeter(mesh).measure_open(mesh.positions, spheres, level_grid(24));

@@ -28,7 +28,7 @@ void expect_tolerance_kept(const BallProtrusion& e, const Sphere& ball, double t
   EXPECT_LE(e.upper - e.lower, tolerance * ball.radius * (1 + 1e-12));
 }
 
-TEST(Protrusion, of_convex_objects_is_the_bound_from_the_centre) {
+TEST(Protrusion, of_convex_objects_is_the_bound_from_the_center) {
   // Distance to a box, negative inside, by formula.
   const Vec3 half{1, 0.5, 0.25};
   const auto distance_to_box = [&](const Vec3& p) {
@@ -48,7 +48,7 @@ TEST(Protrusion, of_convex_objects_is_the_bound_from_the_centre) {
   }
 }
 
-TEST(Protrusion, lies_between_samples_of_the_ball_and_the_bound_from_the_centre) {
+TEST(Protrusion, lies_between_samples_of_the_ball_and_the_bound_from_the_center) {
   std::vector<test::NamedMesh> meshes;
   for (const char* name : {"nested_shells", "two_components", "cones_at_one_vertex", "inverted"})
     meshes.push_back(test::mesh_named(name));

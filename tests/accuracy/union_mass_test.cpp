@@ -19,7 +19,7 @@ TEST(UnionMass, agrees_with_formulas_of_balls_and_lenses) {
   for (const std::size_t axis : {0, 3, 5})
     EXPECT_NEAR(one.inertia[axis], 0.4 * volume_of_ball * 0.49, 5e-3 * 0.4 * volume_of_ball * 0.49);
   for (const std::size_t mixed : {1, 2, 4}) EXPECT_NEAR(one.inertia[mixed], 0, 1e-12);
-  // Two unit balls, centres 1 apart along x: their lens has the volume 5 pi / 12.
+  // Two unit balls, centers 1 apart along x: their lens has the volume 5 pi / 12.
   const std::vector<Sphere> pair{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{0.5, 0, 0}, 0.3}};
   const UnionMass two = union_mass(pair);
   const double expected = 8 * std::numbers::pi / 3 - 5 * std::numbers::pi / 12;

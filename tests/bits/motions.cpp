@@ -68,7 +68,7 @@ std::uint64_t hash_of_parts(Body body, const Poses& poses, Workers& workers) {
   }
   body.update_lazily(poses[4], 1, workers);
   for (std::uint32_t node = 0; node < body.spheres().size(); node += 3)
-    if (body.is_reached(node)) sum.add(body.reach(node)).add(body.sphere(node));
+    if (body.is_fresh(node)) sum.add(body.refresh_children(node)).add(body.sphere(node));
   return sum.value();
 }
 
@@ -82,12 +82,12 @@ Modes waves(const Mesh& mesh, std::size_t mode_count) {
   return modes;
 }
 
-std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& built, RuleOptions::ModalBound bound,
+std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& model, RuleOptions::ModalBound bound,
                             Workers& workers) {
   UpdateOptions options{.rules = {Rule::modal}};
   options.details.modal_bound = bound;
   options.modes = waves(mesh, 5);
-  Body body(mesh, built, options, workers);
+  Body body(mesh, model, options, workers);
   Sum sum;
   Random random(21);
   for (int frame = 0; frame < 8; ++frame) {
@@ -101,7 +101,7 @@ std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& built, RuleOpti
 
 void add_updates(Claims& claims, std::string_view name, Method method, Workers& workers) {
   const Mesh mesh = sample(name, 14);
-  const CoveredTree built =
+  const CoveredTree model =
       build(mesh, {.method = method, .branching = 8, .depth = method == Method::grid ? 2 : 3}, workers);
   const Poses poses = poses_of(mesh);
   const std::string of = " of " + std::string(name) + ", " + std::string(morula::name(method));
@@ -111,7 +111,7 @@ void add_updates(Claims& claims, std::string_view name, Method method, Workers& 
     for (const bool conservative : {false, true}) {
       const UpdateOptions options{.rules = {rule}, .conservative = conservative};
       add("rule " + std::string(morula::name(rule)) + (conservative ? ", made to cover" : ""),
-          hash_of_motion(Body(mesh, built, options, workers), poses, workers));
+          hash_of_motion(Body(mesh, model, options, workers), poses, workers));
     }
   RuleOptions other{.approach1_weights = RuleOptions::Weights::inverse_distance,
                     .approach1_inner_center = RuleOptions::InnerCenter::linked_vertices,
@@ -119,21 +119,21 @@ void add_updates(Claims& claims, std::string_view name, Method method, Workers& 
                     .distance_floor = 0.25};
   add("a mixture of rules",
       hash_of_motion(
-          Body(mesh, built,
+          Body(mesh, model,
                {.rules = {Rule::exact, Rule::approach1, Rule::approach2, Rule::approach1}, .details = other}, workers),
           poses, workers));
-  add("parts and lazy updates", hash_of_parts(Body(mesh, built, {}, workers), poses, workers));
-  add("modal by gradients", hash_of_modal(mesh, built, RuleOptions::ModalBound::gradient, workers));
-  add("modal by shifts", hash_of_modal(mesh, built, RuleOptions::ModalBound::shift, workers));
+  add("parts and lazy updates", hash_of_parts(Body(mesh, model, {}, workers), poses, workers));
+  add("modal by gradients", hash_of_modal(mesh, model, RuleOptions::ModalBound::gradient, workers));
+  add("modal by shifts", hash_of_modal(mesh, model, RuleOptions::ModalBound::shift, workers));
 
   for (const int k : {6, 14, 18, 26}) {
-    KDopTree tree(mesh, built, k, workers);
+    KDopTree tree(mesh, model, k, workers);
     Sum sum;
     for (const std::vector<Vec3>& pose : poses) tree.update(pose, workers), sum.add(tree.hash());
     add(std::to_string(k) + "-DOPs", sum.value());
   }
   LoosenessEstimator estimator(mesh, 512);
-  Body body(mesh, built, {}, workers);
+  Body body(mesh, model, {}, workers);
   Sum estimates;
   for (std::size_t i = 0; i < 12; ++i) {
     std::vector<double> looseness(4);
@@ -164,9 +164,9 @@ class Pair {
       a_.deform(Bend{.degrees = 5.0 * step});
       b_.deform(Twist{.degrees = 11.0 * step});
       const Vec3 away{random.uniform(-1, 1), 0.12 * step, random.uniform(-0.5, 0.5)};
-      b_.collider.place(RigidTransform::from_axis({0.3, 0.2, 1}, 0.4 * step, away));
+      b_.collider.set_transform(RigidTransform::from_axis({0.3, 0.2, 1}, 0.4 * step, away));
 
-      add(contacts, collide(a_.collider, b_.collider, {.surfaces = true, .exact = true, .containment = true}));
+      add(contacts, collide(a_.collider, b_.collider, {.surfaces = true, .find_crossings = true, .containment = true}));
       add(contacts, collide(a_.collider, b_.collider, {.level = 1, .margin = 0.1}));
       contacts.add(overlap(a_.collider, b_.collider));
       query.set_options({.budget = 40 + 10 * step, .priority = Priority::overlap});

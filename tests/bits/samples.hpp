@@ -60,6 +60,6 @@ class Sum {
 
 /// A sample body, or one with every seventh facet missing: "open limb".
 Mesh sample(std::string_view name, int resolution);
-std::uint64_t hash_of(const CoveredTree& built);
+std::uint64_t hash_of(const CoveredTree& model);
 
 }  // namespace morula::bits

@@ -25,10 +25,10 @@ Mesh sample(std::string_view name, int resolution) {
   return mesh;
 }
 
-std::uint64_t hash_of(const CoveredTree& built) {
+std::uint64_t hash_of(const CoveredTree& model) {
   Sum sum;
-  const Cover& cover = built.cover;
-  sum.add(tree_hash(built.tree)).add(cover.patch_facet).add(cover.corner_begin).add(cover.corners);
+  const Cover& cover = model.cover;
+  sum.add(tree_hash(model.tree)).add(cover.patch_facet).add(cover.corner_begin).add(cover.corners);
   sum.add(cover.region_begin).add(cover.region_end);
   for (const CutPoint& cut : cover.cut_points) sum.add(cut.vertex).add(cut.weight);
   return sum.value();
@@ -43,7 +43,12 @@ std::uint64_t figures(const Mesh& mesh, const SphereTree& tree, const VoxelGrid&
     sum.add(l.looseness).add(l.missed_volume).add(l.outside_volume).add(l.object_volume).add(l.union_volume);
     sum.add(l.voxels).add(l.voxel_edge);
     const Coverage& c = m.coverage;
-    sum.add(c.covered).add(c.bare_area).add(c.gap).add(c.gap_upper).add(c.tolerance).add(c.worst_facet);
+    sum.add(c.covered)
+        .add(c.uncovered_area)
+        .add(c.uncovered_distance)
+        .add(c.uncovered_distance_upper)
+        .add(c.tolerance)
+        .add(c.worst_facet);
     sum.add(m.spheres).add(m.protrusion.has_value());
     if (m.protrusion) sum.add(m.protrusion->worst).add(m.protrusion->mean);
   }
@@ -109,18 +114,18 @@ Claims shapes(Workers& workers) {
     const Mesh mesh = sample(name, 9);
     for (const Method method : all_methods()) {
       // The slow ones once.
-      const bool is_slow = method == Method::combined || method == Method::morula;
+      const bool is_slow = method == Method::combined || method == Method::optimized;
       if (is_slow && name == "bar") continue;
-      const bool is_quick = method == Method::morula && name != "limb";
+      const bool is_quick = method == Method::optimized && name != "limb";
       const Quality quality = is_quick ? Quality::fast : Quality::standard;
-      const CoveredTree built =
+      const CoveredTree model =
           build(mesh, {.method = method, .branching = 6, .depth = 2, .quality = quality}, workers);
       const std::string of = " of " + std::string(name) + " by " + std::string(morula::name(method));
-      claims.push_back({"tree" + of, hash_of(built)});
-      claims.push_back({"covered" + of, hash_of(cover(mesh, shrunk(built.tree), workers))});
+      claims.push_back({"tree" + of, hash_of(model)});
+      claims.push_back({"covered" + of, hash_of(cover(mesh, shrunk(model.tree), workers))});
       if (method == Method::octree || method == Method::grid) {
-        claims.push_back({"figures" + of, figures(mesh, built.tree, {.resolution = 48}, workers)});
-        claims.push_back({"bare figures" + of, figures(mesh, shrunk(built.tree), {.resolution = 48}, workers)});
+        claims.push_back({"figures" + of, figures(mesh, model.tree, {.resolution = 48}, workers)});
+        claims.push_back({"bare figures" + of, figures(mesh, shrunk(model.tree), {.resolution = 48}, workers)});
       }
     }
   }
@@ -128,14 +133,14 @@ Claims shapes(Workers& workers) {
   for (const Quality quality : {Quality::draft, Quality::fast})
     claims.push_back({"tree of blob by morula, " + std::string(name(quality)),
                       hash_of(build(blob, {.branching = 8, .depth = 3, .quality = quality}, workers))});
-  for (const Optimiser optimiser : {Optimiser::refit, Optimiser::simplex, Optimiser::balance})
+  for (const Optimizer optimizer : {Optimizer::recenter, Optimizer::simplex, Optimizer::balance})
     claims.push_back(
-        {"tree of blob by medial and " + std::string(name(optimiser)), hash_of(build(blob,
+        {"tree of blob by medial and " + std::string(name(optimizer)), hash_of(build(blob,
                                                                                      {.method = Method::medial,
                                                                                       .branching = 5,
                                                                                       .depth = 1,
                                                                                       .reducers = {Reduction::burst},
-                                                                                      .optimiser = optimiser},
+                                                                                      .optimizer = optimizer},
                                                                                      workers))});
   claims.push_back({"40 spheres of blob", hash_of(build(blob, {.spheres = 40, .quality = Quality::fast}, workers))});
   claims.push_back({"flat set of blob by protrusion",

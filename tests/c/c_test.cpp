@@ -62,19 +62,19 @@ TEST(CInterface, gives_the_bits_of_the_other_one) {
   EXPECT_EQ(std::memcmp(morula_mesh_positions(c.mesh), mesh.positions.data(), mesh.vertex_count() * sizeof(Vec3)), 0);
   EXPECT_EQ(std::memcmp(morula_mesh_facets(c.mesh), mesh.facets.data(), mesh.facet_count() * sizeof(Facet)), 0);
 
-  const CoveredTree built = build(mesh, {.method = Method::octree});
-  const std::size_t nodes = built.tree.node_count();
+  const CoveredTree model = build(mesh, {.method = Method::octree});
+  const std::size_t nodes = model.tree.node_count();
   ASSERT_EQ(morula_model_node_count(c.model), nodes);
-  EXPECT_EQ(morula_model_level_count(c.model), built.tree.level_count());
-  EXPECT_EQ(morula_model_leaf_count(c.model), built.tree.leaf_count());
-  EXPECT_EQ(std::memcmp(morula_model_spheres(c.model), built.tree.spheres.data(), nodes * sizeof(Sphere)), 0);
+  EXPECT_EQ(morula_model_level_count(c.model), model.tree.level_count());
+  EXPECT_EQ(morula_model_leaf_count(c.model), model.tree.leaf_count());
+  EXPECT_EQ(std::memcmp(morula_model_spheres(c.model), model.tree.spheres.data(), nodes * sizeof(Sphere)), 0);
   for (std::size_t n = 0; n < nodes; ++n) {
-    EXPECT_EQ(morula_model_first_child(c.model)[n], built.tree.first_child[n]);
-    EXPECT_EQ(morula_model_child_count(c.model)[n], built.tree.child_count[n]);
-    EXPECT_EQ(morula_model_parent(c.model)[n], built.tree.parent[n]);
+    EXPECT_EQ(morula_model_first_child(c.model)[n], model.tree.first_child[n]);
+    EXPECT_EQ(morula_model_child_count(c.model)[n], model.tree.child_count[n]);
+    EXPECT_EQ(morula_model_parent(c.model)[n], model.tree.parent[n]);
   }
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
-    const std::vector<std::uint32_t> set = level_set(built.tree, level);
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
+    const std::vector<std::uint32_t> set = level_set(model.tree, level);
     std::size_t count = 0;
     ASSERT_EQ(morula_model_level_set(c.model, level, nullptr, 0, &count), MORULA_OK);
     ASSERT_EQ(count, set.size());
@@ -83,7 +83,7 @@ TEST(CInterface, gives_the_bits_of_the_other_one) {
     EXPECT_EQ(got, set);
   }
 
-  Body a(mesh, built), b(mesh, built);
+  Body a(mesh, model), b(mesh, model);
   const std::vector<Vec3> positions = bent(mesh);
   a.update(positions);
   ASSERT_EQ(morula_body_update_double(c.a, &positions[0].x, positions.size(), 0), MORULA_OK) << morula_message();
@@ -97,8 +97,8 @@ TEST(CInterface, gives_the_bits_of_the_other_one) {
   Collider first(mesh, a), second(mesh, b);
   for (const double height : {0.0, 0.6, 1.4, 3.0}) {
     const double translation[3] = {0, 0, height};
-    ASSERT_EQ(morula_body_place(c.b, upright, translation), MORULA_OK);
-    second.place({.translation = {0, 0, height}});
+    ASSERT_EQ(morula_body_set_transform(c.b, upright, translation), MORULA_OK);
+    second.set_transform({.translation = {0, 0, height}});
     int overlaps = -1;
     ASSERT_EQ(morula_overlap(c.a, c.b, &overlaps), MORULA_OK) << morula_message();
     EXPECT_EQ(overlaps == 1, overlap(first, second));
@@ -262,7 +262,7 @@ TEST(CInterface, tells_faults_by_codes_and_words) {
   int overlaps = 0;
   EXPECT_EQ(morula_overlap(c.a, c.b, &overlaps), MORULA_BAD_ARGUMENT) << "of a body that is not current";
   const double mirrored[9] = {-1, 0, 0, 0, 1, 0, 0, 0, 1};
-  EXPECT_EQ(morula_body_place(c.a, mirrored, upright), MORULA_BAD_ARGUMENT);
+  EXPECT_EQ(morula_body_set_transform(c.a, mirrored, upright), MORULA_BAD_ARGUMENT);
 
   morula_contacts* contacts = nullptr;
   ASSERT_EQ(morula_contacts_create(&contacts), MORULA_OK);

@@ -5,7 +5,7 @@
 
 int main() {
   const morula::Mesh mesh = morula::sample_body("torus", 12);
-  const morula::CoveredTree built = morula::build(mesh, {.method = morula::Method::octree});
-  std::printf("%zu spheres\n", built.tree.node_count());
-  return morula::validate(mesh, built).empty() ? 0 : 1;
+  const morula::CoveredTree model = morula::build(mesh, {.method = morula::Method::octree});
+  std::printf("%zu spheres\n", model.tree.node_count());
+  return morula::validate(mesh, model).empty() ? 0 : 1;
 }

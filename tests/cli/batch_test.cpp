@@ -476,8 +476,8 @@ TEST(Batch, measures_as_measure_does) {
   ASSERT_EQ(row.at("looseness").size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(row.at("looseness").at(i), levels.at(i).at("looseness")) << levels.at(i);
-    EXPECT_EQ(row.at("bare_area").at(i), levels.at(i).at("bare_area"));
-    EXPECT_EQ(row.at("gap").at(i), levels.at(i).at("gap"));
+    EXPECT_EQ(row.at("uncovered_area").at(i), levels.at(i).at("uncovered_area"));
+    EXPECT_EQ(row.at("uncovered_distance").at(i), levels.at(i).at("uncovered_distance"));
     EXPECT_EQ(row.at("protrusion").at(i), levels.at(i).at("protrusion_worst"));
   }
   EXPECT_EQ(row.at("closed"), true);

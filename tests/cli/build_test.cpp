@@ -19,16 +19,16 @@ TEST(BuildCommand, writes_the_tree_that_the_library_builds) {
     const auto json =
         bench.require("build limb.obj -o t.morula --method " + method_name + " --branching 6 --depth 2 --seed 7 --json")
             .json();
-    const CoveredTree built = build(mesh, {.method = method, .branching = 6, .depth = 2, .seed = 7, .progress = {}});
+    const CoveredTree model = build(mesh, {.method = method, .branching = 6, .depth = 2, .seed = 7, .progress = {}});
     const CoveredTree read = read_covered_tree(bench / "t.morula", mesh);
-    EXPECT_EQ(tree_hash(read.tree), tree_hash(built.tree)) << method_name;
+    EXPECT_EQ(tree_hash(read.tree), tree_hash(model.tree)) << method_name;
     EXPECT_TRUE(json["covered"].get<bool>());
     EXPECT_LE(json["worst_excess"].get<double>(), 0);
     EXPECT_EQ(json["method"], method_name);
     EXPECT_EQ(json["seed"], 7);
-    ASSERT_EQ(json["levels"].size(), built.tree.level_count());
+    ASSERT_EQ(json["levels"].size(), model.tree.level_count());
     EXPECT_EQ(json["levels"][0]["nodes"], 1);
-    EXPECT_EQ(json["levels"][0]["largest_radius"].get<double>(), built.tree.spheres[0].radius);
+    EXPECT_EQ(json["levels"][0]["largest_radius"].get<double>(), model.tree.spheres[0].radius);
   }
 }
 
@@ -197,7 +197,7 @@ TEST(BuildCommand, refuses_contradictions_with_nothing_written) {
         "-o t.morula --spheres 0", "-o t.morula --spheres -4", "-o t.morula --spheres 1e3",
         "-o t.morula --max-protrusion 0", "-o t.morula --max-protrusion nan", "-o t.morula --time-limit 0",
         "-o t.morula --time-limit -1", "-o t.morula --method grid --quality best",
-        "-o t.morula --method morula --quality good"}) {
+        "-o t.morula --method optimized --quality good"}) {
     const CommandResult result = bench.run(std::string("build bar.obj ") + options);
     EXPECT_EQ(result.exit_code, 2) << options;
     EXPECT_EQ(result.err.rfind("morula: error: ", 0), 0u) << result.err;

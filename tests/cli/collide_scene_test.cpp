@@ -43,10 +43,10 @@ TEST(CollideScene, tells_the_contacts_of_every_two_bodies_frame_by_frame) {
   ASSERT_EQ(json["frames"].size(), 3u);
   EXPECT_EQ(json["bodies"], (nlohmann::json{"floor", "limb", "tool"}));
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
-  const Body rest(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
+  const Body rest(mesh, model);
   Collider floor(mesh, rest), limb(mesh, rest);
-  floor.place(RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 2, {0.2, 0.6, 0}));
+  floor.set_transform(RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 2, {0.2, 0.6, 0}));
   const std::size_t expected = collide(floor, limb).contacts.size();
   std::size_t contacts = 0;
   for (const std::size_t frame : {0, 2}) {
@@ -85,8 +85,8 @@ TEST(CollideScene, shows_bodies_and_contacts_on_a_page) {
   const nlohmann::json& motion = content["motions"][0];
   EXPECT_EQ(motion["facets"], 3 * mesh.facet_count());
   EXPECT_EQ(motion["frames"].size(), 3u);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
-  EXPECT_EQ(content["scenes"][0]["child_count"].size(), 3 * built.tree.node_count() + 1)
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
+  EXPECT_EQ(content["scenes"][0]["child_count"].size(), 3 * model.tree.node_count() + 1)
       << "three trees below one root";
   // Rows of the table whose surfaces touch, by frame.
   std::vector<std::size_t> expected(3);
@@ -106,14 +106,14 @@ TEST(CollideScene, keeps_to_a_budget_and_says_which_facets_cross) {
   for (const auto& frame : limited["frames"]) EXPECT_LE(frame["pair_tests"], 300);
   const auto again = bench.require("collide --scene room.json --budget 300 --json --threads 2").json();
   for (std::size_t f = 0; f < 3; ++f) EXPECT_EQ(again["frames"][f]["pairs"], limited["frames"][f]["pairs"]);
-  const auto exact = bench.require("collide --scene room.json --exact --json -o facets.csv").json();
+  const auto exact = bench.require("collide --scene room.json --crossings --json -o facets.csv").json();
   std::size_t crossings = 0;
   for (const auto& frame : exact["frames"])
     for (const auto& pair : frame["pairs"]) crossings += pair["facet_pairs"].get<std::size_t>();
   EXPECT_GT(crossings, 0u);
   EXPECT_EQ(row_count(bench.read("facets.csv")), 1 + crossings);
-  const auto two =
-      bench.require("collide limb.obj limb.obj --place-a 0.2,0.6,0 --turn-a 0,0,1,90 --motion-b motion --exact --json");
+  const auto two = bench.require(
+      "collide limb.obj limb.obj --translate-a 0.2,0.6,0 --rotate-a 0,0,1,90 --motion-b motion --crossings --json");
   for (std::size_t f = 0; f < 3; ++f)
     EXPECT_EQ(exact["frames"][f]["pairs"][0]["facet_pairs"], two.json()["frames"][f]["facet_pairs"].size());
   EXPECT_NE(bench.require("collide --scene room.json --budget 300").out.find("ended 3 frames early"),
@@ -203,20 +203,21 @@ TEST(CollideFeatures, tells_what_crosses_itself_and_what_is_near) {
   EXPECT_EQ(bench.read("self.csv"),
             "frame,surface_a,surface_b,kind,a0,a1,a2,b0,b1,b2,distance\n0,a,a,ff,0,1,2,4,5,6,\n");
   // The single facet goes through the floor of the first alone; with --self the first crosses itself as well.
-  const std::string moved = "collide below.obj one.obj --place-b 0.05,0.1,0 --json";
+  const std::string moved = "collide below.obj one.obj --translate-b 0.05,0.1,0 --json";
   EXPECT_EQ(bench.require(moved + " --self").json()["frames"][0]["facet_pairs"], 2);
-  const auto near = bench.require("collide above.obj one.obj --place-b 0,0,1 --within 0.55 --json -o near.csv").json();
+  const auto near =
+      bench.require("collide above.obj one.obj --translate-b 0,0,1 --within 0.55 --json -o near.csv").json();
   EXPECT_DOUBLE_EQ(near["frames"][0]["least_distance"], 0);
   EXPECT_GT(near["frames"][0]["vertex_facet"], 0);
   EXPECT_NE(bench.read("near.csv").find("0,a,b,"), std::string::npos);
-  EXPECT_EQ(bench.require("collide above.obj one.obj --place-b 0,0,9 --within 0.5 --json")
+  EXPECT_EQ(bench.require("collide above.obj one.obj --translate-b 0,0,9 --within 0.5 --json")
                 .json()["frames"][0]["least_distance"],
             nullptr);
   bench.expect_refused("collide above.obj", "name another one, or add --self");
   bench.expect_refused("collide above.obj --within 1", "add --self, or name the other body");
   bench.expect_refused("collide above.obj --self --within -1", "--within -1 is not a length of 0 or more");
   bench.expect_refused("collide above.obj --self --budget 5", "--budget is for contacts of spheres");
-  bench.expect_refused("collide above.obj --self --place-b 1,0,0", "there is no body B");
+  bench.expect_refused("collide above.obj --self --translate-b 1,0,0", "there is no body B");
   bench.expect_refused("collide", "name two meshes, or give --scene FILE");
 }
 

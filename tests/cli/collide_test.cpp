@@ -27,7 +27,7 @@ struct CollideBench : Workbench {
   }
 };
 const std::string pair = "limb.obj limb.obj --tree-a limb.morula --tree-b limb.morula ";
-const std::string beside = "--place-b 0.2,0.9,0.1 --turn-b 0,0,1,80 ";
+const std::string beside = "--translate-b 0.2,0.9,0.1 --rotate-b 0,0,1,80 ";
 
 std::size_t line_count(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
@@ -35,12 +35,12 @@ std::size_t line_count(const std::string& text) {
 
 TEST(CollideCommand, finds_the_contacts_and_facet_pairs_of_the_library) {
   const CollideBench bench;
-  const auto json = bench.require("collide " + pair + beside + "--motion-a motion --exact --json").json();
+  const auto json = bench.require("collide " + pair + beside + "--motion-a motion --crossings --json").json();
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const CoveredTree built = read_covered_tree(bench / "limb.morula", mesh);
-  Body body_a(mesh, built), body_b(mesh, built);
+  const CoveredTree model = read_covered_tree(bench / "limb.morula", mesh);
+  Body body_a(mesh, model), body_b(mesh, model);
   Collider a(mesh, body_a), b(mesh, body_b);
-  b.place(RigidTransform::from_axis({0, 0, 1}, 80 * std::numbers::pi / 180, {0.2, 0.9, 0.1}));
+  b.set_transform(RigidTransform::from_axis({0, 0, 1}, 80 * std::numbers::pi / 180, {0.2, 0.9, 0.1}));
   const Motion motion(bench / "motion", mesh);
   ASSERT_EQ(json["frames"].size(), motion.frame_count());
   std::size_t contact_count = 0, pair_count = 0;
@@ -104,9 +104,9 @@ TEST(CollideCommand, holds_a_body_in_the_last_frame_of_its_motion) {
 
 TEST(CollideCommand, writes_every_contact_or_facet_pair_as_a_row) {
   const CollideBench bench;
-  const auto json = bench.require("collide " + pair + beside + "--exact --json").json()["frames"][0];
+  const auto json = bench.require("collide " + pair + beside + "--crossings --json").json()["frames"][0];
   bench.require("collide " + pair + beside + "-o contacts.csv");
-  bench.require("collide " + pair + beside + "--exact -o pairs.csv");
+  bench.require("collide " + pair + beside + "--crossings -o pairs.csv");
   EXPECT_EQ(line_count(bench.read("contacts.csv")), 1 + json["contacts"].size());
   EXPECT_EQ(line_count(bench.read("pairs.csv")), 1 + json["facet_pairs"].size());
   const std::string csv = bench.read("contacts.csv");
@@ -117,7 +117,7 @@ TEST(CollideCommand, writes_every_contact_or_facet_pair_as_a_row) {
 
 TEST(CollideCommand, builds_a_tree_where_none_is_given) {
   const CollideBench bench;
-  const CommandResult result = bench.require("collide limb.obj limb.obj --place-b 9,0,0");
+  const CommandResult result = bench.require("collide limb.obj limb.obj --translate-b 9,0,0");
   EXPECT_NE(result.out.find("apart"), std::string::npos) << result.out;
   EXPECT_NE(result.out.find("no tree given for A and B"), std::string::npos) << result.out;
 }
@@ -133,9 +133,9 @@ TEST(CollideCommand, names_what_it_refuses_and_writes_nothing) {
       {"--margin -1", "--margin -1"},
       {"--margin nan", "--margin"},
       {"--priority depth", "priority"},
-      {"--place-b 1,2", "--place-b '1,2'"},
-      {"--turn-b 0,0,0,90", "has no direction"},
-      {"--turn-b 5", "0,0,1,90"},
+      {"--translate-b 1,2", "--translate-b '1,2'"},
+      {"--rotate-b 0,0,0,90", "has no direction"},
+      {"--rotate-b 5", "0,0,1,90"},
       {"--rule modal", "modal"},
       {"--motion-a none", "none"},
       {"-o contacts.txt", ".csv"},

@@ -24,8 +24,8 @@ TEST_P(CliCorpus, bunny_is_built_moved_and_stays_covered) {
   bench.require("info bunny.morula --check --mesh " + bunny);
   const auto measured = bench.require("measure " + bunny + " bunny.morula --no-protrusion --json").json();
   for (const auto& level : measured["frames"][0]["levels"]) {
-    EXPECT_EQ(level["bare_area"].get<double>(), 0) << level;
-    EXPECT_EQ(level["gap"].get<double>(), 0) << level;
+    EXPECT_EQ(level["uncovered_area"].get<double>(), 0) << level;
+    EXPECT_EQ(level["uncovered_distance"].get<double>(), 0) << level;
   }
   bench.require("deform " + bunny + " -o motion.npy --twist 90 --frames 3");
   const auto update = bench.require("update " + bunny + " bunny.morula motion.npy -o spheres --json").json();

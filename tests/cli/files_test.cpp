@@ -235,7 +235,7 @@ TEST(Numbers, are_not_negative_where_that_means_nothing) {
     for (const std::string& option : options) bench.expect_refused(command + " " + option + "=-1", option);
   };
   refused("build bar.obj -o out.morula", {"--seed", "--threads", "--spheres", "--max-protrusion", "--time-limit"});
-  refused("build bar.obj -o out.morula --optimiser balance --method medial", {"--balance-excess"});
+  refused("build bar.obj -o out.morula --optimizer balance --method medial", {"--balance-excess"});
   refused("measure bar.obj bar.morula --grid fixed", {"--resolution", "--voxel-edge", "--threads"});
   refused("deform bar.obj -o out --twist 3", {"--seed", "--frames", "--poke-radius", "--noise-wavelength"});
   refused("medial bar.obj -o out.ply", {"--seed", "--samples"});
@@ -258,15 +258,15 @@ TEST(Numbers, are_not_negative_where_that_means_nothing) {
 
 TEST(Numbers, placements_may_be_as_long_or_short_as_they_like) {
   const SmallBench bench;
-  const std::string command = "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --exact -o out.csv ";
-  bench.require(command + "--turn-b 0,0,1,90 --place-b 0.1,0.2,0.3");
+  const std::string command = "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --crossings -o out.csv ";
+  bench.require(command + "--rotate-b 0,0,1,90 --translate-b 0.1,0.2,0.3");
   const std::string expected = bench.read("out.csv");
   for (const std::string turn : {"0,0,1e300,90", "0,0,1e-300,90", "0,0,1,450", "0,0,7,3690"}) {
-    bench.require(command + "--turn-b " + turn + " --place-b 0.1,0.2,0.3");
+    bench.require(command + "--rotate-b " + turn + " --translate-b 0.1,0.2,0.3");
     EXPECT_EQ(bench.read("out.csv"), expected) << turn;
   }
-  bench.expect_refused(command + "--turn-b 0,0,0,90", "no direction");
-  bench.expect_refused(command + "--turn-b 0,0,1,nan", "three numbers");
+  bench.expect_refused(command + "--rotate-b 0,0,0,90", "no direction");
+  bench.expect_refused(command + "--rotate-b 0,0,1,nan", "three numbers");
   bench.expect_refused(command + "--budget 1e14ms", "--budget");
 }
 

@@ -152,7 +152,7 @@ TEST(SofaFiles, spheres_of_a_level_and_a_scene_that_names_what_there_is) {
   const std::map<std::string, std::string> expected{{"cover.position", "MechanicalObject position"},
                                                     {"cover.listRadius", "SphereCollisionModel listRadius"},
                                                     {"nodes", "BarycentricMapping input"},
-                                                    {"centres", "BarycentricMapping output"}};
+                                                    {"centers", "BarycentricMapping output"}};
   for (const auto& [target, user] : links) {
     EXPECT_TRUE(type_of_name.count(target.substr(0, target.find('.')))) << target;
     if (expected.count(target) != 0) {
@@ -189,7 +189,7 @@ TEST(ParaviewCommand, writes_surface_spheres_and_contacts_of_every_frame) {
   const nlohmann::json report =
       bench.require("paraview bar.obj bar.morula motion -o out --level 1 --fps 10 --json").json();
   EXPECT_EQ(report["frames"], 3);
-  EXPECT_EQ(report["bare_facets"], 0);
+  EXPECT_EQ(report["uncovered_facets"], 0);
   EXPECT_EQ(report["files"], nlohmann::json({"surface.pvd", "spheres.pvd"}));
   const std::string pvd = bench.read("out/surface.pvd");
   for (const char* words : {"timestep=\"0\"", "timestep=\"0.1\"", "timestep=\"0.2\"", "file=\"surface_0002.vtp\""})
@@ -197,7 +197,8 @@ TEST(ParaviewCommand, writes_surface_spheres_and_contacts_of_every_frame) {
   // The surface of a frame is the mesh of that frame: it reads back.
   bench.require("convert out/surface_0001.vtp frame.obj");
   EXPECT_EQ(bench.read("frame.obj"), bench.read("motion/0001.obj"));
-  bench.require("collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --place-b 0,0.5,0 -o contacts.csv");
+  bench.require(
+      "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --translate-b 0,0.5,0 -o contacts.csv");
   const nlohmann::json with = bench.require("paraview bar.obj -o out --contacts contacts.csv --json").json();
   EXPECT_EQ(with["files"], nlohmann::json({"surface.pvd", "contacts.pvd"}));
   EXPECT_TRUE(with["spheres"].is_null());
@@ -205,7 +206,7 @@ TEST(ParaviewCommand, writes_surface_spheres_and_contacts_of_every_frame) {
   // Spheres that do not cover leave facets bare.
   bench.write("small.json", R"({"format":"morula spheres","version":1,"branching":8,"levels":1,"nodes":[)"
                             R"({"center":[0,0,0],"radius":0.6,"children":[]}]})");
-  EXPECT_GT(bench.require("paraview bar.obj small.json -o bare --json").json()["bare_facets"], 0);
+  EXPECT_GT(bench.require("paraview bar.obj small.json -o bare --json").json()["uncovered_facets"], 0);
   bench.expect_refused("paraview bar.obj bar.morula -o out --level 7", "the tree has levels 0 to 2");
   bench.expect_refused("paraview bar.obj -o out --level 1", "--level belongs to a tree");
   bench.expect_refused("paraview bar.obj -o out --contacts bar.obj", "has no column x");

@@ -92,7 +92,7 @@ TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {
   EXPECT_EQ(bench.run("--version biuld").exit_code, 0);
   bench.expect_refused("build bar.obj -o x.morula --methd grid", "did you mean --method?");
   bench.expect_refused("build bar.obj -o x.morula --method gird",
-                       "known: octree, grid, hubbard, spawn, medial, combined, morula; did you mean grid?");
+                       "known: octree, grid, hubbard, spawn, medial, combined, optimized; did you mean grid?");
   bench.expect_refused("build bar.obj -o x.morula --method xyzzy", "unknown method 'xyzzy'; known: octree, grid");
   bench.expect_refused("sample lim -o x.obj", "did you mean limb?");
   bench.expect_refused("sample lim-modes -o x.npy", "did you mean limb?");

@@ -87,8 +87,8 @@ TEST(InfoCommand, says_whether_a_tree_is_nested) {
   bench.require("build bar.obj -o bar.morula --method octree --depth 2");
   EXPECT_EQ(bench.require("info bar.morula --json").json()["nested"], false);
   EXPECT_NE(bench.require("info bar.morula").out.find("nested     no: "), std::string::npos);
-  const CommandResult built = bench.require("build bar.obj -o nested.morula --method octree --depth 2 --nested");
-  EXPECT_NE(built.out.find("nested        yes"), std::string::npos) << built.out;
+  const CommandResult model = bench.require("build bar.obj -o nested.morula --method octree --depth 2 --nested");
+  EXPECT_NE(model.out.find("nested        yes"), std::string::npos) << model.out;
   EXPECT_EQ(bench.require("info nested.morula --check --mesh bar.obj --json").json()["nested"], true);
   const CommandResult info = bench.require("info nested.morula");
   EXPECT_NE(info.out.find("nested     yes: every sphere contains its children's\n"), std::string::npos) << info.out;
@@ -108,11 +108,11 @@ TEST(InfoCommand, finds_patches_that_do_not_tile_the_mesh) {
   bench.require("sample bar -o bar.obj --resolution 6");
   bench.require("build bar.obj -o bar.morula --method octree --depth 2");
   const Mesh mesh = read_mesh(bench / "bar.obj");
-  CoveredTree built = read_covered_tree(bench / "bar.morula", mesh);
+  CoveredTree model = read_covered_tree(bench / "bar.morula", mesh);
   // The first patch loses its area: every sphere still wraps its region, but part of the surface belongs to nobody.
-  const std::span<const std::uint32_t> patch = built.cover.patch(0);
-  std::fill_n(built.cover.corners.begin(), patch.size(), patch[0]);
-  write_tree(bench / "bad.morula", built);
+  const std::span<const std::uint32_t> patch = model.cover.patch(0);
+  std::fill_n(model.cover.corners.begin(), patch.size(), patch[0]);
+  write_tree(bench / "bad.morula", model);
   const CommandResult result = bench.run("info bad.morula --check --mesh bar.obj");
   EXPECT_EQ(result.exit_code, 1) << result.out << result.err;
   EXPECT_NE(result.out.find("fault "), std::string::npos) << result.out;

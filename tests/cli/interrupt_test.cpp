@@ -139,7 +139,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
   const std::filesystem::path err = bench.folder().string() + ".err";
   const std::vector<std::vector<std::string>> commands{
       {"measure", "small.obj", "spheres.npz", "--motion", "motion.npy", "--csv", "old.csv"},
-      {"collide", "small.obj", "small.obj", "--motion-a", "motion.npy", "--exact", "-o", "old.csv"},
+      {"collide", "small.obj", "small.obj", "--motion-a", "motion.npy", "--crossings", "-o", "old.csv"},
       {"collide", "limb.obj", "limb.obj", "-o", "new.csv"},
       {"medial", "limb.obj", "-o", "balls.ply", "--samples", "5000000", "--kind", "voronoi"},
       {"repair", "limb.obj", "-o", "new.obj", "--merge", "0.001", "--cap", "500"},

@@ -22,8 +22,8 @@ TEST(MeasureCommand, built_trees_leave_nothing_bare_at_any_level) {
     ASSERT_EQ(levels.size(), 4u) << method;
     for (const auto& level : levels) {
       EXPECT_TRUE(level["covered"].get<bool>()) << method << level;
-      EXPECT_EQ(level["bare_area"].get<double>(), 0) << method << level;
-      EXPECT_EQ(level["gap"].get<double>(), 0) << method << level;
+      EXPECT_EQ(level["uncovered_area"].get<double>(), 0) << method << level;
+      EXPECT_EQ(level["uncovered_distance"].get<double>(), 0) << method << level;
       EXPECT_GT(level["looseness"].get<double>(), 0) << method << level;
       EXPECT_GE(level["protrusion_worst"].get<double>(), level["protrusion_mean"].get<double>());
     }
@@ -41,9 +41,9 @@ TEST(MeasureCommand, a_bare_tree_is_measured_as_it_is_and_said_not_to_cover) {
   EXPECT_FALSE(level["covered"].get<bool>());
   // The bar is 4 x 1 x 1 about the origin: its far corners are |(2, ½, ½)| − 1 from the unit ball, and what is bare is
   // everything of the surface but the four strips inside the ball.
-  EXPECT_NEAR(level["gap"].get<double>(), std::sqrt(4.5) - 1, 1e-6);
-  EXPECT_GT(level["bare_area"].get<double>(), 0.4);
-  EXPECT_LT(level["bare_area"].get<double>(), 1.0);
+  EXPECT_NEAR(level["uncovered_distance"].get<double>(), std::sqrt(4.5) - 1, 1e-6);
+  EXPECT_GT(level["uncovered_area"].get<double>(), 0.4);
+  EXPECT_LT(level["uncovered_area"].get<double>(), 1.0);
 }
 
 TEST(MeasureCommand, open_meshes_get_cover_and_no_guess_about_volume) {
@@ -67,7 +67,8 @@ TEST(MeasureCommand, csv_holds_the_digits_of_the_json) {
   std::istringstream lines(bench.read("bar.csv"));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line.rfind("frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,", 0), 0u) << line;
+  EXPECT_EQ(line.rfind("frame,tree,level,spheres,looseness,missed_volume,uncovered_area,uncovered_distance,", 0), 0u)
+      << line;
   for (const auto& level : json["frames"][0]["levels"]) {
     ASSERT_TRUE(std::getline(lines, line));
     std::istringstream cells(line);
@@ -136,7 +137,7 @@ TEST(MeasureCommand, frames_and_trees_are_paired_by_number) {
   EXPECT_EQ(bench.run("measure bar.obj spheres").exit_code, 2);
 }
 
-TEST(MeasureCommand, reads_spheres_about_the_centre_of_the_box) {
+TEST(MeasureCommand, reads_spheres_about_the_center_of_the_box) {
   const Workbench bench;
   bench.write("far.obj", "v 9 9 9\nv 11 9 9\nv 9 11 9\nv 9 9 11\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   bench.write("far.sph", "1 8\n0 0 0 1.8 0\n");

@@ -34,7 +34,7 @@ TEST(Plots, are_whole_drawings_that_name_their_panels_and_lines) {
   bench.require("update limb.obj limb.morula bend.npy -o spheres --rule approach2 --measure --plot update.svg");
   bench.require("measure limb.obj limb.morula --no-protrusion --plot rest.svg");
   bench.require("measure limb.obj spheres --motion bend --no-protrusion --plot motion.svg");
-  bench.require(touch + " --exact --plot touch.svg");
+  bench.require(touch + " --crossings --plot touch.svg");
   const auto names = [&](const char* file, std::initializer_list<const char*> words) {
     const std::string svg = bench.read(file);
     EXPECT_EQ(svg.rfind("<svg", 0), 0U) << file;
@@ -43,16 +43,16 @@ TEST(Plots, are_whole_drawings_that_name_their_panels_and_lines) {
     for (const char* word : words) EXPECT_NE(svg.find(word), std::string::npos) << file << " has no " << word;
     EXPECT_EQ(svg.find("level 0"), std::string::npos) << file;
   };
-  names("update.svg", {"radii, of those at rest", "looseness, object volumes", "bare area, %", "update, µs", "level 1",
-                       "level 2", "frame"});
-  names("rest.svg", {"looseness, object volumes", "bare area, %", ">level<", "1 (8 spheres)"});
-  names("motion.svg", {"looseness, object volumes", "bare area, %", "level 1", "level 2", ">frame<"});
+  names("update.svg", {"radii, of those at rest", "looseness, object volumes", "uncovered area, %", "update, µs",
+                       "level 1", "level 2", "frame"});
+  names("rest.svg", {"looseness, object volumes", "uncovered area, %", ">level<", "1 (8 spheres)"});
+  names("motion.svg", {"looseness, object volumes", "uncovered area, %", "level 1", "level 2", ">frame<"});
   names("touch.svg", {"contacts", "deepest, mesh units", "pair tests", "facet pairs", "limb.obj and tool.obj"});
   // Without a time in them they are the same each time.
   for (const char* file : {"motion.svg", "touch.svg"}) {
     const std::string before = bench.read(file);
     bench.require(std::string(file) == "touch.svg"
-                      ? touch + " --exact --plot touch.svg"
+                      ? touch + " --crossings --plot touch.svg"
                       : "measure limb.obj spheres --motion bend --no-protrusion --plot motion.svg");
     EXPECT_EQ(bench.read(file), before);
   }

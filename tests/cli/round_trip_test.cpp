@@ -47,7 +47,7 @@ TEST(RoundTrip, flat_sets_are_read_wherever_they_make_sense) {
   bench.require("convert set.json leaves.ply");
   EXPECT_EQ(read_balls(bench / "leaves.ply").size(), balls.size());
   const auto contacts =
-      bench.require("collide bar.obj bar.obj --tree-a set.ply --tree-b bar.morula --place-b 0.3,0,0 --json").json();
+      bench.require("collide bar.obj bar.obj --tree-a set.ply --tree-b bar.morula --translate-b 0.3,0,0 --json").json();
   EXPECT_FALSE(contacts["frames"][0]["contacts"].empty());
   bench.require("update bar.obj set.ply motion -o moved.npz");
   if (bench.has_page()) bench.require("view bar.obj set.ply -o set.html --no-measure");
@@ -129,7 +129,7 @@ TEST(Early, what_can_be_known_is_known_before_any_work) {
   bench.expect_refused("collide limb.obj missing.obj", "missing.obj: there is no such file");
   bench.expect_refused("collide limb.obj bar.obj --tree-b missing.morula", "missing.morula: there is no such file");
   bench.expect_refused("collide limb.obj bar.obj --motion-b missing", "missing: there is no such folder");
-  bench.expect_refused("collide limb.obj bar.obj --turn-b 0,0,0,3", "no direction");
+  bench.expect_refused("collide limb.obj bar.obj --rotate-b 0,0,0,3", "no direction");
   bench.expect_refused(slow + "missing/x.morula", "there is no folder missing");
   bench.expect_refused(slow + std::string(300, 'x') + ".morula", "");
   bench.shell("mkdir closed && chmod 500 closed");

@@ -89,7 +89,7 @@ TEST(Stranger, in_games) {
                   {"info soup.obj", 0, {"repair"}},
                   {"repair soup.obj -o whole.obj", 0, {"merged"}, {"whole.obj"}},
                   {"info whole.obj --json", 0, {"\"closed\""}},
-                  {"collide crate.obj crate.obj --place-b 0.5,0.2,0 --exact --budget 200us", 0, {"contacts"}},
+                  {"collide crate.obj crate.obj --translate-b 0.5,0.2,0 --crossings --budget 200us", 0, {"contacts"}},
                   {"collide crate.obj", 2, {"name another one", "--self"}},
                   {"collide crate.obj missing.obj", 2, {"missing.obj", "no such file"}},
                   {"build crate.obj -o no/such/folder/crate.morula", 2, {"no/such/folder"}},
@@ -100,28 +100,29 @@ TEST(Stranger, in_games) {
 // 3: "a liver with modes, and a probe that must not miss it"
 TEST(Stranger, in_surgery) {
   const Workbench bench;
-  walk(bench,
-       {
-           {"sample limb -o leber.ply --resolution 12", 0, {}, {"leber.ply"}},
-           {"sample limb-modes -o modes.npy --resolution 12", 0, {}, {"modes.npy"}},
-           {"sample limb-coords -o coords.npy", 0, {}, {"coords.npy"}},
-           {"build leber.ply -o leber.morula --quality fast", 0, {"covers"}},
-           {"update leber.ply leber.morula --modes modes.npy --coords coords.npy -o moved.npz",
-            0,
-            {"holds"},
-            {"moved.npz"}},
-           {"info moved.npz", 0},
-           {"sample tool -o tool.obj", 0, {}, {"tool.obj"}},
-           {"deform leber.ply -o poke.npy --poke --frames 4", 0, {}, {"poke.npy"}},
-           {"collide leber.ply tool.obj --tree-a leber.morula --motion-a poke.npy --place-b 0,0.8,0 -o contacts.csv "
-            "--plot contacts.svg",
-            0,
-            {"summary"},
-            {"contacts.csv", "contacts.svg"}},
-           {"update leber.ply leber.morula gone/ -o moved.npz", 2, {"no such folder"}},
-           {"deform tool.obj -o tool.npy --twist 20 --frames 3", 0, {}, {"tool.npy"}},
-           {"update tool.obj leber.morula tool.npy -o other.npz", 2, {"leber.morula"}},
-       });
+  walk(
+      bench,
+      {
+          {"sample limb -o leber.ply --resolution 12", 0, {}, {"leber.ply"}},
+          {"sample limb-modes -o modes.npy --resolution 12", 0, {}, {"modes.npy"}},
+          {"sample limb-coords -o coords.npy", 0, {}, {"coords.npy"}},
+          {"build leber.ply -o leber.morula --quality fast", 0, {"covers"}},
+          {"update leber.ply leber.morula --modes modes.npy --coords coords.npy -o moved.npz",
+           0,
+           {"holds"},
+           {"moved.npz"}},
+          {"info moved.npz", 0},
+          {"sample tool -o tool.obj", 0, {}, {"tool.obj"}},
+          {"deform leber.ply -o poke.npy --poke --frames 4", 0, {}, {"poke.npy"}},
+          {"collide leber.ply tool.obj --tree-a leber.morula --motion-a poke.npy --translate-b 0,0.8,0 -o contacts.csv "
+           "--plot contacts.svg",
+           0,
+           {"summary"},
+           {"contacts.csv", "contacts.svg"}},
+          {"update leber.ply leber.morula gone/ -o moved.npz", 2, {"no such folder"}},
+          {"deform tool.obj -o tool.npy --twist 20 --frames 3", 0, {}, {"tool.npy"}},
+          {"update tool.obj leber.morula tool.npy -o other.npz", 2, {"leber.morula"}},
+      });
 }
 
 // 4: "spheres for my planner, as few as do"

@@ -45,12 +45,12 @@ TEST(UpdateCommand, writes_the_spheres_that_the_library_computes) {
   bench.require("build limb.obj -o limb.morula --depth 2");
   bench.require("deform limb.obj -o motion --stretch 2 --frames 3");
   const Mesh mesh = read_mesh(bench / "limb.obj");
-  const CoveredTree built = read_covered_tree(bench / "limb.morula", mesh);
+  const CoveredTree model = read_covered_tree(bench / "limb.morula", mesh);
   const Motion motion(bench / "motion", mesh);
   for (const Rule rule : position_rules()) {
     const std::string rule_name(name(rule));
     bench.require("update limb.obj limb.morula motion -o " + rule_name + " --rule " + rule_name);
-    Body body(mesh, built, {.rules = {rule}, .details = {}});
+    Body body(mesh, model, {.rules = {rule}, .details = {}});
     ASSERT_TRUE(body.update(motion.frame(1)));
     const SphereTree read = read_tree(bench / (rule_name + "/0001.sph")).tree;
     EXPECT_EQ(tree_hash(read), tree_hash(body.current_tree())) << rule_name;

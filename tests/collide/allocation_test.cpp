@@ -17,7 +17,7 @@ using test::allocations;
 TEST(Allocation, no_query_allocates_with_a_reused_result) {
   const BuildOptions options{.method = Method::octree, .depth = 3};
   test::Specimen a("limb", 9, options), b("torus", 8, options);
-  a.place(RigidTransform::from_axis({1, 2, 3}, 1));
+  a.set_transform(RigidTransform::from_axis({1, 2, 3}, 1));
   std::size_t time = 0;
   CollideOptions timed{.budget = std::chrono::nanoseconds(20)};
   timed.clock = [&time] { return std::chrono::nanoseconds(time++); };

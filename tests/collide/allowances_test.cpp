@@ -62,11 +62,11 @@ TEST(PairAllowance, pays_for_narrowing_the_translation_and_for_sums_with_it) {
   Random random(1);
   int tested = 0;
   for (int trial = 0; trial < 20000; ++trial) {
-    RigidTransform relative = test::random_placement(random, 0);
+    RigidTransform relative = test::random_transform(random, 0);
     const double half = e * (1 - 0x1p-20);
     relative.translation = {1 + half, 1 + half, 1 + half};
     const double wanted = 2 * e * random.uniform(0.8, 1);
-    const Vec3f b(relative.turn_back(Vec3{wanted, wanted, wanted}));
+    const Vec3f b(relative.inverse_rotate(Vec3{wanted, wanted, wanted}));
     for (const float step : {2.0f, 3.0f, 4.0f, 6.0f}) {
       const float at = 1 + step * 0x1p-23f;
       const Vec3f a{at, at, at};
@@ -78,12 +78,12 @@ TEST(PairAllowance, pays_for_narrowing_the_translation_and_for_sums_with_it) {
   EXPECT_GT(tested, 1000);
 }
 
-TEST(PairAllowance, pays_for_moving_centres) {
+TEST(PairAllowance, pays_for_moving_centers) {
   Random random(2);
   for (int trial = 0; trial < 100000; ++trial) {
-    const RigidTransform relative = test::random_placement(random, 0);
+    const RigidTransform relative = test::random_transform(random, 0);
     const Vec3f b(random_vector(random));
-    const Vec3f a(relative.turn(Vec3(b)) + 4 * e * random_vector(random));
+    const Vec3f a(relative.rotate(Vec3(b)) + 4 * e * random_vector(random));
     ASSERT_TRUE(overlap_surely(relative, {a, radius_to(real_distance(relative, a, b))}, {b, 0})) << "trial " << trial;
   }
 }
@@ -99,11 +99,11 @@ TEST(PairAllowance, pays_for_distances_and_squares) {
   }
 }
 
-// Of the body that is moved: what is allowed for its centre does not pay for its radius.
+// Of the body that is moved: what is allowed for its center does not pay for its radius.
 TEST(PairAllowance, pays_for_rotations_that_are_not_quite_rigid) {
   Random random(4);
   for (int trial = 0; trial < 20000; ++trial) {
-    RigidTransform relative = test::random_placement(random, 0);
+    RigidTransform relative = test::random_transform(random, 0);
     const Vec3f a(random_vector(random));
     const float radius = radius_to(real_distance(relative, a, {}) * (1 - 3e-9L));
     ASSERT_TRUE(overlap_surely(relative, {a, 0}, {{}, radius})) << "trial " << trial;
@@ -114,7 +114,7 @@ TEST(PairAllowance, pays_for_squares_that_underflow) {
   Random random(5);
   for (const double size : {0x1p-68, 0x1p-72, 0x1p-74, 0x1p-75, 0x1p-76})
     for (int trial = 0; trial < 5000; ++trial) {
-      const RigidTransform relative = test::random_placement(random, size);
+      const RigidTransform relative = test::random_transform(random, size);
       const Vec3f a(random_vector(random) * size), b(random_vector(random) * size);
       ASSERT_TRUE(overlap_surely(relative, {a, radius_to(real_distance(relative, a, b))}, {b, 0})) << size;
     }
@@ -127,17 +127,17 @@ struct OneFacet {
         body(mesh, make(mesh), std::move(options)),
         collider(mesh, body) {}
   static CoveredTree make(const Mesh& mesh) {
-    CoveredTree built;
-    built.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
-    built.cover.vertex_count = 3;
-    built.cover.facet_count = 1;
-    built.cover.patch_facet = {0};
-    built.cover.corner_begin = {0, 3};
-    built.cover.corners = {0, 1, 2};
-    built.cover.region_begin = {0};
-    built.cover.region_end = {1};
+    CoveredTree model;
+    model.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
+    model.cover.vertex_count = 3;
+    model.cover.facet_count = 1;
+    model.cover.patch_facet = {0};
+    model.cover.corner_begin = {0, 3};
+    model.cover.corners = {0, 1, 2};
+    model.cover.region_begin = {0};
+    model.cover.region_end = {1};
     (void)mesh;
-    return built;
+    return model;
   }
   Mesh mesh;
   Body body;
@@ -152,8 +152,8 @@ TEST(PairAllowance, pays_for_vertices_that_are_rounded_far_from_the_origin) {
   OneFacet a({Vec3{x, x, x}, Vec3{-x, -x, -x}, Vec3{x, -x, 0}}), b({Vec3{x, x, x}, Vec3{-x, -x, -x}, Vec3{x, -x, 0}});
   for (const double sign : {1.0, -1.0}) {
     const double near = sign * away, far = near + 2 * unit;
-    a.collider.place({.translation = {near, near, near}});
-    b.collider.place({.translation = {far, far, far}});
+    a.collider.set_transform({.translation = {near, near, near}});
+    b.collider.set_transform({.translation = {far, far, far}});
     ASSERT_EQ(a.collider.triangle(0)[0], b.collider.triangle(0)[1]);
     EXPECT_TRUE(overlap(a.collider, b.collider));
     EXPECT_TRUE(overlap(b.collider, a.collider));
@@ -211,13 +211,13 @@ void expect_the_contacts_of_a_fresh_front(double little, int rounds, std::uint64
   for (int round = 0; round < rounds; ++round) {
     const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (count_a - 1));
     const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (count_b - 1));
-    RigidTransform place = test::random_placement(random, 0);
+    RigidTransform place = test::random_transform(random, 0);
     const Vec3 direction = normalized(random_vector(random));
     const Sphere sphere_a = a.body->sphere(node_a), sphere_b = b.body->sphere(node_b);
-    const Vec3 start = sphere_a.center - place.turn(sphere_b.center);
+    const Vec3 start = sphere_a.center - place.rotate(sphere_b.center);
     const auto place_at = [&](double way) {
       place.translation = start + direction * way;
-      b.place(place);
+      b.set_transform(place);
     };
     const double radii = sphere_a.radius + sphere_b.radius;
     const double far = way_to_separation(a, b, node_a, node_b, 0.9 * radii, 1.1 * radii, place_at);
@@ -259,12 +259,12 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
     away = near;
     away[guide] += Vec3{2000 * b.size, 1000 * b.size, 500 * b.size};
     pose(near);
-    const Vec3 origin = b.collider->pose().origin;
+    const Vec3 origin = b.collider->sphere_state().origin;
     pose(away);
-    if (length(b.collider->pose().origin - origin) > 100 * b.size) break;
+    if (length(b.collider->sphere_state().origin - origin) > 100 * b.size) break;
   }
   const auto leaves = [](const test::Specimen& s) {
-    const SphereTree& tree = s.built.tree;
+    const SphereTree& tree = s.model.tree;
     return std::pair{tree.level_begin[2], tree.level_begin[3]};
   };
   const auto [first_a, end_a] = leaves(a);
@@ -273,13 +273,13 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
   for (int round = 0; round < 400; ++round) {
     const auto node_a = static_cast<std::uint32_t>(first_a + random.next() % (end_a - first_a));
     const auto node_b = static_cast<std::uint32_t>(first_b + random.next() % (end_b - first_b));
-    RigidTransform place = test::random_placement(random, 0);
+    RigidTransform place = test::random_transform(random, 0);
     const Vec3 direction = normalized(random_vector(random));
     pose(near);
-    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const Vec3 start = a.body->sphere(node_a).center - place.rotate(b.body->sphere(node_b).center);
     const auto place_at = [&](double way) {
       place.translation = start + direction * way;
-      b.place(place);
+      b.set_transform(place);
     };
     const double before = way_to_separation(a, b, node_a, node_b, 0, 3 * a.size, place_at);
     pose(away);
@@ -297,7 +297,7 @@ TEST(FrontAllowance, pays_for_coordinates_that_grow_since) {
   EXPECT_GT(changed, 100u);
 }
 
-// What has come back from far away has travelled so far that a short way is nothing beside it; and yet contacts change
+// What has come back from far away has traveled so far that a short way is nothing beside it; and yet contacts change
 // on short ways. Either body may be the one that was away.
 TEST(FrontAllowance, counts_short_ways_after_long_ones) {
   const BuildOptions options{.method = Method::octree, .depth = 1};
@@ -311,16 +311,16 @@ TEST(FrontAllowance, counts_short_ways_after_long_ones) {
   std::size_t changed = 0;
   for (int round = 0; round < 200; ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
-    test::Specimen& traveller = round % 2 == 0 ? a : b;
-    RigidTransform place = test::random_placement(random, 0);
+    test::Specimen& traveler = round % 2 == 0 ? a : b;
+    RigidTransform place = test::random_transform(random, 0);
     const auto node_a = static_cast<std::uint32_t>(1 + random.next() % (a.body->spheres().size() - 1));
     const auto node_b = static_cast<std::uint32_t>(1 + random.next() % (b.body->spheres().size() - 1));
-    const Vec3 start = a.body->sphere(node_a).center - place.turn(b.body->sphere(node_b).center);
+    const Vec3 start = a.body->sphere(node_a).center - place.rotate(b.body->sphere(node_b).center);
     const Vec3 direction = normalized(random_vector(random));
     const double radii = a.body->sphere(node_a).radius + b.body->sphere(node_b).radius;
     const auto place_at = [&](double way) {
       place.translation = start + direction * way;
-      b.place(place);
+      b.set_transform(place);
     };
     const auto pose = [](test::Specimen& s, const std::vector<Vec3>& positions) {
       ASSERT_TRUE(s.body->update(positions));
@@ -328,10 +328,10 @@ TEST(FrontAllowance, counts_short_ways_after_long_ones) {
     };
     place_at(1.2 * radii);
     CarriedAndFresh contacts(a, b);
-    const std::vector<Vec3> far = moved_by(traveller.positions, traveller.size * std::exp2(random.uniform(20, 50)));
-    pose(traveller, far);
+    const std::vector<Vec3> far = moved_by(traveler.positions, traveler.size * std::exp2(random.uniform(20, 50)));
+    pose(traveler, far);
     contacts.expect_the_same();
-    pose(traveller, traveller.positions);
+    pose(traveler, traveler.positions);
     contacts.expect_the_same();
     for (double way = 1.2; way > 0.8; way -= 0.02) {
       place_at(way * radii);

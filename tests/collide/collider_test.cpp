@@ -100,7 +100,7 @@ TEST(RigidTransform, that_is_rigid_keeps_its_bits_and_one_that_is_not_is_named_w
   EXPECT_EQ(rigid_or_throw(nearly, "x"), nearly);
   const auto message = [](const RigidTransform& t) {
     try {
-      rigid_or_throw(t, "the placement of a thing");
+      rigid_or_throw(t, "the transform of a thing");
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
@@ -110,7 +110,7 @@ TEST(RigidTransform, that_is_rigid_keeps_its_bits_and_one_that_is_not_is_named_w
     RigidTransform t = turn;
     t.rows[1] = (1 + stretch) * t.rows[1];
     const std::string text = message(t);
-    EXPECT_TRUE(text.starts_with("the placement of a thing")) << text;
+    EXPECT_TRUE(text.starts_with("the transform of a thing")) << text;
     EXPECT_EQ(text.find("0.000000"), std::string::npos) << text;
     const std::string by = "deviate by ";
     ASSERT_NE(text.find(by), std::string::npos) << text;
@@ -123,19 +123,19 @@ TEST(RigidTransform, that_is_rigid_keeps_its_bits_and_one_that_is_not_is_named_w
 
 struct Limb : ::testing::Test {
   Mesh mesh = sample_body("limb");
-  CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
-  Body body{mesh, built};
+  CoveredTree model = build(mesh, {.method = Method::octree, .depth = 3});
+  Body body{mesh, model};
 };
 
 TEST_F(Limb, collider_lists_the_facets_of_each_region) {
   const Collider collider(mesh, body);
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node) {
     std::set<std::uint32_t> owned;
-    for (std::uint32_t p = built.cover.region_begin[node]; p < built.cover.region_end[node]; ++p)
-      owned.insert(built.cover.patch_facet[p]);
+    for (std::uint32_t p = model.cover.region_begin[node]; p < model.cover.region_end[node]; ++p)
+      owned.insert(model.cover.patch_facet[p]);
     const auto listed = collider.facets(node);
     EXPECT_EQ(std::set<std::uint32_t>(listed.begin(), listed.end()), owned);
-    if (built.tree.is_leaf(node)) {
+    if (model.tree.is_leaf(node)) {
       EXPECT_EQ(listed.size(), owned.size());
     }
   }
@@ -151,30 +151,30 @@ TEST_F(Limb, collider_knows_whether_its_positions_are_current) {
   ASSERT_TRUE(body.update(moved));
   EXPECT_TRUE(collider.has_current_positions()) << "the body was given them";
   EXPECT_EQ(collider.vertex(11), moved[11]);
-  test::StalePose late(mesh, built.cover, body.pose());
+  test::StalePose late(mesh, model.cover, body.sphere_state());
   EXPECT_FALSE(late.collider.has_current_positions());
   late.collider.set_positions(moved);
   EXPECT_TRUE(late.collider.has_current_positions());
   EXPECT_EQ(late.collider.vertex(11), moved[11]);
   late.next_frame();
   EXPECT_FALSE(late.collider.has_current_positions());
-  const RigidTransform placement = RigidTransform::from_axis({1, 1, 0}, 1.0, {0, 0, 3});
-  collider.place(placement);
-  EXPECT_EQ(collider.vertex(11), placement(moved[11]));
+  const RigidTransform transform = RigidTransform::from_axis({1, 1, 0}, 1.0, {0, 0, 3});
+  collider.set_transform(transform);
+  EXPECT_EQ(collider.vertex(11), transform(moved[11]));
 }
 
 TEST_F(Limb, collider_refuses_what_does_not_fit_and_changes_nothing) {
   Collider collider(mesh, body);
   RigidTransform bent;
   bent.rows[0].y = 0.1;
-  EXPECT_THROW(collider.place(bent), std::invalid_argument);
-  EXPECT_EQ(collider.placement(), RigidTransform{});
+  EXPECT_THROW(collider.set_transform(bent), std::invalid_argument);
+  EXPECT_EQ(collider.transform(), RigidTransform{});
   // Queries allow for what is left of a deviation, so a rotation in single precision is stored as a better one.
   const RigidTransform coarse = in_single_precision(normalized(Vec3{1, -2, 0.5}), 0.9);
   ASSERT_GT(deviation_from_rigid(coarse), largest_rigid_deviation);
-  collider.place(coarse);
-  EXPECT_LE(deviation_from_rigid(collider.placement()), largest_rigid_deviation);
-  collider.place({});
+  collider.set_transform(coarse);
+  EXPECT_LE(deviation_from_rigid(collider.transform()), largest_rigid_deviation);
+  collider.set_transform({});
   const std::vector<Vec3> few(3);
   EXPECT_THROW(collider.set_positions(few), std::invalid_argument);
   EXPECT_TRUE(collider.has_current_positions());
@@ -182,10 +182,10 @@ TEST_F(Limb, collider_refuses_what_does_not_fit_and_changes_nothing) {
 }
 
 TEST_F(Limb, body_counts_good_updates_and_knows_when_it_lags) {
-  const Body twin(mesh, built);
+  const Body twin(mesh, model);
   const Body other(mesh, build(mesh, {.method = Method::grid, .depth = 3}));
-  EXPECT_EQ(body.ownership(), twin.ownership());
-  EXPECT_NE(body.ownership(), other.ownership());
+  EXPECT_EQ(body.cover_id(), twin.cover_id());
+  EXPECT_NE(body.cover_id(), other.cover_id());
 
   EXPECT_EQ(body.frame(), 0u);
   ASSERT_TRUE(body.update(mesh.positions));
@@ -203,9 +203,9 @@ TEST_F(Limb, body_counts_good_updates_and_knows_when_it_lags) {
 // What colliders borrow of a body they keep: they never look at what is gone, and queries refuse them by name.
 struct Ended : ::testing::Test {
   Mesh mesh = sample_body("limb", 6), other_mesh = sample_body("blob", 5);
-  CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+  CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
   CoveredTree other_built = build(other_mesh, {.method = Method::octree, .depth = 2});
-  Body standing{mesh, built};
+  Body standing{mesh, model};
   Collider other{mesh, standing};
 
   void expect_refused(const Collider& ended) {
@@ -229,16 +229,16 @@ struct Ended : ::testing::Test {
 
 TEST_F(Ended, colliders_of_a_body_that_another_was_assigned_to_are_refused) {
   for (int way = 0; way < 4; ++way) {
-    Body body(mesh, built);
+    Body body(mesh, model);
     const Collider collider(mesh, body), copy = collider;
     ContactQuery kept;
     kept.add(collider, other);
     ASSERT_TRUE(kept.start());
     if (way == 0) body = standing;
-    if (way == 1) body = Body(mesh, built);
+    if (way == 1) body = Body(mesh, model);
     if (way == 2) body = Body(other_mesh, other_built);
     if (way == 3) {
-      Body next(mesh, built);
+      Body next(mesh, model);
       body = std::move(next);
     }
     EXPECT_EQ(kept.carry().code, Status::Code::body_replaced);
@@ -257,28 +257,28 @@ TEST_F(Ended, colliders_of_a_body_that_another_was_assigned_to_are_refused) {
 }
 
 TEST_F(Ended, colliders_of_a_body_that_is_gone_are_refused) {
-  std::optional<Body> body(std::in_place, mesh, built);
+  std::optional<Body> body(std::in_place, mesh, model);
   const Collider collider(mesh, *body);
   body.reset();
   expect_refused(collider);
-  std::optional<PosedSpheres> spheres(std::in_place, built.tree);
-  const Collider alone(spheres->pose());
+  std::optional<PosedSpheres> spheres(std::in_place, model.tree);
+  const Collider alone(spheres->sphere_state());
   EXPECT_TRUE(overlap(alone, other));
-  spheres.emplace(built.tree);
+  spheres.emplace(model.tree);
   EXPECT_THROW(overlap(alone, other), std::invalid_argument);
-  const Collider again(spheres->pose());
-  *spheres = PosedSpheres(built.tree);
+  const Collider again(spheres->sphere_state());
+  *spheres = PosedSpheres(model.tree);
   EXPECT_THROW(overlap(again, other), std::invalid_argument);
-  EXPECT_TRUE(overlap(Collider(spheres->pose()), other));
+  EXPECT_TRUE(overlap(Collider(spheres->sphere_state()), other));
 }
 
 TEST_F(Ended, colliders_follow_a_body_that_is_moved_from_place_to_place) {
   std::vector<Vec3> moved = mesh.positions;
   for (Vec3& p : moved) p += Vec3{0.25, 0.5, 0};
-  Body first(mesh, built);
+  Body first(mesh, model);
   const Collider collider(mesh, first);
   Body second(std::move(first));
-  Body third(mesh, built);
+  Body third(mesh, model);
   const Collider left(mesh, third);
   third = std::move(second);
   ASSERT_TRUE(third.update(moved));
@@ -293,14 +293,14 @@ TEST_F(Ended, colliders_follow_a_body_that_is_moved_from_place_to_place) {
 }
 
 TEST_F(Ended, copies_of_a_collider_are_sides_of_their_own_over_the_same_body) {
-  Body body(mesh, built);
+  Body body(mesh, model);
   auto original = std::make_unique<Collider>(mesh, body);
-  original->place(RigidTransform::from_axis({0, 0, 1}, 1, {5, 0, 0}));
+  original->set_transform(RigidTransform::from_axis({0, 0, 1}, 1, {5, 0, 0}));
   Collider copy = *original, assigned(mesh, standing);
   assigned = copy;
-  copy.place(RigidTransform::from_axis({0, 0, 1}, 2, {0, 1, 0}));
-  EXPECT_EQ(original->placement().translation, (Vec3{5, 0, 0}));
-  EXPECT_EQ(assigned.placement().translation, (Vec3{5, 0, 0}));
+  copy.set_transform(RigidTransform::from_axis({0, 0, 1}, 2, {0, 1, 0}));
+  EXPECT_EQ(original->transform().translation, (Vec3{5, 0, 0}));
+  EXPECT_EQ(assigned.transform().translation, (Vec3{5, 0, 0}));
   original.reset();
   std::vector<Collider> many(20, copy);  // grows, and moves them
   for (int i = 0; i < 100; ++i) many.push_back(many.front());
@@ -310,15 +310,15 @@ TEST_F(Ended, copies_of_a_collider_are_sides_of_their_own_over_the_same_body) {
   const Collider fresh(mesh, body);
   for (const Collider* c : {&copy, &assigned, &many.front(), &many.back()}) {
     EXPECT_EQ(askable(*c), Status{});
-    for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
+    for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
       EXPECT_TRUE(std::equal(c->facets(node).begin(), c->facets(node).end(), fresh.facets(node).begin(),
                              fresh.facets(node).end()));
   }
   Collider placed = fresh;
-  placed.place(copy.placement());
+  placed.set_transform(copy.transform());
   EXPECT_EQ(crossings(copy, other), crossings(placed, other));
   EXPECT_EQ(distance(assigned, other).upper, [&] {
-    placed.place(assigned.placement());
+    placed.set_transform(assigned.transform());
     return distance(placed, other).upper;
   }());
 }

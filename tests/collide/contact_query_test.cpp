@@ -38,8 +38,8 @@ struct TwoBodies : ::testing::Test {
   void pose(double amplitude = 0.05) {
     a.deform(random, amplitude);
     b.deform(random, amplitude);
-    a.place(test::random_placement(random, 0.6));
-    b.place(test::random_placement(random, 0.6));
+    a.set_transform(test::random_transform(random, 0.6));
+    b.set_transform(test::random_transform(random, 0.6));
   }
 };
 
@@ -140,7 +140,7 @@ TEST_F(TwoBodies, resuming_ends_where_one_call_does) {
 
 TEST_F(TwoBodies, any_number_of_workers_gives_the_same_front) {
   Specimen c("blob", 8, test::quick);
-  c.place(test::random_placement(random, 0.5));
+  c.set_transform(test::random_transform(random, 0.5));
   for (const Priority priority : priorities)
     for (const std::int64_t budget : {700, 6000, 1000000}) {
       Front expected;
@@ -168,13 +168,13 @@ TEST_F(TwoBodies, any_number_of_workers_gives_the_same_front) {
 }
 
 TEST_F(TwoBodies, carried_front_has_the_contacts_of_a_fresh_one) {
-  const RigidTransform home_a = a.collider->placement(), home_b = b.collider->placement();
+  const RigidTransform home_a = a.collider->transform(), home_b = b.collider->transform();
   for (const double away : {0.0, 1e6}) {
     pose();
     const Vec3 far = away * Vec3{1, -0.3, 0.7};
     RigidTransform home = home_a, other = home_b;
     home.translation += far, other.translation += far;
-    a.place(home), b.place(other);
+    a.set_transform(home), b.set_transform(other);
     ContactQuery carried, fresh;
     carried.add(*a.collider, *b.collider);
     fresh.add(*a.collider, *b.collider);
@@ -195,7 +195,7 @@ TEST_F(TwoBodies, carried_front_has_the_contacts_of_a_fresh_one) {
       if (frame % 3 != 0) {
         RigidTransform place = home;
         place.translation += speed * 5 * std::sin(2 * t) * Vec3{1, 1, 0};
-        a.place(place);
+        a.set_transform(place);
       }
       if (frame == 30) b.deform(random, 0.05);
       ASSERT_TRUE(carried.carry());
@@ -222,8 +222,8 @@ TEST_F(TwoBodies, carried_front_has_the_contacts_of_a_fresh_one) {
 TEST_F(TwoBodies, carried_front_forgets_the_pads_of_a_vertex_that_came_back) {
   const std::uint32_t first = b.mesh.facets[0][0];
   for (int pose = 0; pose < 20; ++pose) {
-    a.place(test::random_placement(random, 2));
-    b.place(test::random_placement(random, 2));
+    a.set_transform(test::random_transform(random, 2));
+    b.set_transform(test::random_transform(random, 2));
     std::vector<Vec3> positions = b.mesh.positions;
     positions[first].x += 1e6;
     b.body->update(positions);
@@ -262,8 +262,8 @@ TEST_F(TwoBodies, at_rest_nothing_but_the_roots_is_tested_again) {
     m.translation = shift(t.translation);
     return m;
   };
-  a.place(moved(a.collider->placement()));
-  b.place(moved(b.collider->placement()));
+  a.set_transform(moved(a.collider->transform()));
+  b.set_transform(moved(b.collider->transform()));
   ASSERT_TRUE(query.carry());
   EXPECT_LT(query.contacts().pair_tests, fresh / 3);
   EXPECT_EQ(finished_nodes(query.contacts()), before);
@@ -305,7 +305,7 @@ TEST_F(TwoBodies, work_adds_up_over_frames_at_rest) {
 
 TEST_F(TwoBodies, several_pairs_share_one_budget) {
   Specimen c("blob", 8, test::quick);
-  c.place(a.collider->placement());
+  c.set_transform(a.collider->transform());
   ContactQuery query({.budget = 2000, .priority = Priority::importance});
   EXPECT_EQ(query.add(*a.collider, *b.collider, 1), 0u);
   EXPECT_EQ(query.add(*a.collider, *c.collider, 0), 1u) << "of no importance";
@@ -401,8 +401,8 @@ TEST_F(TwoBodies, carried_back_from_far_away_it_forgets_what_only_distance_blurr
     for (const double gap : {1e-9, 1e-7, 1e-6, 1e-5}) {
       double apart = 0;
       const auto place = [&](double away) {
-        a.place({.translation = {away, 0, 0}});
-        b.place({.translation = {away + apart, 0, 0}});
+        a.set_transform({.translation = {away, 0, 0}});
+        b.set_transform({.translation = {away + apart, 0, 0}});
       };
       // Just too far for any sphere to overlap.
       double touching = 0;
@@ -438,8 +438,8 @@ TEST(TwoBars, carried_back_from_a_power_of_two_away_have_the_contacts_of_a_fresh
     for (const double gap : {0x1p-22, 0x1p-20, 0x1p-18, 0x1p-16}) {
       double apart = 0;
       const auto place = [&](double away) {
-        a.place({.translation = {away, 0, 0}});
-        b.place({.translation = {away + apart, 0, 0}});
+        a.set_transform({.translation = {away, 0, 0}});
+        b.set_transform({.translation = {away + apart, 0, 0}});
       };
       double touching = 0;
       for (double step = 8; step > 0x1p-23; step /= 2) {
@@ -477,10 +477,10 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
     EXPECT_EQ(query.contacts().contacts.size(), contacts);
   };
 
-  const RigidTransform home = b.collider->placement();
-  b.place(RigidTransform::from_axis({1, 0, 0}, 0.1));
-  refused(query.resume(), Code::other_placement);
-  b.place(home);
+  const RigidTransform home = b.collider->transform();
+  b.set_transform(RigidTransform::from_axis({1, 0, 0}, 0.1));
+  refused(query.resume(), Code::other_transform);
+  b.set_transform(home);
   query.set_options({.margin = 0.1, .budget = 500});
   refused(query.resume(), Code::other_options);
   refused(query.carry(), Code::other_options);
@@ -492,7 +492,7 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
 
   ASSERT_TRUE(a.body->update(a.positions));
   refused(query.resume(), Code::other_frame);
-  test::StalePose late(a.mesh, a.built.cover, a.body->pose());
+  test::StalePose late(a.mesh, a.model.cover, a.body->sphere_state());
   ContactQuery of_late({.budget = 500, .surfaces = true});
   of_late.add(*b.collider, late.collider);
   EXPECT_EQ(of_late.start(), (Status{Code::positions_not_current, 1, 0}));

@@ -11,7 +11,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 #include "simd/processors.hpp"
 
@@ -22,21 +22,21 @@ namespace {
 /// A mesh that was bent out of shape, with its collider somewhere in the world.
 struct Subject {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   std::vector<Vec3> positions;
   Collider collider;
 
   explicit Subject(Mesh of, double noise = 0.05, double reach = 3)
       : mesh(std::move(of)),
-        built(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
-        body(mesh, built),
+        model(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
+        body(mesh, model),
         positions(deform(mesh, {Noise{noise, 0.4}}, 1)),
         collider(mesh, body) {
     Random random(mesh.facet_count());
     EXPECT_TRUE(body.update(positions));
     collider.set_positions(positions);
-    collider.place(test::random_placement(random, reach));
+    collider.set_transform(test::random_transform(random, reach));
   }
   Subject(const Subject&) = delete;
 };
@@ -54,13 +54,13 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
     for (const double reach : {1.0, 1e6}) {
       const Subject one(named.mesh, 0.05, reach);
       scratch.start(one.collider, one.collider);
-      const std::size_t nodes = one.built.tree.node_count();
+      const std::size_t nodes = one.model.tree.node_count();
       Random random(1);
       for (int round = 0; round < 150; ++round) {
         const auto node = round == 0 ? 0 : static_cast<std::uint32_t>(random.next() % nodes);
         const Sphere s = one.body.sphere(node);
         // Inside the sphere, commonly; on the surface; far away.
-        Vec3 p = one.collider.placement()(s.center + test::random_placement(random, s.radius).translation);
+        Vec3 p = one.collider.transform()(s.center + test::random_transform(random, s.radius).translation);
         const Triangle t = one.collider.triangle(one.collider.facets(node)[0]);
         if (round % 5 == 1) p = t[0] * 0.25 + t[1] * 0.75;
         if (round % 5 == 2) p = t[2];
@@ -73,7 +73,7 @@ TEST(NearestFacet, equals_brute_force_bit_for_bit_on_all_nodes) {
   }
 }
 
-// Every facet of a ball is as far from the centre, to a few bits, and all those at a pole meet in one point.
+// Every facet of a ball is as far from the center, to a few bits, and all those at a pole meet in one point.
 TEST(NearestFacet, of_equals_is_the_lowest) {
   const Mesh ball = test::uv_sphere(24, 12);
   const Body body(ball, build(ball, {.method = Method::octree, .branching = 8, .depth = 2}));
@@ -101,15 +101,15 @@ TEST(RegionMeanNormal, is_that_of_owned_patches) {
   const Subject one(sample_body("torus", 14));
   SurfaceScratch scratch;
   scratch.start(one.collider, one.collider);
-  const Cover& cover = one.built.cover;
-  for (std::uint32_t node = 0; node < one.built.tree.node_count(); ++node) {
+  const Cover& cover = one.model.cover;
+  for (std::uint32_t node = 0; node < one.model.tree.node_count(); ++node) {
     // Patches cut into triangles where they are now.
     Vec3 area_vectors{};
     double area_sum = 0;
     for (std::uint32_t patch = cover.region_begin[node]; patch < cover.region_end[node]; ++patch) {
       const auto corners = cover.patch(patch);
       const auto at = [&](std::size_t k) {
-        return one.collider.placement()(corner_position(cover, corners[k], one.positions));
+        return one.collider.transform()(corner_position(cover, corners[k], one.positions));
       };
       for (std::size_t k = 2; k < corners.size(); ++k) {
         const Triangle t{at(0), at(k - 1), at(k)};
@@ -127,16 +127,16 @@ TEST(RegionReach, contains_the_region_and_no_more_than_the_sphere) {
   SurfaceScratch scratch;
   scratch.start(one.collider, one.collider);
   Random random(7);
-  for (std::uint32_t node = 0; node < one.built.tree.node_count(); ++node) {
-    const Vec3 direction = normalized(test::random_placement(random, 1).translation);
+  for (std::uint32_t node = 0; node < one.model.tree.node_count(); ++node) {
+    const Vec3 direction = normalized(test::random_transform(random, 1).translation);
     const double reach = region_reach(one.collider, node, direction, scratch);
     double farthest = -1e300;
-    for (const std::uint32_t corner : one.built.cover.region_corners(node))
+    for (const std::uint32_t corner : one.model.cover.region_corners(node))
       farthest = std::max(
-          farthest, dot(one.collider.placement()(corner_position(one.built.cover, corner, one.positions)), direction));
+          farthest, dot(one.collider.transform()(corner_position(one.model.cover, corner, one.positions)), direction));
     EXPECT_GE(reach, farthest);
     const Sphere s = one.body.sphere(node);
-    EXPECT_LE(reach, dot(one.collider.placement()(s.center), direction) + s.radius * (1 + 1e-8) + 1e-11);
+    EXPECT_LE(reach, dot(one.collider.transform()(s.center), direction) + s.radius * (1 + 1e-8) + 1e-11);
   }
 }
 
@@ -145,8 +145,8 @@ struct SphereContact {
   double depth;
 };
 SphereContact contact_of(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b) {
-  const Sphere sa = a.pose().sphere(node_a), sb = b.pose().sphere(node_b);
-  const Vec3 ca = a.placement()(sa.center), cb = b.placement()(sb.center);
+  const Sphere sa = a.sphere_state().sphere(node_a), sb = b.sphere_state().sphere(node_b);
+  const Vec3 ca = a.transform()(sa.center), cb = b.transform()(sb.center);
   const double apart = distance(ca, cb);
   const Vec3 n = normalized(ca - cb);
   return {cb + n * ((apart + sb.radius - sa.radius) / 2), n, sa.radius + sb.radius - apart};
@@ -159,13 +159,13 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
   Random random(3);
   std::size_t contacts = 0, apart = 0;
   for (int pose = 0; pose < 6; ++pose) {
-    one.collider.place(test::random_placement(random, 0.3));
-    two.collider.place(test::random_placement(random, 0.3));
+    one.collider.set_transform(test::random_transform(random, 0.3));
+    two.collider.set_transform(test::random_transform(random, 0.3));
     scratch.start(one.collider, two.collider);
     std::vector<NodePair> close;
-    for (std::uint32_t i = 0; i < one.built.tree.node_count(); ++i)
-      for (std::uint32_t j = 0; j < two.built.tree.node_count(); ++j) {
-        if (!one.built.tree.is_leaf(i) || !two.built.tree.is_leaf(j)) continue;
+    for (std::uint32_t i = 0; i < one.model.tree.node_count(); ++i)
+      for (std::uint32_t j = 0; j < two.model.tree.node_count(); ++j) {
+        if (!one.model.tree.is_leaf(i) || !two.model.tree.is_leaf(j)) continue;
         const SphereContact c = contact_of(one.collider, i, two.collider, j);
         if (c.depth <= 0) continue;
         ++contacts;
@@ -191,13 +191,13 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
 }
 
 TEST(ContactSurface, of_two_boxes_has_their_normal_and_depth) {
-  // One on the other and 0.01 into it: the centres of their spheres lie in the sides that touch.
+  // One on the other and 0.01 into it: the centers of their spheres lie in the sides that touch.
   const Mesh lower = test::box_mesh({-1, -1, -2}, {1, 1, 0}, 8), upper = test::box_mesh({-1, -1, 0}, {1, 1, 2}, 8);
   const BuildOptions options{.method = Method::octree, .branching = 8, .depth = 3};
   const Body body_b(lower, build(lower, options)), body_a(upper, build(upper, options));
   const Collider b(lower, body_b);
   Collider a(upper, body_a);
-  a.place({.translation = {0.05, 0.03, -0.01}});
+  a.set_transform({.translation = {0.05, 0.03, -0.01}});
   SurfaceScratch scratch;
   scratch.start(a, b);
   std::size_t flat = 0;
@@ -227,7 +227,7 @@ TEST(FacetKernels, give_the_bits_of_plain_loops) {
     list.column[k] = columns[k].data();
   }
   for (int round = 0; round < 50; ++round) {
-    const Vec3f p(test::random_placement(random, 2).translation);
+    const Vec3f p(test::random_transform(random, 2).translation);
     std::vector<float> expected(64), other(64);
     const float least = all_facet_kernels().front().squared_gaps(list, p, expected.data());
     const float reach = all_facet_kernels().front().reach(list, p);

@@ -24,8 +24,8 @@ std::pair<std::uint32_t, std::uint32_t> nodes_of(const Contact& c) {
 
 // In double, in the world: how far spheres of two nodes are apart; negative where they overlap.
 double gap(const Collider& a, const Collider& b, std::uint32_t node_a, std::uint32_t node_b) {
-  const Sphere s = a.pose().sphere(node_a), t = b.pose().sphere(node_b);
-  return distance(a.placement()(s.center), b.placement()(t.center)) - s.radius - t.radius;
+  const Sphere s = a.sphere_state().sphere(node_a), t = b.sphere_state().sphere(node_b);
+  return distance(a.transform()(s.center), b.transform()(t.center)) - s.radius - t.radius;
 }
 
 // A pair is to be found when it and all pairs above it overlap: by this much at the least.
@@ -47,8 +47,8 @@ TEST(Collide, finds_the_pairs_of_brute_force_at_every_level_and_margin) {
   for (int round = 0; round < 12; ++round) {
     a.deform(random, round == 0 ? 0 : 0.1);
     b.deform(random, round == 0 ? 0 : 0.1);
-    a.place(test::random_placement(random, 1));
-    b.place(test::random_placement(random, 1));
+    a.set_transform(test::random_transform(random, 1));
+    b.set_transform(test::random_transform(random, 1));
     const double margin = round % 3 == 2 ? 0.2 : 0;
     const std::optional<std::uint32_t> level =
         round % 4 == 3 ? std::optional(static_cast<std::uint32_t>(round / 4 + 1)) : std::nullopt;
@@ -102,10 +102,10 @@ TEST(Collide, misses_no_crossing_of_deformed_bodies) {
     for (int pose = 0; pose < 25; ++pose) {
       a.deform(random, 0.1);
       b.deform(random, 0.1);
-      RigidTransform place_a = test::random_placement(random, 1.8 * c.scale);
-      place_a.translation += far - place_a.turn(far);  // the mesh is far away, and so is the world
-      a.place(place_a);
-      b.place(test::random_placement(random, 0.1 * c.scale, 2.0 * far));
+      RigidTransform place_a = test::random_transform(random, 1.8 * c.scale);
+      place_a.translation += far - place_a.rotate(far);  // the mesh is far away, and so is the world
+      a.set_transform(place_a);
+      b.set_transform(test::random_transform(random, 0.1 * c.scale, 2.0 * far));
       const auto crossings = test::crossings_by_brute_force(*a.collider, *b.collider);
       crossings_seen += crossings.size();
       const Contacts contacts = collide(*a.collider, *b.collider);
@@ -132,8 +132,8 @@ TEST(Collide, margin_reports_surfaces_that_are_near) {
   std::size_t near = 0;
   for (int pose = 0; pose < 20; ++pose) {
     a.deform(random, 0.03);
-    a.place(test::random_placement(random, 2));
-    b.place(test::random_placement(random, 2));
+    a.set_transform(test::random_transform(random, 2));
+    b.set_transform(test::random_transform(random, 2));
     const Contacts contacts = collide(*a.collider, *b.collider, {.margin = margin});
     for (std::uint32_t v = 0; v < a.mesh.vertex_count(); ++v)
       for (std::uint32_t w = 0; w < b.mesh.vertex_count(); ++w) {
@@ -163,14 +163,14 @@ struct Balls : ::testing::Test {
     radius_a = a.body->sphere(0).radius;
     radius_b = b.body->sphere(0).radius;
   }
-  // b's centre at p from a's; a turned, too.
+  // b's center at p from a's; a turned, too.
   Contact at(const Vec3& p, double margin = 0) {
     const RigidTransform turn = RigidTransform::from_axis({1, 1, 0}, 0.5, {5, 6, 7});
-    a.place(turn);
+    a.set_transform(turn);
     RigidTransform place = RigidTransform::from_axis({0, 1, 1}, 2);
     const Vec3 wanted = turn(a.body->sphere(0).center) + p;
     place.translation = wanted - place(b.body->sphere(0).center);
-    b.place(place);
+    b.set_transform(place);
     center_a = turn(a.body->sphere(0).center);
     const Contacts contacts = collide(*a.collider, *b.collider, {.margin = margin});
     count = contacts.contacts.size();
@@ -218,7 +218,7 @@ TEST_F(Balls, one_inside_the_other_counts_as_deep_as_the_smaller_is_wide) {
   EXPECT_NEAR(c.lens_volume, volume(Sphere{{}, radius_b}), 1e-12);
 }
 
-TEST_F(Balls, centres_that_coincide_have_a_normal) {
+TEST_F(Balls, centers_that_coincide_have_a_normal) {
   const Contact c = at({});
   ASSERT_EQ(count, 1u);
   EXPECT_EQ(c.normal, (Vec3{1, 0, 0}));
@@ -240,7 +240,7 @@ TEST(Collide, facets_are_the_nearest_of_the_nodes) {
   Random random(5);
   Specimen a("limb", 8, test::quick), b("torus", 8, test::quick);
   a.deform(random, 0.05);
-  a.place(RigidTransform::from_axis({1, 2, 3}, 1, {0.2, 0.3, 0}));
+  a.set_transform(RigidTransform::from_axis({1, 2, 3}, 1, {0.2, 0.3, 0}));
   const Contacts contacts = collide(*a.collider, *b.collider, {.surfaces = true});
   ASSERT_EQ(contacts.surfaces.size(), contacts.contacts.size());
   ASSERT_GT(contacts.contacts.size(), 10u);
@@ -289,7 +289,7 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   std::vector<Vec3> bad = a.positions;
   bad[a.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
   EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.surfaces = true}));
-  test::StalePose late(a.mesh, a.built.cover, a.body->pose());
+  test::StalePose late(a.mesh, a.model.cover, a.body->sphere_state());
   EXPECT_NO_THROW(collide(late.collider, *b.collider));
   EXPECT_THROW(collide(late.collider, *b.collider, {.surfaces = true}), std::invalid_argument);
   ASSERT_FALSE(a.body->update(bad));
@@ -302,12 +302,12 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
 TEST(Collide, answers_far_beyond_the_range_of_float) {
   Specimen a("blob", 6, test::quick), b("blob", 6, test::quick);
   for (const double far : {1e18, 1e30, 1e60, 1e300}) {
-    a.place({{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {far, -far, far}});
-    b.place({});
+    a.set_transform({{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {far, -far, far}});
+    b.set_transform({});
     if (far < 1e30) {
       EXPECT_FALSE(overlap(*a.collider, *b.collider)) << far;
     }
-    b.place(a.collider->placement());
+    b.set_transform(a.collider->transform());
     EXPECT_TRUE(overlap(*a.collider, *b.collider)) << far;
     EXPECT_FALSE(collide(*a.collider, *b.collider).contacts.empty());
   }

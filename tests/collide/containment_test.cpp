@@ -27,7 +27,7 @@ TEST(Containment, locate_equals_the_sum_of_solid_angles) {
     for (int round = 0; round < 300; ++round) {
       if (round % 20 == 0) body.deform(test::rippled(body.mesh.positions, 0.15, static_cast<std::uint64_t>(round)));
       const Vec3 about = round % 4 == 3 ? Vec3{3e5, 1e6, -2e5} : Vec3{};
-      body.collider.place(test::random_placement(random, 0.5, about));
+      body.collider.set_transform(test::random_transform(random, 0.5, about));
       // Near the surface, where it matters.
       const auto facet = static_cast<std::uint32_t>(random.next() % body.mesh.facet_count());
       const Vec3 p = at_barycentric(body.collider.triangle(facet), {0.25, 0.35, 0.4}) + test::random_point(random, 0.3);
@@ -119,7 +119,7 @@ TEST(Containment, tells_which_components_are_inside) {
   EXPECT_FALSE(found.all());
   EXPECT_GT(distance(shell.collider, pair.collider).lower, 0) << "so all of each is where its vertex is";
 
-  pair.collider.place({.translation = {-1.5, 0, 0}});
+  pair.collider.set_transform({.translation = {-1.5, 0, 0}});
   ASSERT_TRUE(in_shell.components_inside(pair.collider, parts, found));
   EXPECT_TRUE(found.all() || distance(shell.collider, pair.collider).crossing);
   ASSERT_TRUE(in_pair.components_inside(shell.collider, component_vertices(shell.mesh), found));
@@ -133,7 +133,7 @@ TEST(Containment, components_are_those_that_inspection_counts) {
 
 TEST(Containment, a_probe_knows_its_side) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 3));
-  box.collider.place({.translation = {10, 0, 0}});
+  box.collider.set_transform({.translation = {10, 0, 0}});
   InsideQuery inside(box.collider);
   const Probe deep = inside.probe({{10.5, 0.1, 0.2}, 0.1});
   EXPECT_TRUE(deep.inside && deep.touches);
@@ -167,7 +167,7 @@ TEST(Containment, refuses_open_surfaces_and_bad_points) {
   const std::uint32_t none = 1000;
   EXPECT_FALSE(inside.components_inside(plate.collider, {&none, 1}, found));
   EXPECT_EQ(found.status.code, Code::bad_option);
-  test::StalePose late(ball.mesh, ball.built.cover, ball.body.pose());
+  test::StalePose late(ball.mesh, ball.model.cover, ball.body.sphere_state());
   late.collider.set_positions(ball.mesh.positions);
   InsideQuery in_late(late.collider);
   EXPECT_TRUE(in_late.locate({0, 0, 0}).status);

@@ -55,10 +55,10 @@ TEST(ConvexHull, has_all_points_behind_its_facets_and_is_closed) {
   }
 }
 
-TEST(ConvexHull, of_a_box_has_its_volume_and_moves_with_a_placement) {
+TEST(ConvexHull, of_a_box_has_its_volume_and_moves_with_a_transform) {
   const Box box{{-1, 2, 3}, {1, 5, 3.5}};
-  const RigidTransform placement = RigidTransform::from_axis({1, 2, 3}, 0.7, {4, 5, 6});
-  const ConvexHull hull = ConvexHull::box(box, placement);
+  const RigidTransform transform = RigidTransform::from_axis({1, 2, 3}, 0.7, {4, 5, 6});
+  const ConvexHull hull = ConvexHull::box(box, transform);
   EXPECT_EQ(hull.vertices().size(), 8u);
   EXPECT_EQ(hull.facets().size(), 12u);
   double volume = 0;
@@ -67,7 +67,7 @@ TEST(ConvexHull, of_a_box_has_its_volume_and_moves_with_a_placement) {
   EXPECT_NEAR(volume, 2 * 3 * 0.5, 1e-12);
   for (const ConvexHull::Plane& plane : hull.planes()) {
     EXPECT_NEAR(length(plane.normal), 1, 1e-14);
-    const Vec3 middle = placement(box.center());
+    const Vec3 middle = transform(box.center());
     EXPECT_LT(dot(plane.normal, middle), plane.offset);
   }
   EXPECT_THROW(ConvexHull::box({{0, 0, 0}, {1, 1, 0}}), std::invalid_argument);
@@ -76,9 +76,9 @@ TEST(ConvexHull, of_a_box_has_its_volume_and_moves_with_a_placement) {
   EXPECT_THROW(hull.placed(RigidTransform{{Vec3{2, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {}}), std::invalid_argument);
 }
 
-/// Of a box with this placement, by its formula.
-double box_distance(const Vec3& half, const RigidTransform& placement, const Vec3& x) {
-  const Vec3 p = placement.turn_back(x - placement.translation);
+/// Of a box with this transform, by its formula.
+double box_distance(const Vec3& half, const RigidTransform& transform, const Vec3& x) {
+  const Vec3 p = transform.inverse_rotate(x - transform.translation);
   const Vec3 d{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
   const double outside = length(max(d, Vec3{}));
   return outside > 0 ? outside : std::max({d.x, d.y, d.z});
@@ -95,10 +95,11 @@ TEST(ConvexHull, touches_bodies_where_samples_of_their_facets_say_so) {
       const Vec3 half = Vec3{random.uniform(0.02, 0.3), random.uniform(0.02, 0.3), random.uniform(0.02, 0.3)} * size;
       const Vec3 at = body->collider.vertex(static_cast<std::uint32_t>(random.next() % body->mesh.vertex_count())) +
                       Vec3{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)} * size;
-      const RigidTransform placement = RigidTransform::from_axis(
+      const RigidTransform transform = RigidTransform::from_axis(
           {random.uniform(), random.uniform(), random.uniform(-1, 1)}, 6 * random.uniform(), at);
-      const ConvexHull hull = ConvexHull::box({half * -1, half}, placement);
-      const Touch& touch = query.run(body->collider, hull, {.margin = 0.05 * size, .nearest = true, .list = true});
+      const ConvexHull hull = ConvexHull::box({half * -1, half}, transform);
+      const Touch& touch =
+          query.run(body->collider, hull, {.margin = 0.05 * size, .nearest = true, .collect_all = true});
       ASSERT_TRUE(touch.status && touch.deepest);
       const double slack = 1e-11 * (size + test::largest_coordinate(body->collider));
       double least = test::infinity;
@@ -110,7 +111,7 @@ TEST(ConvexHull, touches_bodies_where_samples_of_their_facets_say_so) {
         for (int i = 0; i <= parts; ++i)
           for (int j = 0; i + j <= parts; ++j) {
             const double u = static_cast<double>(i) / parts, v = static_cast<double>(j) / parts;
-            here = std::min(here, box_distance(half, placement, at_barycentric(t, {1 - u - v, u, v})));
+            here = std::min(here, box_distance(half, transform, at_barycentric(t, {1 - u - v, u, v})));
           }
         if (here <= 0.05 * size - slack) sampled.insert(f);
         least = std::min(least, here);
@@ -118,7 +119,7 @@ TEST(ConvexHull, touches_bodies_where_samples_of_their_facets_say_so) {
       EXPECT_LE(-touch.deepest->depth, least + slack) << body->name;
       EXPECT_LE(touch.lower, least + slack) << body->name;
       EXPECT_GE(touch.lower, -touch.deepest->depth - slack) << body->name;
-      EXPECT_NEAR(box_distance(half, placement, touch.deepest->point.point), -touch.deepest->depth, slack);
+      EXPECT_NEAR(box_distance(half, transform, touch.deepest->point.point), -touch.deepest->depth, slack);
       std::set<std::uint32_t> found;
       for (const TouchingFacet& f : touch.facets) found.insert(f.point.facet);
       EXPECT_TRUE(std::includes(found.begin(), found.end(), sampled.begin(), sampled.end()));

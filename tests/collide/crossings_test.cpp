@@ -12,7 +12,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <set>
 #include <support/meshes.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 #include "collide/facets/box_kernels.hpp"
 #include "simd/processors.hpp"
@@ -26,7 +26,7 @@ namespace {
 struct Bent {
   std::string name;
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   std::vector<Vec3> positions;
   std::vector<Vec3f> narrow;
@@ -35,8 +35,8 @@ struct Bent {
   Bent(std::string mesh_name, Mesh of)
       : name(std::move(mesh_name)),
         mesh(std::move(of)),
-        built(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
-        body(mesh, built),
+        model(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
+        body(mesh, model),
         positions(mesh.positions),
         collider(mesh, body) {}
   Bent(const Bent&) = delete;
@@ -77,22 +77,22 @@ TEST(Crossings, equal_brute_force_for_random_poses_of_deformed_bodies) {
   std::size_t poses_that_cross = 0, pairs = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     Bent &a = *all[i], &b = *all[(i * 7 + 3) % all.size()];
-    // The same spot of both, where none may be: their boxes' centres, somewhere in the world.
+    // The same spot of both, where none may be: their boxes' centers, somewhere in the world.
     const double reach = 0.4 * std::min(size_of(a.mesh), size_of(b.mesh));
     for (int pose = 0; pose < 3; ++pose) {
       ASSERT_NO_FATAL_FAILURE(a.deform_by(0.4 * pose, pose == 1));
       if (&a != &b) {
         ASSERT_NO_FATAL_FAILURE(b.deform_by(0.3 * pose, pose == 2));
       }
-      RigidTransform place_a = test::random_placement(random, 1), place_b = test::random_placement(random, 1);
-      const Vec3 spot = test::random_placement(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
-      place_a.translation = spot - place_a.turn(bounding_box({a.positions, a.mesh.facets}).center());
-      place_b.translation = spot + test::random_placement(random, reach).translation -
-                            place_b.turn(bounding_box({b.positions, b.mesh.facets}).center());
-      a.collider.place(place_a);
+      RigidTransform place_a = test::random_transform(random, 1), place_b = test::random_transform(random, 1);
+      const Vec3 spot = test::random_transform(random, reach).translation + Vec3{0, 0, pose == 2 ? 1e6 * reach : 0.0};
+      place_a.translation = spot - place_a.rotate(bounding_box({a.positions, a.mesh.facets}).center());
+      place_b.translation = spot + test::random_transform(random, reach).translation -
+                            place_b.rotate(bounding_box({b.positions, b.mesh.facets}).center());
+      a.collider.set_transform(place_a);
       Collider other(b.mesh, b.body);
       other.set_positions(b.view());
-      other.place(place_b);
+      other.set_transform(place_b);
       result.run(a.collider, other);
       const std::vector<Crossing> expected = brute_force::crossings(a.collider, other);
       ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), expected)) << a.name << " against " << b.name;
@@ -110,7 +110,7 @@ TEST(Crossings, count_every_way_of_touching) {
   Collider a(box.mesh, box.body), b(twin.mesh, twin.body);
   CrossingQuery result;
   const auto pairs_at = [&](const Vec3& shift) {
-    b.place({.translation = shift});
+    b.set_transform({.translation = shift});
     result.run(a, b);
     expect_equal(result.pairs(), brute_force::crossings(a, b));
     return result.pairs().size();
@@ -126,14 +126,14 @@ TEST(Crossings, count_every_way_of_touching) {
   EXPECT_EQ(pairs_at({0.5, 0.5, 1e300}), 0u);
 }
 
-TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbours) {
+TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbors) {
   for (const char* const name : {"limb", "torus"}) {
     const Bent one(name, sample_body(name, 12)), two(name, sample_body(name, 12));
     Collider a(one.mesh, one.body), b(two.mesh, two.body);
-    for (const RigidTransform& placement :
+    for (const RigidTransform& transform :
          {RigidTransform{}, RigidTransform::from_axis({1, 2, 3}, 0.7, {1e7, -3e6, 0.1})}) {
-      a.place(placement);
-      b.place(placement);
+      a.set_transform(transform);
+      b.set_transform(transform);
       CrossingQuery result;
       result.run(a, b);
       ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), brute_force::crossings(a, b)));
@@ -154,7 +154,7 @@ TEST(Crossings, of_identical_bodies_are_each_facet_with_itself_and_its_neighbour
 TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
   const Bent one("limb", sample_body("limb", 14)), two("torus", sample_body("torus", 14));
   Collider a(one.mesh, one.body), b(two.mesh, two.body);
-  a.place(RigidTransform::from_axis({0, 1, 0}, 0.3, {0.6, 0.2, 0}));
+  a.set_transform(RigidTransform::from_axis({0, 1, 0}, 0.3, {0.6, 0.2, 0}));
   const std::vector<Crossing> all = brute_force::crossings(a, b);
   ASSERT_FALSE(all.empty());
   Random random(5);
@@ -162,8 +162,8 @@ TEST(Crossings, of_given_nodes_are_those_of_their_facets) {
   for (int round = 0; round < 30; ++round) {
     std::vector<NodePair> nodes;
     for (int k = 0; k < 1 + round % 7; ++k)
-      nodes.push_back({static_cast<std::uint32_t>(random.next() % one.built.tree.node_count()),
-                       static_cast<std::uint32_t>(random.next() % two.built.tree.node_count())});
+      nodes.push_back({static_cast<std::uint32_t>(random.next() % one.model.tree.node_count()),
+                       static_cast<std::uint32_t>(random.next() % two.model.tree.node_count())});
     std::vector<Crossing> expected;
     const auto owns = [](const Collider& collider, std::uint32_t node, std::uint32_t facet) {
       const auto facets = collider.facets(node);
@@ -193,10 +193,10 @@ TEST(Crossings, refuse_what_is_not_current_and_keep_the_result) {
     EXPECT_FALSE(query());
     ASSERT_NO_FATAL_FAILURE(expect_equal(result.pairs(), before));
   };
-  test::StalePose late(two.mesh, two.built.cover, two.body.pose());
+  test::StalePose late(two.mesh, two.model.cover, two.body.sphere_state());
   expect_refused([&] { return result.run(one.collider, late.collider); });
   EXPECT_THROW(crossings(one.collider, late.collider), std::invalid_argument);
-  const NodePair none{0, static_cast<std::uint32_t>(two.built.tree.node_count())};
+  const NodePair none{0, static_cast<std::uint32_t>(two.model.tree.node_count())};
   expect_refused([&] { return result.run(one.collider, two.collider, std::span(&none, 1)); });
   std::vector<Vec3> bad = one.mesh.positions;
   bad[one.mesh.facets[0][0]].y = std::numeric_limits<double>::infinity();

@@ -47,8 +47,8 @@ void for_random_pairs(int rounds, const F& f) {
     a.deform(test::rippled(a.mesh.positions, 0.2, static_cast<std::uint64_t>(round)));
     b.deform(test::rippled(b.mesh.positions, 0.15, static_cast<std::uint64_t>(round) + 99));
     const Vec3 about = round % 4 == 3 ? Vec3{1e6, -3e6, 2e6} : Vec3{};
-    a.collider.place(test::random_placement(random, 1.0, about));
-    b.collider.place(test::random_placement(random, round % 3 == 0 ? 8.0 : 2.0, about));
+    a.collider.set_transform(test::random_transform(random, 1.0, about));
+    b.collider.set_transform(test::random_transform(random, round % 3 == 0 ? 8.0 : 2.0, about));
     f(a.collider, b.collider, round);
   }
 }
@@ -104,20 +104,20 @@ TEST(Distance, stops_at_the_tolerance_and_at_the_thresholds) {
     EXPECT_GE(rough.upper, expected - slack);
     full += exact.sphere_tests, less += rough.sphere_tests;
     if (expected > 0.1) {
-      const DistanceBounds far = distance(a, b, {.only_within = 0.5 * expected});
+      const DistanceBounds far = distance(a, b, {.stop_above = 0.5 * expected});
       EXPECT_TRUE(far.farther && far.complete) << round;
       EXPECT_GT(far.lower, 0.5 * expected);
       EXPECT_LE(far.lower, expected + slack);
       EXPECT_LE(far.sphere_tests, exact.sphere_tests);
-      const DistanceBounds near = distance(a, b, {.near_enough = 2 * expected});
+      const DistanceBounds near = distance(a, b, {.stop_below = 2 * expected});
       EXPECT_LE(near.upper, 2 * expected) << round;
       EXPECT_LE(near.lower, expected + slack) << round;
       EXPECT_FALSE(near.farther);
     }
-    const DistanceBounds within = distance(a, b, {.only_within = expected + 1});
+    const DistanceBounds within = distance(a, b, {.stop_above = expected + 1});
     EXPECT_FALSE(within.farther);
     EXPECT_EQ(within.upper, exact.upper);
-    const DistanceBounds spheres = distance(a, b, {.exact = false});
+    const DistanceBounds spheres = distance(a, b, {.to_facets = false});
     EXPECT_TRUE(spheres.complete);
     EXPECT_LE(spheres.lower, expected + slack);
     EXPECT_GE(spheres.upper, expected - slack);
@@ -127,19 +127,19 @@ TEST(Distance, stops_at_the_tolerance_and_at_the_thresholds) {
 
 TEST(Distance, of_exact_shapes_is_known) {
   PlacedBody a(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 3)), b(test::box_mesh({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, 2));
-  b.collider.place({.translation = {4, 0, 0}});
+  b.collider.set_transform({.translation = {4, 0, 0}});
   EXPECT_NEAR(distance(a.collider, b.collider).upper, 2.5, 4e-14) << "side to side";
-  b.collider.place({.translation = {4, 3.5, 0}});
+  b.collider.set_transform({.translation = {4, 3.5, 0}});
   EXPECT_NEAR(distance(a.collider, b.collider).upper, std::hypot(2.5, 2.0), 4e-14) << "edge to edge";
-  b.collider.place({.translation = {4, 3.5, -7}});
+  b.collider.set_transform({.translation = {4, 3.5, -7}});
   EXPECT_NEAR(distance(a.collider, b.collider).upper, std::sqrt(2.5 * 2.5 + 2 * 2 + 5.5 * 5.5), 4e-14) << "corners";
-  b.collider.place({.translation = {0.1, 0.2, 0}});
+  b.collider.set_transform({.translation = {0.1, 0.2, 0}});
   EXPECT_NEAR(distance(a.collider, b.collider).upper, 0.3, 4e-14) << "inside: as far as the wall";
 
   // Polyhedra inscribed in spheres lie within their sagitta of them.
   PlacedBody c(test::icosphere(3, 1.0)), d(test::icosphere(3, 0.5));
   const Vec3 offset{1.1, -1.3, 0.7};
-  d.collider.place({.translation = offset});
+  d.collider.set_transform({.translation = offset});
   const double expected = length(offset) - 1.5, found = distance(c.collider, d.collider).upper;
   EXPECT_GE(found, expected - 4e-14);
   EXPECT_LE(found, expected + 0.02);
@@ -147,16 +147,16 @@ TEST(Distance, of_exact_shapes_is_known) {
 
 TEST(Distance, of_touching_bodies_is_zero_and_of_nearly_touching_ones_is_not) {
   PlacedBody a(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2)), b(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 3));
-  b.collider.place({.translation = {2, 0.25, 0.5}});
+  b.collider.set_transform({.translation = {2, 0.25, 0.5}});
   const DistanceBounds touching = distance(a.collider, b.collider);
   EXPECT_EQ(touching.lower, 0) << "sides that lie in one plane";
   EXPECT_EQ(touching.upper, 0);
   EXPECT_TRUE(touching.crossing);
-  b.collider.place({.translation = {2 + 1e-9, 0.25, 0.5}});
+  b.collider.set_transform({.translation = {2 + 1e-9, 0.25, 0.5}});
   const DistanceBounds nearly = distance(a.collider, b.collider);
   EXPECT_GT(nearly.lower, 0.999e-9);
   EXPECT_LT(nearly.upper, 1.001e-9);
-  b.collider.place({.translation = {2 - 1e-9, 0.25, 0.5}});
+  b.collider.set_transform({.translation = {2 - 1e-9, 0.25, 0.5}});
   const DistanceBounds through = distance(a.collider, b.collider);
   EXPECT_TRUE(through.crossing);
   EXPECT_EQ(through.upper, 0);
@@ -191,9 +191,9 @@ TEST(Distance, coplanar_facets_that_overlap_cross_and_those_beside_each_other_do
     const DistanceBounds found = distance(a.collider, b->collider);
     EXPECT_TRUE(found.crossing);
     EXPECT_EQ(found.upper, 0);
-    b->collider.place({.translation = {0, 0, 0x1p-60}});
+    b->collider.set_transform({.translation = {0, 0, 0x1p-60}});
     EXPECT_FALSE(distance(a.collider, b->collider).crossing) << "a plane above";
-    b->collider.place({.translation = {10, 0, 0}});
+    b->collider.set_transform({.translation = {10, 0, 0}});
     EXPECT_FALSE(distance(a.collider, b->collider).crossing) << "beside";
   }
 }
@@ -202,11 +202,11 @@ TEST(Distance, warm_start_keeps_the_bits_of_upper_bounds_and_points) {
   DistanceQuery warm;
   auto& bodies = test::placed_bodies();
   PlacedBody &a = *bodies[0], &b = *bodies[1];
-  a.collider.place({});
+  a.collider.set_transform({});
   int apart = 0;
   for (int frame = 0; frame < 40; ++frame) {
     a.deform(test::rippled(a.mesh.positions, 0.01 * frame, 3));
-    b.collider.place(RigidTransform::from_axis({1, 2, 3}, 0.05 * frame, {0.2, 1.5 + 0.05 * frame, 0.3}));
+    b.collider.set_transform(RigidTransform::from_axis({1, 2, 3}, 0.05 * frame, {0.2, 1.5 + 0.05 * frame, 0.3}));
     const DistanceBounds x = warm.run(a.collider, b.collider), y = distance(a.collider, b.collider);
     EXPECT_NEAR(x.lower, y.lower, 1e-14);
     EXPECT_EQ(x.upper, y.upper);
@@ -220,7 +220,7 @@ TEST(Distance, warm_start_keeps_the_bits_of_upper_bounds_and_points) {
   EXPECT_GT(apart, 15);
 }
 
-TEST(Distance, holds_for_bodies_without_neighbours_area_or_closure) {
+TEST(Distance, holds_for_bodies_without_neighbors_area_or_closure) {
   PlacedBody point({{{5, 0, 0}, {5, 0, 0}, {5, 0, 0}}, {{0, 1, 2}}}, 1);
   PlacedBody line({{{0, -1, 0}, {0, 1, 0}, {0, 3, 0}}, {{0, 1, 2}}}, 1);
   EXPECT_NEAR(distance(point.collider, line.collider).upper, 5, 4e-14);
@@ -229,15 +229,15 @@ TEST(Distance, holds_for_bodies_without_neighbours_area_or_closure) {
 
 TEST(Distance, refuses_what_it_cannot_answer) {
   PlacedBody a(test::icosphere(1)), b(test::icosphere(1));
-  b.collider.place({.translation = {5, 0, 0}});
+  b.collider.set_transform({.translation = {5, 0, 0}});
   DistanceQuery query;
   using test::nan;
   using Code = Status::Code;
   EXPECT_EQ(query.run(a.collider, b.collider, {.tolerance = nan}).status.code, Code::bad_option);
-  EXPECT_EQ(query.run(a.collider, b.collider, {.only_within = -1}).status.code, Code::bad_option);
-  EXPECT_EQ(query.run(a.collider, b.collider, {.near_enough = nan}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.stop_above = -1}).status.code, Code::bad_option);
+  EXPECT_EQ(query.run(a.collider, b.collider, {.stop_below = nan}).status.code, Code::bad_option);
   std::vector<Vec3> moved = b.mesh.positions;
-  test::StalePose late(b.mesh, b.built.cover, b.body.pose());
+  test::StalePose late(b.mesh, b.model.cover, b.body.sphere_state());
   const DistanceBounds stale = query.run(a.collider, late.collider);
   EXPECT_EQ(stale.status, (Status{Code::positions_not_current, 1}));
   EXPECT_EQ(stale.lower, 0);
@@ -250,18 +250,18 @@ TEST(Distance, refuses_what_it_cannot_answer) {
   ASSERT_FALSE(a.body.update(bad));
   EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::body_not_current, 0}));
   ASSERT_TRUE(a.body.update(moved));
-  a.collider.place({.translation = {1e300, 0, 0}});
-  EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::placement_too_far, 0}));
-  for (const Code code : {Code::body_not_current, Code::positions_not_current, Code::placement_too_far,
+  a.collider.set_transform({.translation = {1e300, 0, 0}});
+  EXPECT_EQ(query.run(a.collider, b.collider).status, (Status{Code::transform_too_far, 0}));
+  for (const Code code : {Code::body_not_current, Code::positions_not_current, Code::transform_too_far,
                           Code::bad_option, Code::bad_shape})
     EXPECT_FALSE(message({code, 1}).empty());
 }
 
 TEST(Distance, says_when_spheres_are_no_proof) {
   const Mesh mesh = test::icosphere(1);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
-  const Body loose(mesh, built, {.rules = {Rule::approach1}}), tight(mesh, built);
-  const Body raised(mesh, built, {.rules = {Rule::approach1}, .conservative = true});
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
+  const Body loose(mesh, model, {.rules = {Rule::approach1}}), tight(mesh, model);
+  const Body raised(mesh, model, {.rules = {Rule::approach1}, .conservative = true});
   const Collider a(mesh, loose), b(mesh, tight), c(mesh, raised);
   EXPECT_FALSE(distance(a, b).certified);
   EXPECT_TRUE(distance(c, b).certified);

@@ -70,7 +70,7 @@ struct Inputs {
   std::vector<Vec3> bent = deform(limb, {Bend{90}}, 1.0);
   std::vector<Vec3f> narrow;
   std::vector<Vec3> points;
-  RigidTransform placement = RigidTransform::from_axis({1, 2, 3}, 0.7, {0.3, 0.2, 0.1});
+  RigidTransform transform = RigidTransform::from_axis({1, 2, 3}, 0.7, {0.3, 0.2, 0.1});
   Inputs() {
     for (const Vec3& p : bent) narrow.emplace_back(p);
     for (int k = 0; k < 20; ++k) points.push_back({0.1 * k - 1, 0.03 * k, 0.2});
@@ -80,17 +80,17 @@ struct Inputs {
 
 Record everything(const Inputs& in, Workers& workers) {
   Record record;
-  for (const Method method : {Method::octree, Method::grid, Method::medial, Method::morula}) {
+  for (const Method method : {Method::octree, Method::grid, Method::medial, Method::optimized}) {
     BuildOptions options{.method = method, .branching = method == Method::octree ? 8 : 4, .depth = 2};
-    if (method == Method::morula) options.quality = Quality::draft;
-    const CoveredTree built = build(in.limb, options, workers);
-    record.add("tree by " + std::string(name(method)), tree_hash(built.tree));
-    record.add("certificate", certify(built.cover, in.limb.positions, built.tree.spheres, workers).worst_excess);
-    record.add("faults", validate(in.limb, built).size());
-    for (const LevelMeasure& level : measure(in.limb, built.tree, {.grid = {.resolution = 24}}, workers)) {
+    if (method == Method::optimized) options.quality = Quality::draft;
+    const CoveredTree model = build(in.limb, options, workers);
+    record.add("tree by " + std::string(name(method)), tree_hash(model.tree));
+    record.add("certificate", certify(model.cover, in.limb.positions, model.tree.spheres, workers).worst_excess);
+    record.add("faults", validate(in.limb, model).size());
+    for (const LevelMeasure& level : measure(in.limb, model.tree, {.grid = {.resolution = 24}}, workers)) {
       record.add("looseness", level.looseness.looseness.value_or(-1));
-      record.add("gap", level.coverage.gap);
-      record.add("bare", level.coverage.bare_area);
+      record.add("uncovered_distance", level.coverage.uncovered_distance);
+      record.add("bare", level.coverage.uncovered_area);
       record.add("protrusion", level.protrusion ? level.protrusion->worst : -1.0);
     }
   }
@@ -126,15 +126,15 @@ Record everything(const Inputs& in, Workers& workers) {
   body_a.update(in.bent, workers);
   Collider a(in.limb, body_a), b(in.blob, body_b);
   a.set_positions(in.bent);
-  b.place(in.placement);
+  b.set_transform(in.transform);
   record.add("overlap", std::uint64_t{overlap(a, b)});
-  record_contacts(record, collide(a, b, {.surfaces = true, .exact = true}));
+  record_contacts(record, collide(a, b, {.surfaces = true, .find_crossings = true}));
   record_contacts(record, collide(a, b, {.budget = 50, .surfaces = true}));
   CrossingQuery crossed;
   crossed.run(a, b);
   record.add("crossings", crossed.pairs().size());
-  for (const RigidTransform& place : {in.placement, RigidTransform{.translation = {5, 1, 2}}}) {
-    b.place(place);
+  for (const RigidTransform& place : {in.transform, RigidTransform{.translation = {5, 1, 2}}}) {
+    b.set_transform(place);
     const DistanceBounds bounds = distance(a, b);
     record.add("distance below", bounds.lower);
     record.add("distance above", bounds.upper);
@@ -236,7 +236,7 @@ struct Thrown {};
 
 TEST(ThrowingCallbacks, end_a_build_and_leave_everything_usable) {
   const Mesh mesh = sample_body("limb", 8);
-  const BuildOptions options{.method = Method::morula, .branching = 4, .depth = 2, .quality = Quality::draft};
+  const BuildOptions options{.method = Method::optimized, .branching = 4, .depth = 2, .quality = Quality::draft};
   const std::uint64_t expected = tree_hash(build(mesh, options).tree);
   Workers pool(3);
   int most = 1000;
@@ -273,12 +273,12 @@ TEST(ThrowingCallbacks, end_a_build_and_leave_everything_usable) {
 
 TEST(ThrowingCallbacks, end_a_query_which_then_answers_as_ever) {
   const Mesh mesh = sample_body("limb", 8);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
-  Body body_a(mesh, built), body_b(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 3});
+  Body body_a(mesh, model), body_b(mesh, model);
   Collider a(mesh, body_a), b(mesh, body_b);
-  b.place(RigidTransform::from_axis({0, 0, 1}, 1.0, {0, 0, 0.3}));
+  b.set_transform(RigidTransform::from_axis({0, 0, 1}, 1.0, {0, 0, 0.3}));
   for (const CollideOptions& usual :
-       {CollideOptions{.surfaces = true, .exact = true}, CollideOptions{.budget = 400, .surfaces = true}}) {
+       {CollideOptions{.surfaces = true, .find_crossings = true}, CollideOptions{.budget = 400, .surfaces = true}}) {
     Record expected;
     ContactQuery fresh(usual);
     fresh.add(a, b);

@@ -37,9 +37,9 @@ TEST(ExactContacts, hold_the_facet_pairs_of_brute_force_for_every_pair_of_bodies
   for (int pose = 0; pose < 10; ++pose) {
     for (Specimen* s : {&a, &b, &c}) {
       s->deform(random, 0.05);
-      s->place(test::random_placement(random, 0.5));
+      s->set_transform(test::random_transform(random, 0.5));
     }
-    ContactQuery query({.exact = true});
+    ContactQuery query({.find_crossings = true});
     query.add(*a.collider, *b.collider);
     query.add(*b.collider, *c.collider);
     ASSERT_TRUE(query.start());
@@ -53,7 +53,7 @@ TEST(ExactContacts, hold_the_facet_pairs_of_brute_force_for_every_pair_of_bodies
     EXPECT_EQ(facets_of(of(1)), facets_of(brute_force::crossings(*b.collider, *c.collider)));
 
     // With a budget: those of what is finished, and none that are not.
-    const Contacts part = collide(*a.collider, *b.collider, {.budget = 600, .exact = true});
+    const Contacts part = collide(*a.collider, *b.collider, {.budget = 600, .find_crossings = true});
     const auto all = facets_of(of(0)), some = facets_of(part.crossings);
     EXPECT_TRUE(std::includes(all.begin(), all.end(), some.begin(), some.end()));
   }
@@ -76,7 +76,7 @@ TEST(Containment, comes_with_contacts_and_tells_a_body_inside_another) {
     }
   };
   expect(1, 0);
-  inner.place(RigidTransform::from_axis({0, 1, 0}, 1, {20, 0, 0}));
+  inner.set_transform(RigidTransform::from_axis({0, 1, 0}, 1, {20, 0, 0}));
   expect(0, 0);
 }
 
@@ -85,7 +85,7 @@ TEST(SurfacesUnderABudgetOfTime, end_when_it_ends_and_leave_the_search_its_half)
   Random random(5);
   Specimen a("limb", 16, test::quick), b("limb", 16, test::quick);
   for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
-  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  b.set_transform(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
   const Contacts all = collide(*a.collider, *b.collider, {.surfaces = true});
   ASSERT_EQ(all.surfaces.size(), all.contacts.size());
   ASSERT_GT(all.contacts.size(), 200u);
@@ -112,7 +112,7 @@ TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
   Random random(5);
   Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
   for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
-  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  b.set_transform(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
   const Contacts all = collide(*a.collider, *b.collider, {.surfaces = true});
   const auto crossings = facets_of(brute_force::crossings(*a.collider, *b.collider));
   ASSERT_GT(crossings.size(), 20u);
@@ -125,7 +125,7 @@ TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
     bool whole = nodes_of(found) == nodes_of(all);
     for (const Contact& c : found.contacts) whole = whole && c.finished;
     if (asked.surfaces) whole = whole && found.surfaces.size() == found.contacts.size();
-    if (asked.exact) whole = whole && facets_of(found.crossings) == crossings;
+    if (asked.find_crossings) whole = whole && facets_of(found.crossings) == crossings;
     if (asked.containment) whole = whole && found.containment.size() == 1;
     for (std::size_t i = 0; i < found.surfaces.size(); ++i) {
       const auto is = surfaces.find({found.contacts[i].node_a, found.contacts[i].node_b});
@@ -152,7 +152,7 @@ TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
     for (int request = 0; request < 8; ++request) {
       const CollideOptions options{.budget = budget,
                                    .surfaces = (request & 1) != 0,
-                                   .exact = (request & 2) != 0,
+                                   .find_crossings = (request & 2) != 0,
                                    .containment = (request & 4) != 0,
                                    .clock = [&looks] { return std::chrono::nanoseconds(++looks); }};
       const auto expect_told = [&](const Contacts& found, bool finished) {
@@ -187,12 +187,12 @@ TEST(Finished, says_whether_all_that_was_asked_for_is_there) {
 
 TEST(Finished, is_of_all_contacts_also_when_those_of_an_interrupted_query_were_taken_away) {
   Specimen a("limb", 10, test::quick), b("limb", 10, test::quick);
-  b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+  b.set_transform(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
   const auto crossings = facets_of(brute_force::crossings(*a.collider, *b.collider));
   const auto nodes = nodes_of(collide(*a.collider, *b.collider));
   int cut = 0;
   for (int budget = 200; budget < 20000; budget += budget / 4) {
-    CollideOptions options{.budget = budget, .surfaces = true, .exact = true};
+    CollideOptions options{.budget = budget, .surfaces = true, .find_crossings = true};
     ContactQuery query(options);
     query.add(*a.collider, *b.collider);
     const bool finished = query.start().finished;
@@ -212,9 +212,9 @@ struct LazyBodies : ::testing::Test {
   LazyBodies() {
     Random random(9);
     for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
-    b.place(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
+    b.set_transform(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
     options.reach = [this](const Collider& collider, std::uint32_t node) {
-      (&collider == a.collider.get() ? a : b).body->reach(node);
+      (&collider == a.collider.get() ? a : b).body->refresh_children(node);
       return true;
     };
   }
@@ -232,7 +232,7 @@ TEST_F(LazyBodies, give_the_contacts_of_full_updates_and_leave_nodes_untouched) 
   const auto expected = nodes_of(collide(*a.collider, *b.collider));
   ASSERT_FALSE(expected.empty());
   update_lazily(0);
-  options.surfaces = options.exact = true;
+  options.surfaces = options.find_crossings = true;
   const Contacts found = collide(*a.collider, *b.collider, options);
   EXPECT_TRUE(found.finished);
   EXPECT_EQ(nodes_of(found), expected);
@@ -275,9 +275,9 @@ TEST(RebuiltContacts, miss_no_crossing_through_swaps_when_colliders_follow_the_t
   RebuiltBody limb(mesh, build(mesh, test::quick),
                    {.rebuild_every = 2, .min_improvement = -1e9, .thread = RebuildThread::caller});
   Specimen torus("torus", 8, test::quick);
-  torus.place(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
+  torus.set_transform(RigidTransform::from_axis({1, 0, 0}, 0.5, {0.2, 0.1, 0}));
   std::optional<Collider> collider;
-  ContactQuery query({.exact = true});
+  ContactQuery query({.find_crossings = true});
   std::uint64_t version = limb.tree_version();
   std::size_t swaps = 0, crossings = 0;
   for (int frame = 0; frame <= 12; ++frame) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have travelled.
+// What lets a verdict be carried over: no pair comes nearer, or moves apart, by more than its nodes have traveled.
 #include "collide/front/front_travel.hpp"
 
 #include <gtest/gtest.h>
@@ -19,19 +19,19 @@ struct Pairs {
     for (std::uint32_t i = 0; i < a.body->spheres().size(); ++i)
       for (std::uint32_t j = 0; j < b.body->spheres().size(); ++j) {
         const Sphere s = a.body->sphere(i), t = b.body->sphere(j);
-        gap.push_back(distance(a.collider->placement()(s.center), b.collider->placement()(t.center)) - s.radius -
+        gap.push_back(distance(a.collider->transform()(s.center), b.collider->transform()(t.center)) - s.radius -
                       t.radius);
       }
   }
   std::vector<double> gap;
 };
 
-TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
+TEST(FrontTravel, no_gap_changes_by_more_than_was_traveled) {
   Random random(4);
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
-  a.place(test::random_placement(random, 1));
-  b.place(test::random_placement(random, 1));
+  a.set_transform(test::random_transform(random, 1));
+  b.set_transform(test::random_transform(random, 1));
   const SphereTree &tree_a = a.body->rest_tree(), &tree_b = b.body->rest_tree();
   Front::Pair bodies;
   begin_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
@@ -47,23 +47,24 @@ TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
     a.body->update(a.positions);
     if (frame % 3 == 1) b.deform(random, step);
     if (frame % 3 == 2) {
-      RigidTransform place = RigidTransform::from_axis({1, 2, 1}, step, b.collider->placement().translation);
-      const RigidTransform columns = inverse({b.collider->placement().rows, {}});
+      RigidTransform place = RigidTransform::from_axis({1, 2, 1}, step, b.collider->transform().translation);
+      const RigidTransform columns = inverse({b.collider->transform().rows, {}});
       RigidTransform turned;
       for (std::size_t row = 0; row < 3; ++row)
         turned.rows[row] = {dot(place.rows[row], columns.rows[0]), dot(place.rows[row], columns.rows[1]),
                             dot(place.rows[row], columns.rows[2])};
       turned.translation = place.translation + Vec3{step, 0, 0};
-      b.place(turned);
+      b.set_transform(turned);
     }
     follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
     const Pairs now(a, b);
     const std::size_t count_b = tree_b.node_count();
     const auto check = [&](std::uint32_t i, std::uint32_t j, std::uint32_t above_i, std::uint32_t above_j) {
-      const double change = std::abs(now.gap[i * count_b + j] - first.gap[i * count_b + j]);
-      const double travelled = bodies.a.travelled[above_i] + bodies.b.travelled[above_j];
-      closest = std::min(closest, travelled - change);
-      return change <= travelled * (1 + 1e-12) + 1e-13;
+      const double change =
+          std::abs(now.uncovered_distance[i * count_b + j] - first.uncovered_distance[i * count_b + j]);
+      const double traveled = bodies.a.path_length[above_i] + bodies.b.path_length[above_j];
+      closest = std::min(closest, traveled - change);
+      return change <= traveled * (1 + 1e-12) + 1e-13;
     };
     std::size_t wrong = 0;
     for (std::uint32_t i = 1; i < tree_a.node_count(); ++i)
@@ -79,15 +80,15 @@ TEST(FrontTravel, no_gap_changes_by_more_than_was_travelled) {
 TEST(FrontTravel, at_rest_nothing_travels) {
   const BuildOptions options{.method = Method::octree, .depth = 2};
   test::Specimen a("limb", 8, options), b("blob", 7, options);
-  a.place(RigidTransform::from_axis({1, 2, 3}, 0.5, {1e6, 0, 0}));
+  a.set_transform(RigidTransform::from_axis({1, 2, 3}, 0.5, {1e6, 0, 0}));
   Front::Pair bodies;
   begin_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), true);
   const Front::Pair before = bodies;
   std::vector<double> scratch;
   a.body->update(a.positions);
   follow_travel(bodies, *a.collider, *b.collider, placed_pair(*a.collider, *b.collider, 0), scratch);
-  EXPECT_EQ(bodies.a.travelled, before.a.travelled);
-  EXPECT_EQ(bodies.b.travelled, before.b.travelled);
+  EXPECT_EQ(bodies.a.path_length, before.a.path_length);
+  EXPECT_EQ(bodies.b.path_length, before.b.path_length);
   EXPECT_EQ(bodies.a.frame, before.a.frame + 1);
 }
 

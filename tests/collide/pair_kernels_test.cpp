@@ -29,7 +29,7 @@ std::vector<Spheref> random_spheres(std::size_t count, Random& random, double sc
 }
 
 NarrowPair random_pair(Random& random, double scale) {
-  const RigidTransform t = test::random_placement(random, scale);
+  const RigidTransform t = test::random_transform(random, scale);
   NarrowPair pair{};
   for (std::size_t row = 0; row < 3; ++row)
     for (int axis = 0; axis < 3; ++axis) pair.rows[row][axis] = static_cast<float>(t.rows[row][axis]);
@@ -93,7 +93,7 @@ TEST(PairKernels, what_is_measured_is_below_the_least_difference) {
 TEST(PairKernels, lists_are_counted_as_by_doubles_by_every_kind) {
   Random random(5);
   const auto a = random_spheres(83, random, 1), b = random_spheres(61, random, 1);
-  const RigidTransform place = test::random_placement(random, 1);
+  const RigidTransform place = test::random_transform(random, 1);
   std::size_t surely = 0, perhaps = 0;
   for (const Spheref& s : a)
     for (const Spheref& t : b) {
@@ -123,14 +123,14 @@ TEST(PairKernels, touching_spheres_overlap_wherever_the_bodies_are) {
       for (int round = 0; round < 200; ++round) {
         const auto node_a = static_cast<std::uint32_t>(random.next() % a.body->spheres().size());
         const auto node_b = static_cast<std::uint32_t>(random.next() % b.body->spheres().size());
-        a.place(test::random_placement(random, scale * away));
-        RigidTransform place = test::random_placement(random, 1);
+        a.set_transform(test::random_transform(random, scale * away));
+        RigidTransform place = test::random_transform(random, 1);
         const Sphere sphere_a = a.body->sphere(node_a), sphere_b = b.body->sphere(node_b);
         const Vec3 direction = normalized(place.translation);
-        const Vec3 wanted = a.collider->placement()(sphere_a.center) + (sphere_a.radius + sphere_b.radius) * direction;
+        const Vec3 wanted = a.collider->transform()(sphere_a.center) + (sphere_a.radius + sphere_b.radius) * direction;
         place.translation = {};
         place.translation = wanted - place(sphere_b.center);
-        b.place(place);
+        b.set_transform(place);
         const auto verdict = [&] {
           const PlacedPair placed = placed_pair(*a.collider, *b.collider, 0);
           const Spheref* first_a = &a.body->spheres()[node_a];
@@ -141,7 +141,7 @@ TEST(PairKernels, touching_spheres_overlap_wherever_the_bodies_are) {
         };
         EXPECT_TRUE(verdict()) << scale << ' ' << away;
         place.translation += (1e-5 * a.size + 1e-9 * scale * away) * direction;
-        b.place(place);
+        b.set_transform(place);
         EXPECT_FALSE(verdict()) << scale << ' ' << away;
       }
     }

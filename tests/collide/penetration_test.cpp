@@ -15,7 +15,7 @@ namespace {
 
 using test::PlacedBody;
 
-/// Of two balls whose centres are d apart.
+/// Of two balls whose centers are d apart.
 double lens(double r, double s, double d) {
   if (d >= r + s) return 0;
   if (d <= std::abs(r - s)) return 4.0 / 3.0 * std::numbers::pi * std::pow(std::min(r, s), 3);
@@ -35,8 +35,8 @@ TEST(Penetration, of_balls_is_their_lens) {
   PlacedBody a(mesh), b(mesh);
   PenetrationQuery query(a.collider, b.collider);
   for (const double d : {0.0, 0.4, 1.1, 1.7, 1.99, 2.5}) {
-    a.collider.place(RigidTransform::from_axis({1, 2, 3}, d, {100, 0.3, 0.1}));
-    b.collider.place(RigidTransform::from_axis({3, 1, 0}, 1 - d, Vec3{100, 0.3, 0.1} + Vec3{0.6, 0, 0.8} * d));
+    a.collider.set_transform(RigidTransform::from_axis({1, 2, 3}, d, {100, 0.3, 0.1}));
+    b.collider.set_transform(RigidTransform::from_axis({3, 1, 0}, 1 - d, Vec3{100, 0.3, 0.1} + Vec3{0.6, 0, 0.8} * d));
     const Penetration p = query.run({.tolerance = 0.4, .budget = d < 1.5 ? 20000 : 2000});
     ASSERT_TRUE(p.status && p.certified);
     EXPECT_LE(p.lower, lens(1, 1, d) + 1e-12);
@@ -66,8 +66,8 @@ TEST(Penetration, of_boxes_is_a_box) {
   for (const Vec3& shift : {Vec3{0, 0, 0}, Vec3{0.25, 0.5, 0.125}, Vec3{-0.7, 0.1, 0.3}, Vec3{0.9, -0.9, 0.9}}) {
     const RigidTransform turn = RigidTransform::from_axis({1, -1, 2}, 0.8, {-3, 5, 2});
     const Vec3 by{shift.x * side.x, shift.y * side.y, shift.z * side.z};
-    a.collider.place(turn);
-    b.collider.place(RigidTransform{turn.rows, turn(by)});
+    a.collider.set_transform(turn);
+    b.collider.set_transform(RigidTransform{turn.rows, turn(by)});
     const double expected = (side.x - std::abs(by.x)) * (side.y - std::abs(by.y)) * (side.z - std::abs(by.z));
     const Penetration p = query.run({.tolerance = 0.5, .budget = 20000});
     ASSERT_TRUE(p.status);
@@ -78,8 +78,8 @@ TEST(Penetration, of_boxes_is_a_box) {
   // One wholly inside the other: its own volume.
   PlacedBody small(test::scaled(cube, 0.25));
   const Vec3 middle = extent.center();
-  small.collider.place(RigidTransform::from_axis({0, 0, 1}, 0, middle - middle * 0.25));
-  a.collider.place({});
+  small.collider.set_transform(RigidTransform::from_axis({0, 0, 1}, 0, middle - middle * 0.25));
+  a.collider.set_transform({});
   PenetrationQuery inside(a.collider, small.collider);
   const Penetration p = inside.run({.tolerance = 0.3, .budget = 30000});
   const double expected = side.x * side.y * side.z / 64;
@@ -113,8 +113,8 @@ TEST(Penetration, of_deformed_bodies_holds_what_random_points_find_at_every_inte
   bodies.push_back(std::make_unique<PlacedBody>(test::uv_sphere(11, 7, 0.7)));
   for (auto& body : bodies) body->deform(test::rippled(body->mesh.positions, 0.08, 5));
   PlacedBody &a = *bodies[0], &b = *bodies[1];
-  a.collider.place(RigidTransform::from_axis({1, 0, 1}, 0.5, {10, 20, 30}));
-  b.collider.place(RigidTransform::from_axis({0, 1, 1}, 2, {10.5, 20.2, 30.1}));
+  a.collider.set_transform(RigidTransform::from_axis({1, 0, 1}, 0.5, {10, 20, 30}));
+  b.collider.set_transform(RigidTransform::from_axis({0, 1, 1}, 2, {10.5, 20.2, 30.1}));
   Box box;
   for (std::uint32_t v = 0; v < b.mesh.vertex_count(); ++v) box.add(b.collider.vertex(v));
   constexpr int points = 3000;
@@ -154,8 +154,8 @@ TEST(Penetration, of_deformed_bodies_holds_what_random_points_find_at_every_inte
   EXPECT_EQ(query.run({.tolerance = -1}).status.code, Status::Code::bad_option);
   EXPECT_EQ(query.run({.budget = -1}).status.code, Status::Code::bad_option);
   EXPECT_EQ(PenetrationQuery(a.collider, b.collider).resume().status.code, Status::Code::no_front);
-  b.collider.place({});
-  EXPECT_EQ(query.resume().status.code, Status::Code::other_placement);
+  b.collider.set_transform({});
+  EXPECT_EQ(query.resume().status.code, Status::Code::other_transform);
   PlacedBody open(test::grid_plate(3));
   EXPECT_THROW(PenetrationQuery(a.collider, open.collider), std::invalid_argument);
 }

@@ -47,8 +47,8 @@ bool goes_through(const Vec3& p, const Vec3& q, const Triangle& t) {
 
 PlacedBody::PlacedBody(Mesh m, int depth)
     : mesh(std::move(m)),
-      built(build(mesh, {.method = Method::octree, .branching = 8, .depth = depth})),
-      body(mesh, built),
+      model(build(mesh, {.method = Method::octree, .branching = 8, .depth = depth})),
+      body(mesh, model),
       positions(mesh.positions),
       collider(mesh, body) {}
 

@@ -8,7 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <string>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -21,7 +21,7 @@ struct PlacedBody {
 
   std::string name;
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   std::vector<Vec3> positions;
   Collider collider;

@@ -78,22 +78,22 @@ void expect_equals_brute_force(PlacedBody& body, const Shape& shape, double marg
   }
 
   const Touch plain = touch(body.collider, shape, {.margin = margin});
-  const Touch any = touch(body.collider, shape, {.margin = margin, .any = true});
+  const Touch any = touch(body.collider, shape, {.margin = margin, .stop_at_first = true});
   if (expected < margin - slack) {
     EXPECT_TRUE(plain.touches && any.touches && nearest.touches) << what;
-    EXPECT_FALSE(plain.clear || any.clear || nearest.clear) << what;
+    EXPECT_FALSE(plain.proven_clear || any.proven_clear || nearest.proven_clear) << what;
     EXPECT_EQ(plain.deepest->point.facet, p.facet) << what;
     EXPECT_EQ(plain.deepest->depth, nearest.deepest->depth) << what;
     EXPECT_LE(any.facet_tests, plain.facet_tests);
     EXPECT_LE(any.lower, expected + slack) << what;
   } else if (expected > margin + slack) {
-    EXPECT_TRUE(plain.clear && any.clear && nearest.clear) << what;
+    EXPECT_TRUE(plain.proven_clear && any.proven_clear && nearest.proven_clear) << what;
     EXPECT_FALSE(plain.touches || any.touches || plain.deepest) << what;
     EXPECT_GT(plain.lower, margin);
     EXPECT_LE(plain.lower, expected + slack) << what;
   }
 
-  const Touch listed = touch(body.collider, shape, {.margin = margin, .list = true});
+  const Touch listed = touch(body.collider, shape, {.margin = margin, .collect_all = true});
   std::set<std::uint32_t> facets;
   std::uint32_t last = 0;
   for (const TouchingFacet& touching : listed.facets) {
@@ -123,7 +123,7 @@ TEST(Primitives, equal_brute_force_over_random_poses) {
     PlacedBody& body = *bodies[static_cast<std::size_t>(round) % bodies.size()];
     body.deform(test::rippled(body.mesh.positions, 0.2, static_cast<std::uint64_t>(round)));
     const Vec3 about = round % 4 == 3 ? Vec3{-4e5, 1e6, 7e5} : Vec3{};
-    body.collider.place(test::random_placement(random, 0.5, about));
+    body.collider.set_transform(test::random_transform(random, 0.5, about));
     const std::string what = body.name + " " + std::to_string(round);
     const double margin = round % 3 == 0 ? 0.0 : random.uniform(-0.2, 0.3);
     const Vec3 center = about + test::random_point(random, 2.5), other = about + test::random_point(random, 2.5);
@@ -137,7 +137,7 @@ TEST(Primitives, equal_brute_force_over_random_poses) {
 
 TEST(Primitives, answers_of_exact_shapes_are_known) {
   PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2));
-  box.collider.place({.translation = {0, 0, 3}});
+  box.collider.set_transform({.translation = {0, 0, 3}});
   const Touch floor = touch(box.collider, HalfSpace{{0, 0, 2}, 5});
   EXPECT_EQ(floor.deepest->depth, 0.5) << "the lowest corners are at 2, the floor at 2.5";
   EXPECT_EQ(floor.deepest->normal, (Vec3{0, 0, 1}));
@@ -156,14 +156,14 @@ TEST(Primitives, a_shape_that_just_touches_touches) {
   EXPECT_TRUE(touch(box.collider, HalfSpace{{0, 0, 1}, -1}).touches);
   EXPECT_TRUE(touch(box.collider, Sphere{{0.1, 0.2, 1.5}, 0.5}).touches);
   EXPECT_TRUE(touch(box.collider, Sphere{{1, 1, 1}, 0}).touches) << "a point on a corner";
-  EXPECT_TRUE(touch(box.collider, HalfSpace{{0, 0, 1}, -1 - 1e-12}).clear);
-  EXPECT_TRUE(touch(box.collider, Sphere{{0.1, 0.2, 1.5}, 0.5 - 1e-12}).clear);
+  EXPECT_TRUE(touch(box.collider, HalfSpace{{0, 0, 1}, -1 - 1e-12}).proven_clear);
+  EXPECT_TRUE(touch(box.collider, Sphere{{0.1, 0.2, 1.5}, 0.5 - 1e-12}).proven_clear);
 }
 
 TEST(Primitives, a_sphere_inside_a_body_touches_no_surface) {
   PlacedBody ball(test::icosphere(3));
   const Touch inside = touch(ball.collider, Sphere{{0, 0, 0.1}, 0.3});
-  EXPECT_TRUE(inside.clear);
+  EXPECT_TRUE(inside.proven_clear);
   EXPECT_FALSE(inside.touches);
 }
 
@@ -181,11 +181,11 @@ TEST(Primitives, refuse_what_is_no_shape) {
   PlacedBody ball(test::icosphere(1));
   using Code = Status::Code;
   TouchQuery query;
-  test::StalePose late(ball.mesh, ball.built.cover, ball.body.pose());
+  test::StalePose late(ball.mesh, ball.model.cover, ball.body.sphere_state());
   const Collider* asked = &ball.collider;
   const auto fault = [&](const auto& shape, const TouchOptions& options = {}) {
     const Touch& result = query.run(*asked, shape, options);
-    EXPECT_FALSE(result.touches || result.clear || result.deepest);
+    EXPECT_FALSE(result.touches || result.proven_clear || result.deepest);
     return result.status.code;
   };
   EXPECT_EQ(fault(Sphere{{0, 0, 0}, -1}), Code::bad_shape);

@@ -26,13 +26,13 @@ TEST(QueryAllocation, none_when_the_same_questions_have_been_asked_before) {
   const auto ask_everything = [&] {
     bool good = true;
     for (const double x : {0.0, 0.5, 1.65, 1.9, 3.0}) {
-      b.collider.place(RigidTransform::from_axis({1, 2, 3}, x, {x, 0.1, 0.2}));
+      b.collider.set_transform(RigidTransform::from_axis({1, 2, 3}, x, {x, 0.1, 0.2}));
       for (const bool warm : {true, false})
         good = good && query.run(a.collider, b.collider, {.warm_start = warm}).status;
-      good = good && query.run(a.collider, b.collider, {.exact = false, .budget = 40}).status;
-      good = good && touched.run(a.collider, HalfSpace{{0, 0, 1}, x - 1}, {.list = true}).status;
+      good = good && query.run(a.collider, b.collider, {.to_facets = false, .budget = 40}).status;
+      good = good && touched.run(a.collider, HalfSpace{{0, 0, 1}, x - 1}, {.collect_all = true}).status;
       good = good && touched.run(a.collider, Sphere{{x, 0, 0}, 0.5}, {.nearest = true}).status;
-      good = good && touched.run(a.collider, Capsule{{x, 0, 0}, {x, 3, 0}, 0.3}, {.any = true}).status;
+      good = good && touched.run(a.collider, Capsule{{x, 0, 0}, {x, 3, 0}, 0.3}, {.stop_at_first = true}).status;
       good = good && first_hit(b.collider, {{5, 0.1, 0.2}, {-1, 0, 0}}).status;
       good = good && inside.locate({x, 0, 0}).status && inside.probe({{x, 0, 0}, 0.1}).status;
       good = good && inside.components_inside(b.collider, parts, contained);

@@ -81,7 +81,7 @@ TEST(NearestPairAllowance, bounds_hold_to_the_last_bit) {
     const double gap = round % 2 == 0 ? 3 : 1e-6;
     const Triangle a = random_triangle(random, 1, about);
     Triangle b = random_triangle(random, 1, about);
-    // Pushed along z until they are `gap` apart on it.
+    // Pushed along z until they are `uncovered_distance` apart on it.
     double top = -1e300, bottom = 1e300;
     for (int k = 0; k < 3; ++k) top = std::max(top, a[k].z), bottom = std::min(bottom, b[k].z);
     for (Vec3& p : b) p.z += top - bottom + gap;
@@ -192,8 +192,8 @@ TEST(DistanceAllowance, of_the_first_witnesses_is_rounded_up) {
   test::PlacedBody a(sample_body("limb", 8)), b(sample_body("torus", 8));
   Random random(6);
   for (int round = 0; round < 2000; ++round) {
-    a.collider.place(test::random_placement(random, 3));
-    b.collider.place(test::random_placement(random, 3));
+    a.collider.set_transform(test::random_transform(random, 3));
+    b.collider.set_transform(test::random_transform(random, 3));
     const DistanceBounds found = distance(a.collider, b.collider, {.budget = 0});
     const long double apart = real_distance(found.a.point, found.b.point);
     ASSERT_GE(found.upper, apart) << round;
@@ -213,16 +213,16 @@ struct OneFacet {
             .modes = {.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)}};
   }
   static CoveredTree make() {
-    CoveredTree built;
-    built.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
-    built.cover.vertex_count = 3;
-    built.cover.facet_count = 1;
-    built.cover.patch_facet = {0};
-    built.cover.corner_begin = {0, 3};
-    built.cover.corners = {0, 1, 2};
-    built.cover.region_begin = {0};
-    built.cover.region_end = {1};
-    return built;
+    CoveredTree model;
+    model.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
+    model.cover.vertex_count = 3;
+    model.cover.facet_count = 1;
+    model.cover.patch_facet = {0};
+    model.cover.corner_begin = {0, 3};
+    model.cover.corners = {0, 1, 2};
+    model.cover.region_begin = {0};
+    model.cover.region_end = {1};
+    return model;
   }
   void expect_inside() const {
     const Sphere sphere = PlacedSpheres(collider)(0);
@@ -240,9 +240,9 @@ TEST(PlacedSphereAllowance, pays_for_rotations_that_stretch) {
   ASSERT_EQ(body.body.spheres()[0].radius, 1) << "nothing else pays";
   Random random(7);
   for (int round = 0; round < 100; ++round) {
-    RigidTransform place = test::random_placement(random, 1);
+    RigidTransform place = test::random_transform(random, 1);
     for (Vec3& row : place.rows) row = row * (1 + 4.9e-10);
-    body.collider.place(place);
+    body.collider.set_transform(place);
     body.expect_inside();
   }
 }
@@ -255,7 +255,7 @@ TEST(PlacedSphereAllowance, pays_for_vertices_that_are_rounded_far_from_the_orig
     const Vec3 about = far_body ? Vec3{0x1p29, -0x1p29, 0x1p29} : Vec3{};
     const Triangle t = random_triangle(random, 2 * unit, about);
     OneFacet body(t, false);
-    body.collider.place(test::random_placement(random, far_body ? 1 : 0x1p30));
+    body.collider.set_transform(test::random_transform(random, far_body ? 1 : 0x1p30));
     body.expect_inside();
   }
 }
@@ -264,13 +264,13 @@ TEST(PlacedSphereAllowance, pays_for_vertices_that_are_rounded_far_from_the_orig
 // hits the facets, which a body without a tree tells.
 TEST(RayAllowance, finds_from_far_away_what_a_body_of_one_sphere_finds) {
   const Mesh mesh = sample_body("torus", 12);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 3});
-  CoveredTree whole = built;
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 3});
+  CoveredTree whole = model;
   whole.tree = {};
-  whole.tree.append_level({}, std::vector<Sphere>{{built.tree.spheres[0].center, 1e15}});
+  whole.tree.append_level({}, std::vector<Sphere>{{model.tree.spheres[0].center, 1e15}});
   whole.cover.region_begin = {0};
   whole.cover.region_end = {static_cast<std::uint32_t>(whole.cover.patch_count())};
-  const Body body(mesh, built), plain(mesh, whole, {.rules = {Rule::approach2}});
+  const Body body(mesh, model), plain(mesh, whole, {.rules = {Rule::approach2}});
   ASSERT_GT(plain.spheres()[0].radius, 1e14f);
   const Collider collider(mesh, body), slow(mesh, plain);
   Random random(9);

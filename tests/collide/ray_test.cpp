@@ -47,7 +47,7 @@ TEST(Ray, equals_brute_force_over_random_poses) {
     PlacedBody& body = *bodies[static_cast<std::size_t>(round / 10) % bodies.size()];
     if (round % 10 == 0) body.deform(test::rippled(body.mesh.positions, 0.2, static_cast<std::uint64_t>(round)));
     const Vec3 about = round % 4 == 3 ? Vec3{-4e4, 1e5, 7e4} : Vec3{};
-    body.collider.place(test::random_placement(random, 0.5, about));
+    body.collider.set_transform(test::random_transform(random, 0.5, about));
     Ray ray{about + test::random_point(random, 4.0), {}, std::numeric_limits<double>::infinity()};
     ray.direction = (about + test::random_point(random, 1.0) - ray.origin) * random.uniform(0.1, 3.0);
     if (round % 5 == 0) ray.t_end = random.uniform(0, 2);
@@ -74,11 +74,11 @@ TEST(Ray, through_every_vertex_and_edge_of_a_closed_mesh_hits) {
   Random random(8);
   for (const Mesh& mesh : {test::box_mesh({-1, -1, -1}, {1, 1, 1}, 3), test::icosphere(2), test::uv_sphere(13, 7)}) {
     PlacedBody body(mesh);
-    for (const RigidTransform& placement : {RigidTransform{}, test::random_placement(random, 0.2),
-                                            test::random_placement(random, 0.2, {1e3, -500, 20})}) {
-      body.collider.place(placement);
-      const Vec3 inside = placement({0.01, -0.02, 0.03});
-      for (const Vec3& origin : {placement({0, 0, 0}), inside})
+    for (const RigidTransform& transform : {RigidTransform{}, test::random_transform(random, 0.2),
+                                            test::random_transform(random, 0.2, {1e3, -500, 20})}) {
+      body.collider.set_transform(transform);
+      const Vec3 inside = transform({0.01, -0.02, 0.03});
+      for (const Vec3& origin : {transform({0, 0, 0}), inside})
         for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
           const Triangle t = body.collider.triangle(f);
           for (int k = 0; k < 3; ++k)
@@ -141,7 +141,7 @@ TEST(Ray, refuses_what_is_no_ray) {
     EXPECT_EQ(found.status.code, Status::Code::bad_shape);
     EXPECT_FALSE(found.first || found.certified);
   }
-  const test::StalePose late(box.mesh, box.built.cover, box.body.pose());
+  const test::StalePose late(box.mesh, box.model.cover, box.body.sphere_state());
   EXPECT_EQ(RayQuery().run(late.collider, {}).status.code, Status::Code::positions_not_current);
 }
 

@@ -36,8 +36,8 @@ Box box_of(const Triangle& t) {
 Specimen::Specimen(std::string_view sample, int resolution, const BuildOptions& options, double scale,
                    const Vec3& offset)
     : mesh(moved_mesh(sample, resolution, scale, offset)),
-      built(build(mesh, options)),
-      body(std::make_unique<Body>(mesh, built)),
+      model(build(mesh, options)),
+      body(std::make_unique<Body>(mesh, model)),
       collider(std::make_unique<Collider>(mesh, *body)),
       positions(mesh.positions),
       size(bounding_box(mesh).diagonal()) {}

@@ -8,7 +8,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <string>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -22,10 +22,10 @@ struct Specimen {
            const Vec3& offset = {});
   /// Random noise of every vertex and a random stretch; rest for an amplitude of 0.
   void deform(Random& random, double amplitude);
-  void place(const RigidTransform& placement) { collider->place(placement); }
+  void set_transform(const RigidTransform& transform) { collider->set_transform(transform); }
 
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   std::unique_ptr<Body> body;
   std::unique_ptr<Collider> collider;
   std::vector<Vec3> positions;

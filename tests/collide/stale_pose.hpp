@@ -12,13 +12,13 @@ struct StalePose {
   PosedSpheres spheres;
   Collider collider;
 
-  StalePose(const Mesh& mesh, const Cover& cover, const PosedTree& pose)
-      : spheres(pose), collider(mesh, cover, spheres.pose()) {
+  StalePose(const Mesh& mesh, const Cover& cover, const SphereState& pose)
+      : spheres(pose), collider(mesh, cover, spheres.sphere_state()) {
     next_frame();
   }
   void next_frame() {
-    const std::vector<Spheref> same(spheres.pose().spheres.begin(), spheres.pose().spheres.end());
-    spheres.set(same, spheres.pose().origin);
+    const std::vector<Spheref> same(spheres.sphere_state().spheres.begin(), spheres.sphere_state().spheres.end());
+    spheres.set(same, spheres.sphere_state().origin);
   }
 };
 

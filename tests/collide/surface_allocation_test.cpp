@@ -25,7 +25,7 @@ TEST(SurfaceAllocation, warm_queries_allocate_nothing) {
   SurfaceScratch scratch;
   std::size_t sum = 0;
   const auto ask = [&](double shift) {
-    a.place({.translation = {shift, 0.3, 0.1}});
+    a.set_transform({.translation = {shift, 0.3, 0.1}});
     found.run(a, b);
     sum += found.pairs().size();
     scratch.start(a, b);

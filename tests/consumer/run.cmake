@@ -42,7 +42,7 @@ int main() {
     list(APPEND programs study_example)
   endif()
 else()
-  # Unoptimised, for speed; assertions are on.
+  # Unoptimized, for speed; assertions are on.
   list(APPEND configuration -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS=-O0 -D "MORULA_SOURCE=${SOURCE}"
     -D MORULA_IO=OFF)
   set(programs body_core)

@@ -68,12 +68,12 @@ TEST(Twist, keeps_the_axis_coordinate_and_the_distance_to_the_axis) {
   }
 }
 
-// A strip around the x axis whose middle row is the centre line.
+// A strip around the x axis whose middle row is the center line.
 Mesh strip(int n) {
   return test::translated(test::grid_plate(n, 4, 1), {1, 2, 3});
 }
 
-TEST(Bend, rolls_parallels_of_the_axis_into_arcs_about_one_centre) {
+TEST(Bend, rolls_parallels_of_the_axis_into_arcs_about_one_center) {
   const Mesh mesh = strip(20);
   const Vec3 middle = bounding_box(mesh).center();
   for (const double degrees : {-200.0, -90.0, 30.0, 90.0, 180.0, 350.0}) {
@@ -89,7 +89,7 @@ TEST(Bend, rolls_parallels_of_the_axis_into_arcs_about_one_centre) {
   }
 }
 
-TEST(Bend, keeps_the_length_of_the_centre_line_and_the_body_ends_square_to_it) {
+TEST(Bend, keeps_the_length_of_the_center_line_and_the_body_ends_square_to_it) {
   const int n = 200;
   const Mesh mesh = strip(n);
   const std::vector<Vec3> bent = deform(mesh, {Bend{120}}, 1);

@@ -65,7 +65,7 @@ long double upper_bound(const Triangle& a, const Triangle& b) {
 
 struct Side {
   Mesh mesh;
-  std::shared_ptr<const CoveredTree> built;
+  std::shared_ptr<const CoveredTree> model;
   std::unique_ptr<Body> body, twin;  // the twin is always updated in full
   std::unique_ptr<Collider> collider;
   std::vector<Vec3> positions;
@@ -101,7 +101,7 @@ bool is_covering(const UpdateOptions& options) {
 std::unique_ptr<Side> side_of(Bytes& in, bool only_exact) {
   auto side = std::make_unique<Side>();
   BuildOptions build_options;
-  build_options.method = std::array{Method::octree, Method::grid, Method::octree, Method::morula}[in.below(4)];
+  build_options.method = std::array{Method::octree, Method::grid, Method::octree, Method::optimized}[in.below(4)];
   build_options.quality = Quality::draft;
   build_options.branching = static_cast<int>(2 + in.below(9));
   build_options.depth = static_cast<int>(in.below(4));
@@ -116,10 +116,10 @@ std::unique_ptr<Side> side_of(Bytes& in, bool only_exact) {
   const bool is_modal = std::count(options.rules.begin(), options.rules.end(), Rule::modal) > 0;
   const bool is_skinned = std::count(options.rules.begin(), options.rules.end(), Rule::skinned) > 0;
   try {
-    side->built = std::make_shared<CoveredTree>(build(side->mesh, build_options));
+    side->model = std::make_shared<CoveredTree>(build(side->mesh, build_options));
     if (is_modal) options.modes = modes_of(side->mesh);
     if (is_skinned) options.skin = skin_of(side->mesh);
-    side->body = std::make_unique<Body>(side->mesh, side->built, options);
+    side->body = std::make_unique<Body>(side->mesh, side->model, options);
   } catch (const std::invalid_argument&) {
     return nullptr;
   }
@@ -189,7 +189,7 @@ VertexRange move(Bytes& in, std::vector<Vec3>& positions, const std::vector<Vec3
 void reach_all(Body& body) {
   const auto nodes = static_cast<std::uint32_t>(body.rest_tree().node_count());
   for (std::uint32_t node = 0; node < nodes; ++node)
-    if (!body.rest_tree().is_leaf(node)) body.reach(node);
+    if (!body.rest_tree().is_leaf(node)) body.refresh_children(node);
 }
 
 void update(Bytes& in, Side& side) {
@@ -244,7 +244,7 @@ void update(Bytes& in, Side& side) {
 void place(Bytes& in, Side& side) {
   const auto small = [&] { return (static_cast<double>(in.byte()) - 128) / 32; };
   const double w = small(), x = small(), y = small(), z = small();
-  side.collider->place(RigidTransform::from_quaternion(w, x, y, z, {small(), small(), small()}));
+  side.collider->set_transform(RigidTransform::from_quaternion(w, x, y, z, {small(), small(), small()}));
 }
 
 bool holds(const Collider& collider, std::uint32_t node, std::uint32_t facet) {
@@ -270,7 +270,7 @@ void ask(Bytes& in, const Side& a, const Side& b) {
   CrossingQuery found_pairs;
   found_pairs.run(*a.collider, *b.collider);
   CollideOptions options;
-  options.exact = in.flag();
+  options.find_crossings = in.flag();
   options.surfaces = in.flag();
   if (in.flag()) options.margin = static_cast<double>(in.byte()) / 64;
   if (in.flag()) options.level = 0;
@@ -287,7 +287,7 @@ void ask(Bytes& in, const Side& a, const Side& b) {
   const auto found = found_pairs.pairs();
   require(std::equal(truth.begin(), truth.end(), found.begin(), found.end()), "crossings are not those of brute force");
   require_found(a, b, truth, contacts);
-  if (contacts.finished && options.exact)
+  if (contacts.finished && options.find_crossings)
     require(std::equal(truth.begin(), truth.end(), contacts.crossings.begin(), contacts.crossings.end()),
             "collide finds other crossings than brute force");
 

@@ -30,7 +30,7 @@ BuildOptions options_of(Bytes& in) {
     options.spheres = 300;  // a sheet of a few facets may need tens of thousands, and minutes under sanitizers
   }
   options.quality = one_of(in, std::array{Quality::draft, Quality::draft, Quality::fast, Quality::standard});
-  options.optimiser = one_of(in, all_optimisers());
+  options.optimizer = one_of(in, all_optimizers());
   options.seed = in.byte();
   if (options.method == Method::medial && in.flag())
     options.reducers = {one_of(in, std::array{Reduction::merge, Reduction::burst, Reduction::expand})};
@@ -49,16 +49,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const BuildOptions options = options_of(in);
   const Mesh mesh = mesh_of(in);
   if (is_extreme(mesh.positions)) return 0;
-  CoveredTree built;
+  CoveredTree model;
   try {
-    built = build(mesh, options);
+    model = build(mesh, options);
   } catch (const std::invalid_argument&) {
     return 0;
   }
-  for (const Sphere& s : built.tree.spheres)
+  for (const Sphere& s : model.tree.spheres)
     require(is_finite(s.center) && std::isfinite(s.radius) && s.radius >= 0, "a sphere is not finite");
-  if (const auto faults = validate(mesh, built); !faults.empty()) found("not valid: " + faults.front());
-  require(certify(built.cover, mesh.positions, built.tree.spheres).covered, "the tree does not cover");
-  require_cover(mesh, mesh.positions, built.tree, built.tree.spheres);
+  if (const auto faults = validate(mesh, model); !faults.empty()) found("not valid: " + faults.front());
+  require(certify(model.cover, mesh.positions, model.tree.spheres).covered, "the tree does not cover");
+  require_cover(mesh, mesh.positions, model.tree, model.tree.spheres);
   return 0;
 }

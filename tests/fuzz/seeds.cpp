@@ -133,17 +133,17 @@ void add_solids(Seeds seeds) {
 
 void add_trees(Seeds seeds) {
   for (const int branching : {2, 8}) {
-    const CoveredTree built = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
-    const std::string native = native_bytes(built), text = sph_text("a.sph", built.tree),
-                      json = json_tree_text(built.tree);
+    const CoveredTree model = build(specimen_mesh(), {.method = Method::octree, .branching = branching, .depth = 1});
+    const std::string native = native_bytes(model), text = sph_text("a.sph", model.tree),
+                      json = json_tree_text(model.tree);
     for (const char* const bases : {"0123", "4567"}) {
       seeds.add(bases[0] + native);
       seeds.add(bases[1] + native);
       seeds.add(bases[2] + text);
       seeds.add(bases[3] + json);
       const fs::path archive = seeds.scratch("tree.npz"), balls = seeds.scratch("balls.ply");
-      write_tree(archive, built.tree);
-      write_balls(balls, built.tree.spheres);
+      write_tree(archive, model.tree);
+      write_balls(balls, model.tree.spheres);
       seeds.add(bases[3] + test::bytes_of(archive));
       seeds.add(bases[3] + test::bytes_of(balls));
       fs::remove(archive);
@@ -197,10 +197,10 @@ void add_command_lines(Seeds seeds) {
   for (const char* const words :
        {"build t.obj -o o.morula",
         "build t.obj -o o.sph --method grid --branching 4 --depth 2 --json",
-        "build t.obj -o o.json --method medial --reducers merge,expand --optimiser simplex --seed 3 --report",
+        "build t.obj -o o.json --method medial --reducers merge,expand --optimizer simplex --seed 3 --report",
         "build t.obj -o o.ply --spheres 9 --quality fast --threads 2",
         "build t.obj -o o.morula --max-protrusion 0.5",
-        "build t.obj -o o.morula --time-limit 1 --optimiser balance --balance-excess 0.1 --method spawn",
+        "build t.obj -o o.morula --time-limit 1 --optimizer balance --balance-excess 0.1 --method spawn",
         "measure t.obj t.morula",
         "measure t.obj t.morula --json --grid 32",
         "measure t.obj m --motion m",
@@ -211,8 +211,8 @@ void add_command_lines(Seeds seeds) {
         "update t.obj t.morula m -o s.npz --rule 0:exact,1:approach2 --measure",
         "update t.obj t.morula --modes u.npy --coords q.npy -o s.npz --modal-bound shift --rule modal",
         "update t.obj t.morula m -o s --rule weighted --conservative --distance-floor 0.25",
-        "collide t.obj t.obj --exact --budget 10",
-        "collide t.obj t.obj --motion-a m --place-b 0,0.8,0 --budget 200us",
+        "collide t.obj t.obj --crossings --budget 10",
+        "collide t.obj t.obj --motion-a m --translate-b 0,0.8,0 --budget 200us",
         "view t.obj t.morula m -o v.html",
         "medial t.obj -o b.ply",
         "info t.obj --json",
@@ -268,7 +268,7 @@ std::string random_bytes(Random& random, std::size_t count) {
   return bytes;
 }
 
-// The options of build.cpp: method, branching, depth, kind, quality, optimiser, seed; reducers for two methods.
+// The options of build.cpp: method, branching, depth, kind, quality, optimizer, seed; reducers for two methods.
 void add_builds(Seeds seeds) {
   for (const Mesh& mesh : small_meshes())
     for (unsigned method = 0; method < all_methods().size(); ++method) {

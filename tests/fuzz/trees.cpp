@@ -50,9 +50,9 @@ void require_round_trip(const TreeFile& file) {
 }
 
 // A foreign cover may be anything that passed the reader: bodies refuse it or keep their promise.
-void try_body(const Mesh& mesh, const CoveredTree& built) {
+void try_body(const Mesh& mesh, const CoveredTree& model) {
   try {
-    Body body(mesh, built);
+    Body body(mesh, model);
     std::vector<Vec3> positions = mesh.positions;
     for (Vec3& p : positions) p = {1.5 * p.x + p.y, p.y * p.y, p.z - p.x};
     if (!body.update(positions)) return;
@@ -79,12 +79,12 @@ void try_tree(const char* name, const std::string& bytes, bool with_mesh) {
     if (!with_mesh || file.tree.node_count() > 2000) return;
     const Mesh& mesh = specimen_mesh();
     const bool was_covered = file.cover.has_value();
-    const CoveredTree built = built_of_file(name, std::move(file), mesh, serial_workers());
-    require(certify(built.cover, mesh.positions, built.tree.spheres).covered, "a tree was read that does not cover");
+    const CoveredTree model = built_of_file(name, std::move(file), mesh, serial_workers());
+    require(certify(model.cover, mesh.positions, model.tree.spheres).covered, "a tree was read that does not cover");
     if (!was_covered)
-      if (const auto faults = validate(mesh, built); !faults.empty())
+      if (const auto faults = validate(mesh, model); !faults.empty())
         found("a cover was made that is not valid: " + faults.front());
-    try_body(mesh, built);
+    try_body(mesh, model);
   } catch (const FileError& error) {
     require_good_message(error.what(), name);
   }

@@ -16,9 +16,10 @@
 namespace morula {
 namespace {
 
-// Promises do not depend on the quality: method morula keeps them at its fastest here, and at the others in own_test.
+// Promises do not depend on the quality: method optimized keeps them at its fastest here, and at the others in
+// own_test.
 Quality quick(Method method) {
-  return method == Method::morula ? Quality::fast : Quality::standard;
+  return method == Method::optimized ? Quality::fast : Quality::standard;
 }
 
 std::string described(Method method, const std::string& mesh, int branching, int depth) {
@@ -27,15 +28,15 @@ std::string described(Method method, const std::string& mesh, int branching, int
 }
 
 void expect_promises_kept(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
-  const CoveredTree built = build(mesh, options);
-  const auto faults = validate(mesh, built);
+  const CoveredTree model = build(mesh, options);
+  const auto faults = validate(mesh, model);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
-  EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(options.depth.value()) + 1) << what;
-  EXPECT_EQ(built.tree.branching, static_cast<std::uint32_t>(options.branching)) << what;
-  EXPECT_EQ(built.report.mesh_hash, mesh_hash(mesh)) << what;
+  EXPECT_LE(model.tree.level_count(), static_cast<std::size_t>(options.depth.value()) + 1) << what;
+  EXPECT_EQ(model.tree.branching, static_cast<std::uint32_t>(options.branching)) << what;
+  EXPECT_EQ(model.report.mesh_hash, mesh_hash(mesh)) << what;
   // The certificate's claim, seen from outside: samples of the surface in plain arithmetic.
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
-    const std::vector<Sphere> spheres = level_set_spheres(built.tree, level);
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
+    const std::vector<Sphere> spheres = level_set_spheres(model.tree, level);
     for (const SurfacePoint& s : sample_surface(mesh, 200, 4)) {
       const bool inside = std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& b) {
         return distance(b.center, s.point) <= b.radius * (1 + 1e-12);
@@ -73,7 +74,7 @@ TEST_P(BuildInEveryForm, keeps_its_promises_for_every_branching_and_depth) {
 INSTANTIATE_TEST_SUITE_P(Quick, BuildInEveryForm, testing::Values(Method::octree), test::method_name);
 INSTANTIATE_TEST_SUITE_P(Long, BuildInEveryForm,
                          testing::Values(Method::grid, Method::hubbard, Method::spawn, Method::medial, Method::combined,
-                                         Method::morula),
+                                         Method::optimized),
                          test::method_name);
 
 TEST_P(BuildBy, keeps_its_promises_for_the_least_and_the_most_branching) {
@@ -89,7 +90,7 @@ TEST_P(BuildBy, has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
 }
 
 TEST(LongBuild, of_default_quality_has_the_same_bits_for_any_number_of_workers_and_on_every_run) {
-  test::expect_same_bits_for_any_number_of_workers(sample_body("blob", 16), {.method = Method::morula, .depth = 2});
+  test::expect_same_bits_for_any_number_of_workers(sample_body("blob", 16), {.method = Method::optimized, .depth = 2});
 }
 
 // All that medial balls are made for, on little: the rest of it is long.
@@ -111,8 +112,8 @@ TEST(Build, makes_the_golden_trees) {
   EXPECT_EQ(hash(Method::hubbard), 0x94214f813dd1731eu);
   EXPECT_EQ(hash(Method::spawn), 0x79fe65e1a31a4685u);
   EXPECT_EQ(hash(Method::medial), 0x5e3f8c1a816fd05eu);
-  EXPECT_EQ(hash(Method::morula, Quality::fast), 0x2be1ba1db68aef95u);
-  EXPECT_EQ(hash(Method::morula), 0xa08096af933f62ceu);
+  EXPECT_EQ(hash(Method::optimized, Quality::fast), 0x2be1ba1db68aef95u);
+  EXPECT_EQ(hash(Method::optimized), 0xa08096af933f62ceu);
 }
 
 TEST_P(BuildBy, moves_and_scales_with_its_input) {
@@ -167,10 +168,10 @@ TEST(Build, ends_early_where_there_is_nothing_to_divide) {
   point.positions.assign(3, Vec3{1, 2, 3});
   point.facets = {{0, 1, 2}};
   for (const Method method : all_methods()) {
-    const CoveredTree built = build(point, {.method = method});
-    EXPECT_EQ(built.tree.node_count(), 1u);
-    EXPECT_FALSE(built.report.notes.empty());
-    EXPECT_TRUE(validate(point, built).empty());
+    const CoveredTree model = build(point, {.method = method});
+    EXPECT_EQ(model.tree.node_count(), 1u);
+    EXPECT_FALSE(model.report.notes.empty());
+    EXPECT_TRUE(validate(point, model).empty());
   }
 }
 

@@ -169,7 +169,7 @@ TEST(ChildFit, has_the_same_balls_when_rejected_splits_are_retried) {
         };
         children.split_from_one();
         keep();
-        // One sphere gone at a time, so that others have other neighbours, and all of them again.
+        // One sphere gone at a time, so that others have other neighbors, and all of them again.
         for (std::size_t gone = 0; gone < most; ++gone) {
           std::vector<Sphere> fewer = results[0].front();
           if (gone < fewer.size()) fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(gone));

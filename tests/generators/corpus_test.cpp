@@ -34,8 +34,8 @@ TEST_P(Corpus, gets_a_proof_of_cover_for_every_mesh_that_loads) {
     } catch (const FileError&) {
       continue;  // what can be read is the next test's
     }
-    const CoveredTree built = build(mesh, options, workers);
-    const auto faults = validate(mesh, built);
+    const CoveredTree model = build(mesh, options, workers);
+    const auto faults = validate(mesh, model);
     EXPECT_TRUE(faults.empty()) << paths[i].filename() << ": " << faults.front();
   }
 }
@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
                                 {.method = Method::spawn, .depth = 2},
                                 {.method = Method::medial, .depth = 1},
                                 {.method = Method::combined, .depth = 1},
-                                {.method = Method::morula, .depth = 3, .quality = Quality::fast}})),
+                                {.method = Method::optimized, .depth = 3, .quality = Quality::fast}})),
     part_name);
 
 }  // namespace

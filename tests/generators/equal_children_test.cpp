@@ -50,22 +50,22 @@ std::vector<std::uint32_t> useless_divisions(const SphereTree& tree) {
 }
 
 BuildOptions options_of(Method method) {
-  return {.method = method, .quality = method == Method::morula ? Quality::fast : Quality::standard};
+  return {.method = method, .quality = method == Method::optimized ? Quality::fast : Quality::standard};
 }
 
 class EqualChildrenBy : public test::ByMethod {};
 
 TEST_P(EqualChildrenBy, are_in_no_tree_of_automatic_depth) {
   for (const Named& body : round_and_flat_bodies()) {
-    const CoveredTree built = build(body.mesh, options_of(GetParam()));
-    EXPECT_TRUE(useless_divisions(built.tree).empty()) << body.name;
-    const auto faults = validate(body.mesh, built);
+    const CoveredTree model = build(body.mesh, options_of(GetParam()));
+    EXPECT_TRUE(useless_divisions(model.tree).empty()) << body.name;
+    const auto faults = validate(body.mesh, model);
     EXPECT_TRUE(faults.empty()) << body.name << ": " << faults.front();
     std::size_t early = 0;
-    for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-      early += built.tree.is_leaf(node) && built.tree.level_of(node) + 1 < built.tree.level_count();
-    EXPECT_EQ(built.report.early_leaves, early) << body.name;
-    EXPECT_LE(built.report.level_seconds.size(), built.tree.level_count()) << body.name;
+    for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+      early += model.tree.is_leaf(node) && model.tree.level_of(node) + 1 < model.tree.level_count();
+    EXPECT_EQ(model.report.early_leaves, early) << body.name;
+    EXPECT_LE(model.report.level_seconds.size(), model.tree.level_count()) << body.name;
   }
 }
 
@@ -88,21 +88,21 @@ INSTANTIATE_TEST_SUITE_P(Quick, EqualChildrenBy, testing::ValuesIn(test::quick_m
 INSTANTIATE_TEST_SUITE_P(Long, EqualChildrenBy, testing::ValuesIn(test::slow_methods), test::method_name);
 
 TEST(EqualChildren, are_in_no_default_tree_of_a_ball) {
-  const CoveredTree built = build(test::icosphere(2));
-  EXPECT_EQ(built.tree.node_count(), 1u);
+  const CoveredTree model = build(test::icosphere(2));
+  EXPECT_EQ(model.tree.node_count(), 1u);
 }
 
 // An exchange may give a leaf so much that it is as large as its parent, but not the same sphere.
 TEST(EqualChildren, elsewhere_are_children) {
-  CoveredTree built;
-  built.tree.branching = 2;
-  built.tree.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 1}});
-  built.tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{{{0.1, 0, 0}, 1}, {{0, 0, 0}, 0.5}});
-  built.cover.region_begin = {0, 0, 1};
-  built.cover.region_end = {2, 1, 2};
-  CoveredTree same = built;
-  EXPECT_EQ(detail::remove_equal_children(built, true), 0u);
-  EXPECT_EQ(built.tree.node_count(), 3u);
+  CoveredTree model;
+  model.tree.branching = 2;
+  model.tree.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 1}});
+  model.tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{{{0.1, 0, 0}, 1}, {{0, 0, 0}, 0.5}});
+  model.cover.region_begin = {0, 0, 1};
+  model.cover.region_end = {2, 1, 2};
+  CoveredTree same = model;
+  EXPECT_EQ(detail::remove_equal_children(model, true), 0u);
+  EXPECT_EQ(model.tree.node_count(), 3u);
   same.tree.spheres[1].center = {0.0005, 0, 0};
   EXPECT_EQ(detail::remove_equal_children(same, false), 0u);
   EXPECT_EQ(detail::remove_equal_children(same, true), 1u);

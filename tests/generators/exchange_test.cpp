@@ -17,7 +17,7 @@ using namespace detail;
 namespace {
 
 struct Made {
-  CoveredTree built;
+  CoveredTree model;
   std::vector<BuildNode> before, after;  // of level 2
 };
 Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
@@ -30,7 +30,7 @@ Made exchanged(const Mesh& mesh, int rounds, Workers& workers) {
       .changes = {0, 0, 0},
       .move_every = 5};
   Made made;
-  made.built = top_down(mesh, run,
+  made.model = top_down(mesh, run,
                         {.divide = divide_by(input, run, propose_grid, settings),
                          .new_level =
                              [&](std::vector<BuildNode>& nodes) {
@@ -70,17 +70,17 @@ TEST(Exchange, keeps_every_region_inside_its_sphere_and_all_its_ancestors) {
     }
     EXPECT_GT(4 * changed, made.after.size()) << body << ": next to nothing changed hands";
     EXPECT_NEAR(surface_of(mesh, made.after) / surface_of(mesh, made.before), 1, 1e-9) << body;
-    const auto faults = validate(mesh, made.built);
+    const auto faults = validate(mesh, made.model);
     EXPECT_TRUE(faults.empty()) << faults.front();
   }
 }
 
 TEST(Exchange, has_the_same_bits_for_any_number_of_workers) {
   const Mesh mesh = sample_body("limb", 12);
-  const std::uint64_t reference = tree_hash(exchanged(mesh, 2, serial_workers()).built.tree);
+  const std::uint64_t reference = tree_hash(exchanged(mesh, 2, serial_workers()).model.tree);
   for (const unsigned threads : {1u, 2u, 3u, 8u}) {
     Workers workers(threads);
-    EXPECT_EQ(tree_hash(exchanged(mesh, 2, workers).built.tree), reference) << threads;
+    EXPECT_EQ(tree_hash(exchanged(mesh, 2, workers).model.tree), reference) << threads;
   }
 }
 
@@ -88,7 +88,7 @@ TEST(Demand, is_positive_and_larger_where_the_surface_is_finely_structured) {
   const Mesh mesh =
       test::joined(test::icosphere(4), test::translated(test::scaled(sample_body("torus", 16), 0.15), {1.25, 0, 0}));
   const ObjectShape shape(mesh);
-  const BuildRun run({.method = Method::morula, .depth = 2, .quality = Quality::fast}, mesh);
+  const BuildRun run({.method = Method::optimized, .depth = 2, .quality = Quality::fast}, mesh);
   const ObjectLines lines(mesh, shape, lattice_cells(mesh, shape, run.branching, run.depth), serial_workers());
   const FitInput input = fit_input(mesh, shape, lines);
   const CoveredTree first = fast_tree(input, run, serial_workers());

@@ -51,29 +51,29 @@ double rounding_of(const Mesh& mesh) {
 }
 
 // The cover, in the wider arithmetic of long double: every corner of a node's region in its sphere.
-long double worst_excess(const Mesh& mesh, const CoveredTree& built) {
+long double worst_excess(const Mesh& mesh, const CoveredTree& model) {
   long double worst = -std::numeric_limits<long double>::infinity();
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    for (const std::uint32_t corner : built.cover.region_corners(node)) {
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    for (const std::uint32_t corner : model.cover.region_corners(node)) {
       Wide p{};
       if (corner < mesh.vertex_count()) {
         p = Wide(mesh.positions[corner]);
       } else {
-        const CutPoint& cut = built.cover.cut_points[corner - mesh.vertex_count()];
+        const CutPoint& cut = model.cover.cut_points[corner - mesh.vertex_count()];
         for (int k = 0; k < 3; ++k) p += Wide(mesh.positions[cut.vertex[k]]) * static_cast<long double>(cut.weight[k]);
       }
-      const Sphere& s = built.tree.spheres[node];
+      const Sphere& s = model.tree.spheres[node];
       worst = std::max(worst, length(p - Wide(s.center)) - static_cast<long double>(s.radius));
     }
   return worst;
 }
 
 void expect_covers(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
-  const CoveredTree built = build(mesh, options);
-  const auto faults = validate(mesh, built);
+  const CoveredTree model = build(mesh, options);
+  const auto faults = validate(mesh, model);
   EXPECT_TRUE(faults.empty()) << what << ": " << faults.front();
   // What long double loses is a two-thousandth of what double does.
-  EXPECT_LE(worst_excess(mesh, built), 0x1p-58L * largest_coordinate(mesh)) << what;
+  EXPECT_LE(worst_excess(mesh, model), 0x1p-58L * largest_coordinate(mesh)) << what;
 }
 
 class FarBuildBy : public test::ByMethod {};
@@ -93,7 +93,7 @@ TEST_P(FarBuildBy, covers_bodies_to_the_end_of_the_range) {
       const double size = std::ldexp(largest, -exponent);
       const Mesh mesh = test::translated(test::scaled(ball, size), {largest, -0.3 * largest, 0.7 * largest});
       BuildOptions options{.method = GetParam(), .branching = 4, .depth = 2};
-      if (GetParam() == Method::morula) options.quality = Quality::fast;
+      if (GetParam() == Method::optimized) options.quality = Quality::fast;
       expect_covers(mesh, options, std::string(name(GetParam())) + ", 2^" + std::to_string(exponent) + " sizes away");
     }
 }

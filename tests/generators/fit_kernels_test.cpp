@@ -30,7 +30,7 @@ struct Lines {
   std::vector<OutsideCell> cells;
   std::vector<std::uint8_t> over;
   std::vector<GridStep> steps;
-  static constexpr float taken = 0.15F;
+  static constexpr float overlap_weight = 0.15F;
 
   Lines(int n, int nu, int nv, std::uint64_t seed) : along(n), across(nu), rows(nv) {
     Random random(seed);
@@ -50,7 +50,7 @@ struct Lines {
     const auto cells_along = static_cast<std::size_t>(n);
     all_fit_kernels().front().make_steps(
         {cells.data(), cells_along, over.data(), cells_along, 1, steps.data(), count / cells_along}, 0, cells_along,
-        taken, false);
+        overlap_weight, false);
   }
   GridLines lines() const { return {steps.data(), along, across, rows}; }
 
@@ -64,7 +64,7 @@ struct Lines {
         return std::min(static_cast<double>(cells[cell].slope) * std::max(in_cell, 0.0),
                         static_cast<double>(cells[cell].total));
       };
-      sum += (up_to(to) - up_to(from)) * (over[cell] != 0 ? static_cast<double>(taken) : 1.0);
+      sum += (up_to(to) - up_to(from)) * (over[cell] != 0 ? static_cast<double>(overlap_weight) : 1.0);
     }
     return sum;
   }
@@ -168,7 +168,7 @@ TEST(FitKernels, points_go_to_the_ball_of_least_power_and_lowest_number) {
     std::vector<std::uint32_t> order;
     for (std::uint32_t b = 0; b < 12; ++b) {
       const auto place = [&] { return std::round(uniform(random, -3, 3)); };
-      const float px = place(), py = place(), pz = place();
+      const float px = set_transform(), py = set_transform(), pz = set_transform();
       balls.push_back({{px, py, pz}, std::round(uniform(random, 0, 4))});
       order.insert(order.begin() + static_cast<std::ptrdiff_t>(below(random, order.size() + 1)), b);
     }

@@ -19,19 +19,19 @@ namespace {
 
 constexpr std::array cheap{Method::octree, Method::grid, Method::hubbard, Method::spawn};
 
-std::vector<Sphere> leaves(const CoveredTree& built) {
-  return level_set_spheres(built.tree, built.tree.level_count() - 1);
+std::vector<Sphere> leaves(const CoveredTree& model) {
+  return level_set_spheres(model.tree, model.tree.level_count() - 1);
 }
 
-double loose(const Mesh& mesh, const CoveredTree& built) {
-  return looseness(mesh, leaves(built), {.resolution = 64}).looseness.value();
+double loose(const Mesh& mesh, const CoveredTree& model) {
+  return looseness(mesh, leaves(model), {.resolution = 64}).looseness.value();
 }
 
-void expect_sound(const Mesh& mesh, const CoveredTree& built, const std::string& what) {
-  const auto faults = validate(mesh, built);
+void expect_sound(const Mesh& mesh, const CoveredTree& model, const std::string& what) {
+  const auto faults = validate(mesh, model);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
-  EXPECT_EQ(leaves(built).size(), built.tree.leaf_count()) << what;
-  EXPECT_TRUE(coverage(mesh, leaves(built)).covered) << what;
+  EXPECT_EQ(leaves(model).size(), model.tree.leaf_count()) << what;
+  EXPECT_TRUE(coverage(mesh, leaves(model)).covered) << what;
 }
 
 using FlatSetBy = test::ByMethod;
@@ -43,18 +43,18 @@ TEST_P(FlatSetBy, has_the_number_of_spheres_asked_for_and_covers) {
     for (const std::size_t spheres : {1, 2, 5, 8, 9, 20, 64, 100, 500}) {
       if (method == Method::hubbard && spheres > 20) continue;  // slow
       const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(spheres);
-      const CoveredTree built = build(mesh, {.method = method, .spheres = spheres});
-      EXPECT_LE(built.tree.leaf_count(), spheres) << what;
+      const CoveredTree model = build(mesh, {.method = method, .spheres = spheres});
+      EXPECT_LE(model.tree.leaf_count(), spheres) << what;
       // Two balls are tighter than five that a grid places: fewer is right where all of them would be looser.
-      if (static_cast<double>(built.tree.leaf_count()) < 0.8 * static_cast<double>(spheres)) {
+      if (static_cast<double>(model.tree.leaf_count()) < 0.8 * static_cast<double>(spheres)) {
         ASSERT_LE(spheres, static_cast<std::size_t>(max_branching)) << what;
         const CoveredTree all = build(mesh, {.method = method, .branching = static_cast<int>(spheres), .depth = 1});
-        EXPECT_GT(all.tree.leaf_count(), built.tree.leaf_count()) << what;
-        EXPECT_LT(loose(mesh, built), loose(mesh, all)) << what;
+        EXPECT_GT(all.tree.leaf_count(), model.tree.leaf_count()) << what;
+        EXPECT_LT(loose(mesh, model), loose(mesh, all)) << what;
       }
-      EXPECT_TRUE(built.report.complete) << what;
-      ASSERT_TRUE(built.report.protrusion_bound.has_value());
-      expect_sound(mesh, built, what);
+      EXPECT_TRUE(model.report.complete) << what;
+      ASSERT_TRUE(model.report.protrusion_bound.has_value());
+      expect_sound(mesh, model, what);
     }
   }
 }
@@ -67,12 +67,12 @@ TEST(FlatSet, keeps_within_every_branching) {
   const Mesh mesh = sample_body("limb", 12);
   for (const int branching : {2, 3, 17, 64})
     for (const std::size_t spheres : {3, 30, 200}) {
-      const CoveredTree built = build(mesh, {.method = Method::octree, .branching = branching, .spheres = spheres});
+      const CoveredTree model = build(mesh, {.method = Method::octree, .branching = branching, .spheres = spheres});
       const std::string what = std::to_string(branching) + ", " + std::to_string(spheres);
-      EXPECT_LE(built.tree.leaf_count(), spheres) << what;
-      for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, static_cast<std::uint32_t>(branching));
-      EXPECT_LE(built.tree.level_count(), static_cast<std::size_t>(max_depth) + 1);
-      expect_sound(mesh, built, what);
+      EXPECT_LE(model.tree.leaf_count(), spheres) << what;
+      for (const std::uint32_t count : model.tree.child_count) EXPECT_LE(count, static_cast<std::uint32_t>(branching));
+      EXPECT_LE(model.tree.level_count(), static_cast<std::size_t>(max_depth) + 1);
+      expect_sound(mesh, model, what);
     }
 }
 
@@ -81,9 +81,9 @@ class FlatSetOfAll : public test::ByMethod {};
 TEST_P(FlatSetOfAll, every_kind_of_mesh_is_sound) {
   for (const test::NamedMesh& named : test::all_meshes())
     for (const std::size_t spheres : {2, 30}) {
-      const CoveredTree built = build(named.mesh, {.method = GetParam(), .spheres = spheres});
-      EXPECT_LE(built.tree.leaf_count(), spheres) << named.name;
-      const auto faults = validate(named.mesh, built);
+      const CoveredTree model = build(named.mesh, {.method = GetParam(), .spheres = spheres});
+      EXPECT_LE(model.tree.leaf_count(), spheres) << named.name;
+      const auto faults = validate(named.mesh, model);
       EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
     }
 }
@@ -143,37 +143,37 @@ TEST(MaxProtrusion, holds_for_every_leaf_and_needs_fewer_spheres_the_larger_it_i
       std::size_t before = std::numeric_limits<std::size_t>::max();
       for (const double share : {0.02, 0.05, 0.2}) {
         const std::string what = std::string(name(method)) + " on " + body + ", " + std::to_string(share);
-        const CoveredTree built = build(mesh, {.method = method, .max_protrusion = share * diagonal});
-        EXPECT_TRUE(built.report.complete) << what;
-        EXPECT_LT(built.tree.leaf_count(), before) << what;
-        before = built.tree.leaf_count();
+        const CoveredTree model = build(mesh, {.method = method, .max_protrusion = share * diagonal});
+        EXPECT_TRUE(model.report.complete) << what;
+        EXPECT_LT(model.tree.leaf_count(), before) << what;
+        before = model.tree.leaf_count();
         double worst = 0;
-        for (const Sphere& sphere : leaves(built)) worst = std::max(worst, object.protrusion_bound(sphere));
+        for (const Sphere& sphere : leaves(model)) worst = std::max(worst, object.protrusion_bound(sphere));
         EXPECT_LE(worst, share * diagonal) << what;
-        EXPECT_EQ(built.report.protrusion_bound, worst) << what;
+        EXPECT_EQ(model.report.protrusion_bound, worst) << what;
         // What a branch-and-bound search finds, which knows nothing of the bound.
-        EXPECT_LE(protrusion(object, leaves(built), 1e-2).worst, share * diagonal * (1 + 1e-2)) << what;
-        expect_sound(mesh, built, what);
+        EXPECT_LE(protrusion(object, leaves(model), 1e-2).worst, share * diagonal * (1 + 1e-2)) << what;
+        expect_sound(mesh, model, what);
       }
     }
 }
 
 TEST(MaxProtrusion, of_the_whole_object_needs_one_sphere) {
   const Mesh mesh = sample_body("blob", 12);
-  const CoveredTree built = build(mesh, {.max_protrusion = 100});
-  EXPECT_EQ(built.tree.node_count(), 1u);
-  EXPECT_TRUE(built.report.complete);
+  const CoveredTree model = build(mesh, {.max_protrusion = 100});
+  EXPECT_EQ(model.tree.node_count(), 1u);
+  EXPECT_TRUE(model.report.complete);
 }
 
 TEST(MaxProtrusion, that_cannot_be_had_is_reported) {
   // Spheres of a flat plate's surface stick out whatever their size, until branching 2 runs out of levels.
   const Mesh mesh = sample_body("plate", 6);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .branching = 2, .max_protrusion = 1e-6});
-  EXPECT_FALSE(built.report.complete);
-  ASSERT_FALSE(built.report.notes.empty());
-  EXPECT_NE(built.report.notes[0].find("stick out by more than 1e-06"), std::string::npos) << built.report.notes[0];
-  EXPECT_NE(built.report.notes[0].find("level 8"), std::string::npos) << built.report.notes[0];
-  expect_sound(mesh, built, "plate");
+  const CoveredTree model = build(mesh, {.method = Method::octree, .branching = 2, .max_protrusion = 1e-6});
+  EXPECT_FALSE(model.report.complete);
+  ASSERT_FALSE(model.report.notes.empty());
+  EXPECT_NE(model.report.notes[0].find("stick out by more than 1e-06"), std::string::npos) << model.report.notes[0];
+  EXPECT_NE(model.report.notes[0].find("level 8"), std::string::npos) << model.report.notes[0];
+  expect_sound(mesh, model, "plate");
 }
 
 TEST(MaxProtrusion, with_a_number_of_spheres_ends_with_the_one_or_the_other) {
@@ -195,11 +195,11 @@ TEST(FlatSet, that_cannot_be_divided_further_says_so) {
   Mesh point;
   point.positions.assign(3, Vec3{1, 2, 3});
   point.facets = {{0, 1, 2}};
-  const CoveredTree built = build(point, {.spheres = 10});
-  EXPECT_EQ(built.tree.node_count(), 1u);
-  EXPECT_TRUE(validate(point, built).empty());
-  ASSERT_FALSE(built.report.notes.empty());
-  EXPECT_NE(built.report.notes[0].find("1 spheres, not 10"), std::string::npos) << built.report.notes[0];
+  const CoveredTree model = build(point, {.spheres = 10});
+  EXPECT_EQ(model.tree.node_count(), 1u);
+  EXPECT_TRUE(validate(point, model).empty());
+  ASSERT_FALSE(model.report.notes.empty());
+  EXPECT_NE(model.report.notes[0].find("1 spheres, not 10"), std::string::npos) << model.report.notes[0];
 }
 
 }  // namespace

@@ -51,15 +51,15 @@ class Judge {
     return sum * width * width;
   }
 
-  double outside(const CoveredTree& built) const {
+  double outside(const CoveredTree& model) const {
     double sum = 0;
     for (int i = 0; i < columns; ++i)
       for (int j = 0; j < columns; ++j) {
         std::vector<Part> parts = object_[index(i, j)];
         const double inside = covered(parts);
-        for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
-          if (!built.tree.is_leaf(node)) continue;
-          const Sphere& s = built.tree.spheres[node];
+        for (std::uint32_t node = 0; node < model.tree.node_count(); ++node) {
+          if (!model.tree.is_leaf(node)) continue;
+          const Sphere& s = model.tree.spheres[node];
           const double dx = at(i, 0.4142) - s.center.x, dy = at(j, 0.7321) - s.center.y;
           const double half = s.radius * s.radius - dx * dx - dy * dy;
           if (half > 0) parts.push_back({s.center.z - std::sqrt(half), s.center.z + std::sqrt(half)});
@@ -91,11 +91,11 @@ class Judge {
 
 TEST(FlatSetJudge, knows_the_volume_about_a_cube) {
   const Mesh bar = sample_body("bar", 3);  // 4 × 1 × 1
-  CoveredTree built;
-  built.tree.branching = 8;
+  CoveredTree model;
+  model.tree.branching = 8;
   const Sphere around{{0, 0, 0}, std::sqrt(4.5)};
-  built.tree.append_level({}, std::span(&around, 1));
-  EXPECT_NEAR(Judge(bar).outside(built), 4.0 / 3 * M_PI * std::pow(4.5, 1.5) - 4, 0.1);
+  model.tree.append_level({}, std::span(&around, 1));
+  EXPECT_NEAR(Judge(bar).outside(model), 4.0 / 3 * M_PI * std::pow(4.5, 1.5) - 4, 0.1);
   EXPECT_NEAR(Judge(bar).volume(), 4, 0.1);
 }
 
@@ -153,7 +153,7 @@ TEST(FlatSet, hangs_below_one_root_for_every_branching) {
 
 TEST(FlatSetTightness, of_few_spheres_is_that_of_one_level_and_of_smaller_sets) {
   for (const char* body : {"bar", "limb"})
-    for (const Case& by : {Case{Method::grid, Quality::standard}, Case{Method::morula, Quality::fast}})
+    for (const Case& by : {Case{Method::grid, Quality::standard}, Case{Method::optimized, Quality::fast}})
       expect_tight(body, 8, by, 1, few);
 }
 
@@ -163,9 +163,9 @@ double worst_step(const char* body, int resolution, Quality quality, std::size_t
   const Judge judge(mesh);
   double least = std::numeric_limits<double>::infinity(), worst = 0;
   for (std::size_t spheres = first; spheres <= last; ++spheres) {
-    const CoveredTree built = build(mesh, {.spheres = spheres, .quality = quality});
-    EXPECT_LE(built.tree.leaf_count(), spheres) << body;
-    const double now = judge.volume() + judge.outside(built);
+    const CoveredTree model = build(mesh, {.spheres = spheres, .quality = quality});
+    EXPECT_LE(model.tree.leaf_count(), spheres) << body;
+    const double now = judge.volume() + judge.outside(model);
     worst = std::max(worst, now / least);
     least = std::min(least, now);
   }
@@ -196,8 +196,8 @@ TEST(LongFlatSetTightness, is_that_of_one_level_and_of_smaller_sets) {
   constexpr std::array bodies{"bar", "capsule", "limb", "torus", "blob", "two", "tool"};
   constexpr std::array cases{Case{Method::grid, Quality::standard},     Case{Method::hubbard, Quality::standard},
                              Case{Method::spawn, Quality::standard},    Case{Method::medial, Quality::standard},
-                             Case{Method::combined, Quality::standard}, Case{Method::morula, Quality::fast},
-                             Case{Method::morula, Quality::standard}};
+                             Case{Method::combined, Quality::standard}, Case{Method::optimized, Quality::fast},
+                             Case{Method::optimized, Quality::standard}};
   const char* const given = std::getenv("MORULA_FLAT_SET_SEEDS");
   const std::uint64_t seeds = given != nullptr ? std::strtoull(given, nullptr, 10) : 1;
   for (std::size_t b = 0; b < bodies.size(); ++b)

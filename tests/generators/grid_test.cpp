@@ -16,21 +16,21 @@ namespace {
 
 TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
   // 8 × 1 × 1: eight unit cubes in a row, and no looser than the eight spheres around them by more than a tenth: the
-  // fit minimises volume, and reaches the cubes themselves only as far as its grid sees.
+  // fit minimizes volume, and reaches the cubes themselves only as far as its grid sees.
   Mesh mesh = test::box_mesh({0, 0, 0}, {8, 1, 1}, 16);
   for (const double degrees : {0.0, 30.0}) {
     const auto [s, c] = sin_cos(degrees * 0.017453292519943295);
     Mesh turned = mesh;
     for (Vec3& p : turned.positions) p = {p.x * c - p.y * s, p.x * s + p.y * c, p.z};
-    const CoveredTree built = build(turned, {.method = Method::grid, .depth = 1});
-    ASSERT_EQ(built.tree.child_count[0], 8u);
+    const CoveredTree model = build(turned, {.method = Method::grid, .depth = 1});
+    ASSERT_EQ(model.tree.child_count[0], 8u);
     std::vector<Sphere> around_cubes;
     for (int i = 0; i < 8; ++i) {
       const Vec3 middle{i + 0.5, 0.5, 0.5};
       around_cubes.push_back(
           {{middle.x * c - middle.y * s, middle.x * s + middle.y * c, middle.z}, 0.5 * std::sqrt(3.0)});
     }
-    EXPECT_LT(looseness(turned, level_set_spheres(built.tree, 1)).looseness.value(),
+    EXPECT_LT(looseness(turned, level_set_spheres(model.tree, 1)).looseness.value(),
               1.1 * looseness(turned, around_cubes).looseness.value());
   }
 }
@@ -38,9 +38,9 @@ TEST(Grid, divides_a_long_box_crosswise_whatever_its_orientation) {
 TEST(Grid, spheres_of_a_ball_hardly_stick_out_of_it) {
   const Mesh mesh = test::icosphere(4);
   const SignedDistance shape(mesh);
-  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 1});
-  EXPECT_GE(built.tree.child_count[0], 6u);
-  for (const Sphere& s : built.tree.spheres) EXPECT_LT(shape.protrusion_bound(s), 0.15);
+  const CoveredTree model = build(mesh, {.method = Method::grid, .depth = 1});
+  EXPECT_GE(model.tree.child_count[0], 6u);
+  for (const Sphere& s : model.tree.spheres) EXPECT_LT(shape.protrusion_bound(s), 0.15);
 }
 
 TEST(Lattice, principal_axes_are_orthonormal_and_ordered_by_spread) {

@@ -18,7 +18,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// The surface shared out among spheres about these centres, each just as large as its part needs.
+// The surface shared out among spheres about these centers, each just as large as its part needs.
 std::vector<BuildNode> leaves_about(const Mesh& mesh, const std::vector<Vec3>& centers) {
   std::vector<Sphere> seeds;
   for (const Vec3& c : centers) seeds.push_back({c, 0});
@@ -92,7 +92,7 @@ TEST(LargestProtrusion, is_that_of_all_facets) {
         double expected = 0;
         for (const BuildNode& leaf : leaves)
           expected = std::max(expected, protrusion_by_all_facets(body.mesh, shape.orientation(), leaf.sphere));
-        EXPECT_EQ(found, expected) << body.name << ", " << centers.size() << " centres";
+        EXPECT_EQ(found, expected) << body.name << ", " << centers.size() << " centers";
         without_index += !shape.has_index();
         // Every sphere in turn so large that it is the one that counts.
         const double much = 4 * bounding_box(body.mesh).diagonal();
@@ -101,7 +101,7 @@ TEST(LargestProtrusion, is_that_of_all_facets) {
           with_large[i].sphere.radius += much;
           EXPECT_EQ(largest_protrusion(body.mesh, ObjectShape(body.mesh), with_large),
                     protrusion_by_all_facets(body.mesh, shape.orientation(), with_large[i].sphere))
-              << body.name << ", " << centers.size() << " centres, " << i;
+              << body.name << ", " << centers.size() << " centers, " << i;
           with_large[i].sphere = leaves[i].sphere;
         }
       }

@@ -75,9 +75,9 @@ TEST_P(Unhindered, by_a_stop_that_is_never_requested) {
 
 TEST_P(Unhindered, by_a_time_limit_that_is_not_reached) {
   const Mesh mesh = sample_body("blob", 16);
-  const CoveredTree built = build(mesh, {.depth = GetParam(), .time_limit_seconds = 1e6});
-  EXPECT_TRUE(built.report.complete);
-  EXPECT_EQ(tree_hash(built.tree), tree_hash(build(mesh, {.depth = GetParam()}).tree));
+  const CoveredTree model = build(mesh, {.depth = GetParam(), .time_limit_seconds = 1e6});
+  EXPECT_TRUE(model.report.complete);
+  EXPECT_EQ(tree_hash(model.tree), tree_hash(build(mesh, {.depth = GetParam()}).tree));
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, Unhindered, testing::Values(1), testing::PrintToStringParamName());
@@ -88,12 +88,12 @@ TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
   for (const Method method : {Method::grid, Method::medial})
     for (const std::size_t spheres : {std::size_t{0}, std::size_t{2000}}) {
       const auto start = std::chrono::steady_clock::now();
-      const CoveredTree built =
+      const CoveredTree model =
           build(mesh, {.method = method, .depth = 6, .spheres = spheres, .time_limit_seconds = 0.1});
       EXPECT_LT(seconds_since(start), 3.0) << name(method);
-      EXPECT_TRUE(validate(mesh, built).empty()) << name(method);
-      EXPECT_FALSE(built.report.complete) << name(method);
-      const auto& notes = built.report.notes;
+      EXPECT_TRUE(validate(mesh, model).empty()) << name(method);
+      EXPECT_FALSE(model.report.complete) << name(method);
+      const auto& notes = model.report.notes;
       EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
         return note.find("the time limit of 0.1 s was over") == 0 && note.find("undivided") != std::string::npos;
       })) << name(method);
@@ -103,10 +103,10 @@ TEST(BuildTimeLimit, leaves_nodes_undivided_and_covers) {
 TEST(BuildTimeLimit, of_next_to_nothing_gives_the_root) {
   const Mesh mesh = sample_body("bar", 8);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{20}}) {
-    const CoveredTree built = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
-    EXPECT_EQ(built.tree.node_count(), 1u);
-    EXPECT_TRUE(validate(mesh, built).empty());
-    EXPECT_FALSE(built.report.complete);
+    const CoveredTree model = build(mesh, {.spheres = spheres, .time_limit_seconds = 1e-9});
+    EXPECT_EQ(model.tree.node_count(), 1u);
+    EXPECT_TRUE(validate(mesh, model).empty());
+    EXPECT_FALSE(model.report.complete);
   }
 }
 
@@ -116,7 +116,7 @@ TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) 
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     std::vector<BuildProgress> seen;
-    const CoveredTree built = build(
+    const CoveredTree model = build(
         mesh,
         {.spheres = spheres, .quality = GetParam(), .progress = [&](const BuildProgress& p) { seen.push_back(p); }});
     ASSERT_GE(seen.size(), 3u);
@@ -124,7 +124,7 @@ TEST_P(BuildReported, progress_names_levels_in_order_and_guesses_the_time_left) 
     EXPECT_EQ(seen.back().share, 1);
     EXPECT_EQ(seen.back().seconds_left, 0.0);
     // Of a flat set, levels may be pruned again.
-    EXPECT_GE(seen.back().level, static_cast<int>(built.tree.level_count()) - 1);
+    EXPECT_GE(seen.back().level, static_cast<int>(model.tree.level_count()) - 1);
     for (std::size_t i = 1; i < seen.size(); ++i) {
       EXPECT_GE(seen[i].share, seen[i - 1].share);
       EXPECT_GE(seen[i].level, seen[i - 1].level);
@@ -138,11 +138,11 @@ TEST_P(BuildReported, seconds_add_up_to_no_more_than_the_whole) {
   const Mesh mesh = sample_body("limb", 16);
   for (const std::size_t spheres : {std::size_t{0}, std::size_t{100}}) {
     const auto start = std::chrono::steady_clock::now();
-    const CoveredTree built = build(mesh, {.spheres = spheres, .quality = GetParam()});
+    const CoveredTree model = build(mesh, {.spheres = spheres, .quality = GetParam()});
     const double whole = seconds_since(start);
-    ASSERT_EQ(built.report.level_seconds.size(), built.tree.level_count());
-    for (const double s : built.report.level_seconds) EXPECT_GE(s, 0);
-    const double sum = std::accumulate(built.report.level_seconds.begin(), built.report.level_seconds.end(), 0.0);
+    ASSERT_EQ(model.report.level_seconds.size(), model.tree.level_count());
+    for (const double s : model.report.level_seconds) EXPECT_GE(s, 0);
+    const double sum = std::accumulate(model.report.level_seconds.begin(), model.report.level_seconds.end(), 0.0);
     EXPECT_GT(sum, 0);
     EXPECT_LE(sum, whole);
   }
@@ -187,11 +187,11 @@ TEST(AutomaticDepth, is_what_build_takes_when_none_is_given) {
   const Mesh mesh = sample_body("limb", 8);
   const int depth = automatic_depth(mesh.facet_count(), 6);
   ASSERT_EQ(depth, 2);
-  for (const Method method : {Method::octree, Method::grid, Method::morula}) {
-    const Quality quality = method == Method::morula ? Quality::fast : Quality::standard;
-    const CoveredTree built = build(mesh, {.method = method, .branching = 6, .quality = quality});
-    EXPECT_EQ(built.report.depth, 2U);
-    EXPECT_EQ(tree_hash(built.tree),
+  for (const Method method : {Method::octree, Method::grid, Method::optimized}) {
+    const Quality quality = method == Method::optimized ? Quality::fast : Quality::standard;
+    const CoveredTree model = build(mesh, {.method = method, .branching = 6, .quality = quality});
+    EXPECT_EQ(model.report.depth, 2U);
+    EXPECT_EQ(tree_hash(model.tree),
               tree_hash(build(mesh, {.method = method, .branching = 6, .depth = depth, .quality = quality}).tree));
   }
 }

@@ -89,10 +89,11 @@ using Monotone = test::ByMethod;
 TEST_P(Monotone, no_level_is_looser_than_the_level_above) {
   for (const auto& [what, mesh] :
        {std::pair{"ring", sample_body("torus", 6)}, std::pair{"tube", sample_body("capsule", 12)}})
-    expect_no_looser_level(
-        mesh,
-        {.method = GetParam(), .depth = 3, .quality = GetParam() == Method::morula ? Quality::fast : Quality::standard},
-        what);
+    expect_no_looser_level(mesh,
+                           {.method = GetParam(),
+                            .depth = 3,
+                            .quality = GetParam() == Method::optimized ? Quality::fast : Quality::standard},
+                           what);
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, Monotone, testing::ValuesIn(test::quick_methods), test::method_name);
@@ -112,7 +113,7 @@ TEST_P(AnyMonotone, no_level_is_looser_whatever_the_body_and_the_seed) {
   // MORULA_MONOTONE_SEEDS: so many. Three of a slow method take minutes.
   const bool is_slow =
       std::find(test::slow_methods.begin(), test::slow_methods.end(), GetParam()) != test::slow_methods.end() ||
-      GetParam() == Method::morula;
+      GetParam() == Method::optimized;
   const char* const given = std::getenv("MORULA_MONOTONE_SEEDS");
   const std::uint64_t seeds = given != nullptr ? std::strtoull(given, nullptr, 10) : is_slow ? 1 : 3;
   for (const auto& [what, mesh] : bodies)

@@ -97,7 +97,7 @@ const std::vector<Body>& needles() {
 }
 
 BuildOptions quick(Method method, std::optional<int> depth) {
-  return {.method = method, .depth = depth, .quality = method == Method::morula ? Quality::fast : Quality::standard};
+  return {.method = method, .depth = depth, .quality = method == Method::optimized ? Quality::fast : Quality::standard};
 }
 
 // Counted from the arrays, facet by facet.
@@ -107,13 +107,13 @@ struct Counts {
   std::size_t owned_in_pieces = 0;  // patches beyond the first of such a pair
 };
 
-Counts counts_of(const CoveredTree& built) {
+Counts counts_of(const CoveredTree& model) {
   Counts counts;
   std::map<std::uint32_t, std::size_t> patches;
   std::set<std::pair<std::uint32_t, std::uint32_t>> owners;
-  const Cover& cover = built.cover;
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    for (std::uint32_t p = cover.region_begin[node]; built.tree.is_leaf(node) && p < cover.region_end[node]; ++p) {
+  const Cover& cover = model.cover;
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    for (std::uint32_t p = cover.region_begin[node]; model.tree.is_leaf(node) && p < cover.region_end[node]; ++p) {
       counts.most_of_a_facet = std::max(counts.most_of_a_facet, ++patches[cover.patch_facet[p]]);
       owners.insert({node, cover.patch_facet[p]});
     }
@@ -152,15 +152,15 @@ TEST_P(NeedlesBy, are_in_about_as_many_patches_as_they_have_owners) {
     for (const int depth : {2, 3}) {
       if (depth == 3 && mesh.facet_count() > 4) continue;
       SCOPED_TRACE(std::string(name) + ", depth " + std::to_string(depth));
-      const CoveredTree built = build(mesh, quick(GetParam(), depth));
-      const Counts counts = counts_of(built);
-      EXPECT_EQ(built.report.most_patches_of_a_facet, counts.most_of_a_facet);
-      EXPECT_EQ(built.cover.most_patches_of_a_facet(), counts.most_of_a_facet);
+      const CoveredTree model = build(mesh, quick(GetParam(), depth));
+      const Counts counts = counts_of(model);
+      EXPECT_EQ(model.report.most_patches_of_a_facet, counts.most_of_a_facet);
+      EXPECT_EQ(model.cover.most_patches_of_a_facet(), counts.most_of_a_facet);
       EXPECT_LE(counts.owned_in_pieces, mesh.facet_count() == 1 ? 5 * counts.owners : counts.owners / 2)
           << counts.owners;
-      const auto faults = validate(mesh, built);
+      const auto faults = validate(mesh, model);
       EXPECT_TRUE(faults.empty()) << faults.front();
-      expect_cover(mesh, built.tree, name);
+      expect_cover(mesh, model.tree, name);
     }
 }
 INSTANTIATE_TEST_SUITE_P(Quick, NeedlesBy, testing::ValuesIn(test::quick_methods), test::method_name);
@@ -176,8 +176,8 @@ struct Cost {
 Cost cost_of(const Mesh& mesh, const BuildOptions& options) {
   build(mesh, options);  // what is made once stays
   const std::size_t live = test::live_bytes, allocated = test::allocated_bytes;
-  const CoveredTree built = build(mesh, options);
-  return {built.cover.patch_count(), test::live_bytes - live, test::allocated_bytes - allocated};
+  const CoveredTree model = build(mesh, options);
+  return {model.cover.patch_count(), test::live_bytes - live, test::allocated_bytes - allocated};
 }
 
 class AutomaticDepthBy : public test::ByMethod {};

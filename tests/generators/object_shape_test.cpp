@@ -57,7 +57,7 @@ TEST(ObjectShape, of_a_quick_tree_needs_no_index) {
   for (const char* body : {"limb", "torus", "blob", "plate"}) {
     const Mesh mesh = sample_body(body, 24);
     const ObjectShape shape(mesh);
-    const BuildRun run({.method = Method::morula, .depth = 3, .quality = Quality::fast}, mesh);
+    const BuildRun run({.method = Method::optimized, .depth = 3, .quality = Quality::fast}, mesh);
     const ObjectLines lines(mesh, shape, lattice_cells(mesh, shape, run.branching, run.depth), serial_workers());
     EXPECT_GT(fast_tree(fit_input(mesh, shape, lines), run, serial_workers()).tree.node_count(), 64u) << body;
     EXPECT_FALSE(shape.has_index()) << body;

@@ -55,8 +55,8 @@ struct GridBall {
 double cubed(double x) {
   return x * x * x;
 }
-double cost_of(OutsideGrid& grid, const GridBall& ball, float taken) {
-  grid.prepare(ball.cells.center, ball.cells.radius, taken);
+double cost_of(OutsideGrid& grid, const GridBall& ball, float overlap_weight) {
+  grid.prepare(ball.cells.center, ball.cells.radius, overlap_weight);
   return grid.cost(ball.cells.center, ball.cells.radius) * cubed(grid.cell());
 }
 
@@ -186,8 +186,9 @@ TEST(OutsideGrid, a_ball_taken_in_makes_another_cost_less_by_their_overlap) {
     const double alone = cost_of(grid, a, 0);
     grid.add(b.cells);
     const double overlap = lens(d, a.exact.radius, b.exact.radius);
-    for (const float taken : {0.0F, 0.15F, 0.6F})
-      EXPECT_NEAR(cost_of(grid, a, taken), alone - (1 - static_cast<double>(taken)) * overlap, 0.01 * volume(a.exact));
+    for (const float overlap_weight : {0.0F, 0.15F, 0.6F})
+      EXPECT_NEAR(cost_of(grid, a, overlap_weight), alone - (1 - static_cast<double>(overlap_weight)) * overlap,
+                  0.01 * volume(a.exact));
     grid.remove(b.cells);
   }
 }
@@ -314,7 +315,7 @@ TEST(FitBall, contains_its_points_and_never_costs_more_than_a_start) {
   }
 }
 
-TEST(FitBall, finds_the_deep_centre_of_a_cap_from_the_spheres_centre) {
+TEST(FitBall, finds_the_deep_center_of_a_cap_from_the_spheres_center) {
   const Solid& body = *bodies()[0];
   OutsideGrid grid(body.lines, with_room(bounding_box(body.mesh), 1.5), 0.06);
   for (const double above : {0.3, 0.6, 0.8}) {

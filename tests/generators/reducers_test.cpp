@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Hubbard, spawn, the adaptive medial axis and the optimisers on single nodes, and the options that choose them.
+// Hubbard, spawn, the adaptive medial axis and the optimizers on single nodes, and the options that choose them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <generators/reduce/adaptive_medial.hpp>
-#include <generators/reduce/optimise.hpp>
+#include <generators/reduce/optimize.hpp>
 #include <generators/reduce/reducers.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
@@ -126,37 +126,37 @@ TEST(AdaptiveMedial, covers_the_samples_and_sticks_out_little) {
   }
 }
 
-TEST(Optimise, never_makes_the_worst_sphere_worse_and_keeps_the_samples) {
+TEST(Optimize, never_makes_the_worst_sphere_worse_and_keeps_the_samples) {
   for (const char* body : {"limb", "blob"}) {
     const WholeNode node(sample_body(body, 16));
     const Proposals grid = propose_grid(node.input());
     ASSERT_FALSE(grid.empty());
     // What there is to start from: the proposal with its samples shared out, which `balance` without room leaves.
-    for (const Optimiser optimiser : {Optimiser::refit, Optimiser::simplex, Optimiser::balance}) {
+    for (const Optimizer optimizer : {Optimizer::recenter, Optimizer::simplex, Optimizer::balance}) {
       Proposal p = grid[0];
       const double before = worst_protrusion(node.shape.distance(), p.spheres);
-      optimise(p, node.input(), optimiser, 0);
-      EXPECT_TRUE(contain_all(p.spheres, node.samples)) << name(optimiser);
+      optimize(p, node.input(), optimizer, 0);
+      EXPECT_TRUE(contain_all(p.spheres, node.samples)) << name(optimizer);
       EXPECT_LE(p.spheres.size(), grid[0].spheres.size());
-      EXPECT_LT(worst_protrusion(node.shape.distance(), p.spheres), before) << name(optimiser);
+      EXPECT_LT(worst_protrusion(node.shape.distance(), p.spheres), before) << name(optimizer);
       Proposal again = grid[0];
-      optimise(again, node.input(), optimiser, 0);
+      optimize(again, node.input(), optimizer, 0);
       EXPECT_EQ(again.spheres, p.spheres);
     }
     Proposal untouched = grid[0];
-    optimise(untouched, node.input(), Optimiser::none, 0);
+    optimize(untouched, node.input(), Optimizer::none, 0);
     EXPECT_EQ(untouched.spheres, grid[0].spheres);
   }
 }
 
-TEST(Optimise, balance_trades_spheres_for_excess_and_leaves_at_least_three) {
+TEST(Optimize, balance_trades_spheres_for_excess_and_leaves_at_least_three) {
   const WholeNode node(sample_body("limb", 16));
   const Proposals spawn = propose_spawn(node.input());
   ASSERT_EQ(spawn.size(), 1u);
   std::size_t before = spawn[0].spheres.size() + 1;
   for (const double excess : {0.0, 0.5, 100.0}) {
     Proposal p = spawn[0];
-    optimise(p, node.input(), Optimiser::balance, excess);
+    optimize(p, node.input(), Optimizer::balance, excess);
     EXPECT_LE(p.spheres.size(), before);
     EXPECT_GE(p.spheres.size(), 3u);
     EXPECT_TRUE(contain_all(p.spheres, node.samples));
@@ -172,38 +172,38 @@ TEST(BuildOptions, are_refused_where_a_method_has_no_use_for_them) {
   refused({.method = Method::grid, .reducers = {Reduction::merge}});
   refused({.method = Method::medial, .reducers = {Reduction::grid}});
   refused({.method = Method::combined, .reducers = {Reduction::grid, Reduction::grid}});
-  refused({.method = Method::octree, .optimiser = Optimiser::refit});
+  refused({.method = Method::octree, .optimizer = Optimizer::recenter});
   refused({.method = Method::grid, .balance_excess = 0.1});
-  refused({.method = Method::grid, .optimiser = Optimiser::balance, .balance_excess = -1});
-  refused({.method = Method::grid, .optimiser = Optimiser::balance, .balance_excess = NAN});
+  refused({.method = Method::grid, .optimizer = Optimizer::balance, .balance_excess = -1});
+  refused({.method = Method::grid, .optimizer = Optimizer::balance, .balance_excess = NAN});
 }
 
-TEST(BuildOptions, reducers_and_optimisers_have_names) {
+TEST(BuildOptions, reducers_and_optimizers_have_names) {
   for (const Reduction r : all_reductions()) EXPECT_EQ(reduction_from_name(name(r)), r);
-  for (const Optimiser o : all_optimisers()) EXPECT_EQ(optimiser_from_name(name(o)), o);
+  for (const Optimizer o : all_optimizers()) EXPECT_EQ(optimizer_from_name(name(o)), o);
   EXPECT_FALSE(reduction_from_name("octree").has_value());
-  EXPECT_FALSE(optimiser_from_name("").has_value());
+  EXPECT_FALSE(optimizer_from_name("").has_value());
 }
 
 TEST(Combined, says_which_reducers_won) {
   const Mesh mesh = sample_body("blob", 16);
-  const CoveredTree built = build(mesh, {.method = Method::combined, .depth = 2});
-  ASSERT_FALSE(built.report.notes.empty());
-  EXPECT_NE(built.report.notes.back().find("proposals taken: "), std::string::npos);
+  const CoveredTree model = build(mesh, {.method = Method::combined, .depth = 2});
+  ASSERT_FALSE(model.report.notes.empty());
+  EXPECT_NE(model.report.notes.back().find("proposals taken: "), std::string::npos);
 }
 
-using OptimisedBy = test::ByMethod;
+using OptimizedBy = test::ByMethod;
 
-TEST_P(OptimisedBy, trees_keep_their_proof) {
+TEST_P(OptimizedBy, trees_keep_their_proof) {
   const Mesh mesh = sample_body("limb", 12);
-  for (const Optimiser optimiser : all_optimisers()) {
-    const CoveredTree built = build(mesh, {.method = GetParam(), .depth = 2, .optimiser = optimiser});
-    EXPECT_TRUE(validate(mesh, built).empty()) << name(optimiser);
+  for (const Optimizer optimizer : all_optimizers()) {
+    const CoveredTree model = build(mesh, {.method = GetParam(), .depth = 2, .optimizer = optimizer});
+    EXPECT_TRUE(validate(mesh, model).empty()) << name(optimizer);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Quick, OptimisedBy, testing::Values(Method::grid, Method::spawn), test::method_name);
-INSTANTIATE_TEST_SUITE_P(Long, OptimisedBy, testing::ValuesIn(test::slow_methods), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Quick, OptimizedBy, testing::Values(Method::grid, Method::spawn), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Long, OptimizedBy, testing::ValuesIn(test::slow_methods), test::method_name);
 
 }  // namespace
 }  // namespace morula

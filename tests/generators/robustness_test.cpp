@@ -74,15 +74,15 @@ std::vector<Named> hard_meshes() {
 }
 
 void expect_sound(const Mesh& mesh, const BuildOptions& options, const std::string& what) {
-  const CoveredTree built = build(mesh, options);
-  const auto faults = validate(mesh, built);
+  const CoveredTree model = build(mesh, options);
+  const auto faults = validate(mesh, model);
   EXPECT_TRUE(faults.empty()) << what << ": " << (faults.empty() ? "" : faults.front());
-  EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered) << what;
+  EXPECT_TRUE(certify(model.cover, mesh.positions, model.tree.spheres).covered) << what;
   std::size_t most = 1;
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level, most *= 8)
-    EXPECT_LE(built.tree.level_begin[level + 1] - built.tree.level_begin[level], most) << what;
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level, most *= 8)
+    EXPECT_LE(model.tree.level_begin[level + 1] - model.tree.level_begin[level], most) << what;
   const Box box = bounding_box(mesh);
-  for (const Sphere& s : built.tree.spheres) {
+  for (const Sphere& s : model.tree.spheres) {
     ASSERT_TRUE(is_finite(s.center) && std::isfinite(s.radius) && s.radius >= 0) << what;
     ASSERT_LE(distance(s.center, box.center()), 4 * box.diagonal()) << what;
     ASSERT_LE(s.radius, 2 * box.diagonal()) << what;
@@ -93,7 +93,7 @@ class RobustnessBy : public test::ByMethod {
  protected:
   static BuildOptions options() {
     const Method method = GetParam();
-    return {.method = method, .depth = 2, .quality = method == Method::morula ? Quality::fast : Quality::standard};
+    return {.method = method, .depth = 2, .quality = method == Method::optimized ? Quality::fast : Quality::standard};
   }
 };
 
@@ -128,14 +128,16 @@ INSTANTIATE_TEST_SUITE_P(Long, RobustnessBy, testing::ValuesIn(test::slow_method
 
 TEST(LongRobustness, method_morula_covers_hard_meshes_at_its_default_quality) {
   for (const Named& named : hard_meshes())
-    expect_sound(named.mesh, {.method = Method::morula, .depth = 1}, std::string("morula on ") + named.name);
+    expect_sound(named.mesh, {.method = Method::optimized, .depth = 1}, std::string("morula on ") + named.name);
   for (const char* mesh : {"needle", "flat_plate", "tiny"})
-    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::morula, .depth = 2}, std::string("morula on ") + mesh);
+    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::optimized, .depth = 2},
+                 std::string("morula on ") + mesh);
 }
 
 TEST(Robustness, method_morula_covers_small_hard_meshes_at_its_default_quality) {
   for (const char* mesh : {"single_facet", "folded_facet"})
-    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::morula, .depth = 2}, std::string("morula on ") + mesh);
+    expect_sound(test::mesh_named(mesh).mesh, {.method = Method::optimized, .depth = 2},
+                 std::string("morula on ") + mesh);
 }
 
 }  // namespace

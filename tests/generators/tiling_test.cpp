@@ -65,7 +65,7 @@ TEST_P(TilingBy, holds_on_aligned_bodies) {
   for (const test::NamedMesh& body : test::aligned_bodies())
     for (const int branching : {3, 8}) {
       if (method != Method::octree && body.mesh.facet_count() > 60) continue;
-      const bool own = method == Method::morula;
+      const bool own = method == Method::optimized;
       EXPECT_EQ(first_fault(body.mesh, {.method = method,
                                         .branching = branching,
                                         .depth = method == Method::octree ? 3 : 1,

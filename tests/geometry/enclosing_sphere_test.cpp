@@ -21,7 +21,7 @@ std::vector<Vec3> random_points(std::size_t count, std::uint64_t seed) {
   return points;
 }
 
-// Bădoiu and Clarkson: stepping towards the farthest point by 1/(k+1) converges to the smallest sphere's centre; the
+// Bădoiu and Clarkson: stepping towards the farthest point by 1/(k+1) converges to the smallest sphere's center; the
 // radius is within 1/√k of it. Slow and obvious.
 double radius_by_stepping(std::span<const Vec3> points, int steps) {
   Vec3 center = points[0];
@@ -67,14 +67,14 @@ TEST(EnclosingSphere, finds_a_unit_sphere_from_points_on_it_anywhere_and_at_any_
       const Vec3 center{offset * scale, -offset * scale, 0.5 * scale};
       for (const Vec3& d : fibonacci_directions(500)) points.push_back(center + d * scale);
       const Sphere s = enclosing_sphere(points);
-      // Any closed hemisphere of samples misses the poles by about one spacing, hence the loose centre.
+      // Any closed hemisphere of samples misses the poles by about one spacing, hence the loose center.
       EXPECT_NEAR(s.radius / scale, 1, 1e-4);
       EXPECT_LT(distance(s.center, center) / scale, 1e-2);
     }
 }
 
 // The smallest of the circumspheres of all sets of one to four points that contains them all, each found by Gaussian
-// elimination on the equations of its centre.
+// elimination on the equations of its center.
 double radius_by_all_subsets(std::span<const Vec3> points) {
   double least = std::numeric_limits<double>::infinity();
   const std::size_t n = points.size();
@@ -83,7 +83,7 @@ double radius_by_all_subsets(std::span<const Vec3> points) {
     for (std::size_t i = 0; i < n; ++i)
       if (subset >> i & 1u) on.push_back(points[i]);
     if (on.size() > 4) continue;
-    // The centre is on[0] + Σ weight_j edge_j, as far from on[0] as from each: Σ 2 edge_i·edge_j weight_j = edge_i².
+    // The center is on[0] + Σ weight_j edge_j, as far from on[0] as from each: Σ 2 edge_i·edge_j weight_j = edge_i².
     const std::size_t m = on.size() - 1;
     std::vector<std::vector<long double>> rows(m, std::vector<long double>(m + 1));
     const auto edge = [&](std::size_t i) { return on[i + 1] - on[0]; };

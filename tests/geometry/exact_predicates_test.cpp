@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/geometry/reproducible.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula {
@@ -87,7 +87,7 @@ TEST(ExactPredicates, see_the_last_bit_beside_the_largest_number) {
 }
 
 // Where doubles by themselves give wrong signs, off by more than half of what the filters allow for:
-// points beside the line or plane x = y, by as little as one half and its neighbours differ. Also so small that
+// points beside the line or plane x = y, by as little as one half and its neighbors differ. Also so small that
 // products vanish. What is right hangs on x and y alone.
 TEST(ExactPredicates, are_right_where_doubles_are_wrong) {
   const std::vector<Vec3> on_plane{{12, 12, 1}, {24, 24, 5}, {7.3, 7.3, 30}, {-3.1, -3.1, 11}, {17.7, 17.7, -9}};

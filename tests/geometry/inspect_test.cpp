@@ -39,7 +39,7 @@ MeshReport brute_force(const Mesh& mesh) {
     if (std::abs(ways.first - ways.second) > 1 || (count % 2 == 0 && ways.first != ways.second))
       report.oriented = false;
   }
-  // Pieces of a set of facets, two being neighbours when they share at least `shared` vertices besides `apart_from`.
+  // Pieces of a set of facets, two being neighbors when they share at least `shared` vertices besides `apart_from`.
   const auto pieces = [&](const std::vector<Facet>& facets, int shared, std::uint32_t apart_from) {
     std::vector<bool> reached(facets.size(), false);
     std::size_t count = 0;

@@ -55,11 +55,11 @@ TEST(MeshView, says_what_the_mesh_says) {
 
 TEST(MeshView, gives_everything_that_reads_a_mesh_the_same_bits) {
   const Views views;
-  const CoveredTree built = build(views.mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree model = build(views.mesh, {.method = Method::octree, .depth = 2});
   const SignedDistance object(views.mesh);
   const MeshReport report = inspect(views.mesh);
   const std::vector<SurfacePoint> samples = sample_surface(views.mesh, 50);
-  const std::vector<LevelMeasure> figures = measure(views.mesh, built.tree, {.grid = {.resolution = 32}});
+  const std::vector<LevelMeasure> figures = measure(views.mesh, model.tree, {.grid = {.resolution = 32}});
   for (const MeshView& view : views.all()) {
     EXPECT_NO_THROW(require_usable(view));
     EXPECT_NO_THROW(require_usable_scale(view));
@@ -70,7 +70,7 @@ TEST(MeshView, gives_everything_that_reads_a_mesh_the_same_bits) {
     EXPECT_EQ(signed_volume(view), report.volume);
     EXPECT_EQ(inspect(view).nonmanifold_vertices, report.nonmanifold_vertices);
     EXPECT_TRUE(inspect(view).has_volume());
-    EXPECT_TRUE(validate(view, built).empty());
+    EXPECT_TRUE(validate(view, model).empty());
     const std::vector<SurfacePoint> again = sample_surface(view, 50);
     const SignedDistance other(view);
     EXPECT_EQ(other.method(), object.method());
@@ -78,7 +78,7 @@ TEST(MeshView, gives_everything_that_reads_a_mesh_the_same_bits) {
       EXPECT_EQ(again[i].point, samples[i].point);
       EXPECT_EQ(other(samples[i].point * 1.1), object(samples[i].point * 1.1));
     }
-    const std::vector<LevelMeasure> found = measure(view, built.tree, {.grid = {.resolution = 32}});
+    const std::vector<LevelMeasure> found = measure(view, model.tree, {.grid = {.resolution = 32}});
     ASSERT_EQ(found.size(), figures.size());
     for (std::size_t level = 0; level < figures.size(); ++level) {
       EXPECT_EQ(found[level].looseness.looseness, figures[level].looseness.looseness);

@@ -29,7 +29,7 @@ TEST(RoundedUpRadius, contains_a_point_at_the_distance_that_was_measured) {
 }
 
 // Cut points: sums of three products, rounded by a few units in the last place of coordinates that are all alike, and
-// so near the centre that the distance pays for nothing.
+// so near the center that the distance pays for nothing.
 TEST(RoundedUpRadius, contains_a_cut_point_that_was_rounded_where_it_is) {
   Random random(2);
   for (int round = 0; round < 100000; ++round) {

@@ -93,7 +93,7 @@ TEST(Repair, merges_within_the_distance_and_not_beyond) {
   EXPECT_THROW(repair(mesh, {.cap_edges = 501}), std::invalid_argument);
 }
 
-TEST(Repair, turns_as_few_facets_as_make_neighbours_agree) {
+TEST(Repair, turns_as_few_facets_as_make_neighbors_agree) {
   const Mesh mesh = sample_body("torus", 16);
   Mesh mixed = mesh;
   std::size_t turned = 0;

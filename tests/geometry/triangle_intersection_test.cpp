@@ -11,7 +11,7 @@
 #include <limits>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 #include "query/triangle_pairs.hpp"

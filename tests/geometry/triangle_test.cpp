@@ -7,7 +7,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <numbers>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 namespace morula {
 namespace {

@@ -4,7 +4,7 @@
 # Run as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
 cmake_minimum_required(VERSION 3.24)
 
-set(licence "// SPDX-FileCopyrightText: 2026 The Morula authors\n// SPDX-License-Identifier: Apache-2.0\n")
+set(license "// SPDX-FileCopyrightText: 2026 The Morula authors\n// SPDX-License-Identifier: Apache-2.0\n")
 
 # run(CHECK EXPECTED_RESULT TEXTS...): runs a check over FOLDER; its output has to hold all the texts.
 function(run check expected)
@@ -24,21 +24,21 @@ function(run check expected)
 endfunction()
 
 file(REMOVE_RECURSE "${FOLDER}")
-file(WRITE "${FOLDER}/include/morula/morula.hpp" "${licence}#include <morula/update/body.hpp>\n")
-file(WRITE "${FOLDER}/include/morula/update/body.hpp" "${licence}#include <morula/tree/cover.hpp>\n#include <vector>\n")
-file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}")
-file(WRITE "${FOLDER}/src/tree/region.hpp" "${licence}")
-file(WRITE "${FOLDER}/src/update/body.cpp" "${licence}#include \"tree/region.hpp\"\n")
-file(WRITE "${FOLDER}/apps/morula/main.cpp" "${licence}#include <morula/morula.hpp>\n#include \"table.hpp\"\n")
-file(WRITE "${FOLDER}/apps/morula/table.hpp" "${licence}")
+file(WRITE "${FOLDER}/include/morula/morula.hpp" "${license}#include <morula/update/body.hpp>\n")
+file(WRITE "${FOLDER}/include/morula/update/body.hpp" "${license}#include <morula/tree/cover.hpp>\n#include <vector>\n")
+file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${license}")
+file(WRITE "${FOLDER}/src/tree/region.hpp" "${license}")
+file(WRITE "${FOLDER}/src/update/body.cpp" "${license}#include \"tree/region.hpp\"\n")
+file(WRITE "${FOLDER}/apps/morula/main.cpp" "${license}#include <morula/morula.hpp>\n#include \"table.hpp\"\n")
+file(WRITE "${FOLDER}/apps/morula/table.hpp" "${license}")
 file(WRITE "${FOLDER}/scripts/test" "#!/bin/sh\n# SPDX-FileCopyrightText: 2026 The Morula authors\n"
   "# SPDX-License-Identifier: Apache-2.0\n")
 file(WRITE "${FOLDER}/docs/references.bib" "@article{welzl1991,\n}\n@book{ericson2005,\n}\n")
-file(WRITE "${FOLDER}/src/tree/cover.cpp" "${licence}// [ericson2005, 5.1.5] and [welzl1991]\n")
+file(WRITE "${FOLDER}/src/tree/cover.cpp" "${license}// [ericson2005, 5.1.5] and [welzl1991]\n")
 run(check_layers passes "4 includes point down")
-run(check_licence passes "9 files carry their licence lines")
+run(check_license passes "9 files carry their license lines")
 run(check_references passes "2 papers cited")
-file(WRITE "${FOLDER}/src/tree/named.cpp" "${licence}// As cover.hpp, tree/region.hpp and src/tree say; NAME_test.cpp, *.hpp and\n"
+file(WRITE "${FOLDER}/src/tree/named.cpp" "${license}// As cover.hpp, tree/region.hpp and src/tree say; NAME_test.cpp, *.hpp and\n"
   "int x;  // 3/2 of body.hpp; the caller's a/b is none of ours\nconst char* text = \"nowhere.hpp\";\n")
 file(WRITE "${FOLDER}/docs/tree.md" "[Covers](cover.md#why-a-cover-proves) [home](https://example.org/a.md) `src/update/body.cpp`; [](const X& x)\n")
 file(WRITE "${FOLDER}/docs/cover.md" "# A cover\n\n```sh\n# no heading\n```\n\n## Why: `a cover` (proves)\n")
@@ -46,24 +46,24 @@ file(WRITE "${FOLDER}/README.md" "[docs/tree.md](docs/tree.md)\n")
 run(check_names passes "8 names of files")
 run(check_pages passes "3 pages")
 
-file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${licence}# include <morula/generators/build.hpp>  // up\n")
-file(WRITE "${FOLDER}/src/update/sideways.cpp" "${licence}#include <morula/accuracy/measure.hpp>\n")
-file(WRITE "${FOLDER}/include/morula/geometry/private.hpp" "${licence}#include \"geometry/hash.hpp\"\n")
-file(WRITE "${FOLDER}/src/geometry/everything.cpp" "${licence}#include <morula/morula.hpp>\n")
-file(WRITE "${FOLDER}/src/update/points/upward.inl" "${licence}#include \"update/rules/exact.hpp\"\n")
-file(WRITE "${FOLDER}/src/update/points/outward.hpp" "${licence}#include \"update/body_state.hpp\"\n")
-file(WRITE "${FOLDER}/src/update/attic/old.hpp" "${licence}#include \"update/points/narrow.hpp\"\n")
-file(WRITE "${FOLDER}/src/novelty/new.cpp" "${licence}")
-file(WRITE "${FOLDER}/apps/morula/private.cpp" "${licence}#include <tree/region.hpp>\n")
-file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${licence}#include \"../../src/tree/region.hpp\"\n")
-file(WRITE "${FOLDER}/src/update/product.cpp" "${licence}#include <morula/robot/fit.hpp>\n")
-file(WRITE "${FOLDER}/extras/grains/src/clump.cpp" "${licence}#include <morula/page/page.hpp>\n#include <morula/tree/cover.hpp>\n")
-file(WRITE "${FOLDER}/extras/page/src/page.cpp" "${licence}#include <toolbox/csv.hpp>\n#include \"update/body_state.hpp\"\n")
-file(WRITE "${FOLDER}/extras/study/include/morula/study/study.hpp" "${licence}#include <toolbox/csv.hpp>\n")
-file(WRITE "${FOLDER}/extras/robot/src/fit/fit.hpp" "${licence}")
-file(WRITE "${FOLDER}/extras/robot/src/read/urdf.cpp" "${licence}#include \"fit/fit.hpp\"\n")
-file(WRITE "${FOLDER}/toolbox/csv.hpp" "${licence}#include <morula/tree/cover.hpp>\n")
-file(WRITE "${FOLDER}/apps/morula/product.cpp" "${licence}#include <morula/page/page.hpp>\n")
+file(WRITE "${FOLDER}/include/morula/tree/cover.hpp" "${license}# include <morula/generators/build.hpp>  // up\n")
+file(WRITE "${FOLDER}/src/update/sideways.cpp" "${license}#include <morula/accuracy/measure.hpp>\n")
+file(WRITE "${FOLDER}/include/morula/geometry/private.hpp" "${license}#include \"geometry/hash.hpp\"\n")
+file(WRITE "${FOLDER}/src/geometry/everything.cpp" "${license}#include <morula/morula.hpp>\n")
+file(WRITE "${FOLDER}/src/update/points/upward.inl" "${license}#include \"update/rules/exact.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/points/outward.hpp" "${license}#include \"update/body_state.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/attic/old.hpp" "${license}#include \"update/points/narrow.hpp\"\n")
+file(WRITE "${FOLDER}/src/novelty/new.cpp" "${license}")
+file(WRITE "${FOLDER}/apps/morula/private.cpp" "${license}#include <tree/region.hpp>\n")
+file(WRITE "${FOLDER}/tests/consumer/path.cpp" "${license}#include \"../../src/tree/region.hpp\"\n")
+file(WRITE "${FOLDER}/src/update/product.cpp" "${license}#include <morula/robot/fit.hpp>\n")
+file(WRITE "${FOLDER}/extras/grains/src/clump.cpp" "${license}#include <morula/page/page.hpp>\n#include <morula/tree/cover.hpp>\n")
+file(WRITE "${FOLDER}/extras/page/src/page.cpp" "${license}#include <toolbox/csv.hpp>\n#include \"update/body_state.hpp\"\n")
+file(WRITE "${FOLDER}/extras/study/include/morula/study/study.hpp" "${license}#include <toolbox/csv.hpp>\n")
+file(WRITE "${FOLDER}/extras/robot/src/fit/fit.hpp" "${license}")
+file(WRITE "${FOLDER}/extras/robot/src/read/urdf.cpp" "${license}#include \"fit/fit.hpp\"\n")
+file(WRITE "${FOLDER}/toolbox/csv.hpp" "${license}#include <morula/tree/cover.hpp>\n")
+file(WRITE "${FOLDER}/apps/morula/product.cpp" "${license}#include <morula/page/page.hpp>\n")
 run(check_layers fails
   "src/update/product.cpp includes <morula/robot/fit.hpp>: there is no folder robot in the library"
   "extras/grains/src/clump.cpp includes <morula/page/page.hpp>: the extra grains does not use page"
@@ -85,8 +85,8 @@ run(check_layers fails
   "tests/consumer/path.cpp includes \"../../src/tree/region.hpp\": a private header"
   "18 includes break the layers")
 
-file(WRITE "${FOLDER}/src/tree/named.cpp" "${licence}// See gone.hpp [and] update/region.hpp; then\nint x;  // of src/attic/x\n")
-file(WRITE "${FOLDER}/src/tree/named.inl" "${licence}/// As lost.cpp has it.\n")
+file(WRITE "${FOLDER}/src/tree/named.cpp" "${license}// See gone.hpp [and] update/region.hpp; then\nint x;  // of src/attic/x\n")
+file(WRITE "${FOLDER}/src/tree/named.inl" "${license}/// As lost.cpp has it.\n")
 file(WRITE "${FOLDER}/scripts/run" "#!/bin/sh\n# Calls scripts/runn\n")
 file(WRITE "${FOLDER}/docs/tree.md" "[One](one.md#why); [two](tree.md), [three](three.md), [four](cover.md#no-heading)\nand `src/update/corps.cpp`\n")
 run(check_names fails
@@ -101,12 +101,12 @@ run(check_names fails
   "docs/tree.md: src/update/corps.cpp")
 
 # Only a nested type of a public one stands in namespace morula itself.
-file(WRITE "${FOLDER}/src/update/state.hpp" "${licence}namespace morula::detail {\n\nnamespace inner {\nint x;\n}  // namespace inner\n"
+file(WRITE "${FOLDER}/src/update/state.hpp" "${license}namespace morula::detail {\n\nnamespace inner {\nint x;\n}  // namespace inner\n"
   "constexpr int list[] = {1, 2};\n\n}  // namespace morula::detail\nnamespace morula {\n\nstruct Body::State {\n  int x;\n};\n\n}  // namespace morula\n")
 run(check_namespaces passes "private headers, nothing of theirs")
-file(WRITE "${FOLDER}/src/update/open.hpp" "${licence}namespace morula {\n\nnamespace inner {\nint deep;\n}  // namespace inner\n"
+file(WRITE "${FOLDER}/src/update/open.hpp" "${license}namespace morula {\n\nnamespace inner {\nint deep;\n}  // namespace inner\n"
   "struct State {\n  int x;\n};\n\n}  // namespace morula\n")
-file(WRITE "${FOLDER}/src/update/loop.inl" "${licence}namespace morula {\nconst int list[] = {1};\n}  // namespace morula\n")
+file(WRITE "${FOLDER}/src/update/loop.inl" "${license}namespace morula {\nconst int list[] = {1};\n}  // namespace morula\n")
 run(check_namespaces fails "src/update/open.hpp: struct State {" "src/update/loop.inl: const int list   = {1};")
 
 string(REPEAT "word [a; b]\n" 834 many)
@@ -120,7 +120,7 @@ file(REMOVE "${FOLDER}/scripts/run")
 file(WRITE "${FOLDER}/src/tree/bare.cpp" "int bare;\n")
 file(WRITE "${FOLDER}/src/tree/bare.inl" "int bare;\n")
 file(WRITE "${FOLDER}/scripts/late" "#!/bin/sh\n\n# SPDX-License-Identifier: Apache-2.0\n")
-run(check_licence fails "3 of" "src/tree/bare.cpp" "src/tree/bare.inl" "scripts/late")
+run(check_license fails "3 of" "src/tree/bare.cpp" "src/tree/bare.inl" "scripts/late")
 
-file(WRITE "${FOLDER}/src/tree/cover.cpp" "${licence}/// As in [ericson2005, 5.1.5; welzl1991].\n// [welzl1991, nobody1999]\n")
+file(WRITE "${FOLDER}/src/tree/cover.cpp" "${license}/// As in [ericson2005, 5.1.5; welzl1991].\n// [welzl1991, nobody1999]\n")
 run(check_references fails "src/tree/cover.cpp: nobody1999")

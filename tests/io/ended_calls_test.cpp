@@ -73,11 +73,11 @@ TEST(EndedFiles, trees_balls_and_motions_are_read_and_written_in_pieces) {
     if (read) expect_ends_wherever_it_asks("read " + name, least, [&] { read(path); });
     folder.clear();
   };
-  const CoveredTree built = small_built(small_mesh());
+  const CoveredTree model = small_built(small_mesh());
   // Archives of few nodes are written without a question.
   for (const std::string name : {"a.morula", "a.sph", "a.json", "a.npz"})
     round_trip(
-        name, name == "a.npz" ? 0 : 1, [&](const fs::path& path) { write_tree(path, built); },
+        name, name == "a.npz" ? 0 : 1, [&](const fs::path& path) { write_tree(path, model); },
         [](const fs::path& path) { read_tree(path); });
   round_trip(
       "balls.ply", 2, [&](const fs::path& path) { write_balls(path, balls); },
@@ -136,16 +136,16 @@ TEST(EndedFiles, frames_that_were_ended_are_written_again) {
     ended.finish();
     EXPECT_EQ(bytes_of(again), bytes_of(once));
   }
-  const CoveredTree built = small_built(small_mesh());
+  const CoveredTree model = small_built(small_mesh());
   const fs::path once = folder.path() / "once.npz", again = folder.path() / "again.npz";
-  SphereFramesWriter whole(once, built.tree, 1), ended(again, built.tree, 1);
-  whole.write(built.tree.spheres);
+  SphereFramesWriter whole(once, model.tree, 1), ended(again, model.tree, 1);
+  whole.write(model.tree.spheres);
   whole.finish();
   {
     const Interrupt interrupt([] { throw Cancelled(); });
-    EXPECT_THROW(ended.write(built.tree.spheres), Cancelled);
+    EXPECT_THROW(ended.write(model.tree.spheres), Cancelled);
   }
-  ended.write(built.tree.spheres);
+  ended.write(model.tree.spheres);
   {
     const Interrupt interrupt([] { throw Cancelled(); });
     EXPECT_NO_THROW(ended.finish());

@@ -83,7 +83,7 @@ TEST(Gltf, strips_and_fans_keep_their_orientation_and_lines_are_passed_over) {
   }
 }
 
-TEST(Gltf, strided_normalised_and_sparse_numbers_are_decoded) {
+TEST(Gltf, strided_normalized_and_sparse_numbers_are_decoded) {
   GltfMaker strided = tetrahedron();
   std::string records;
   for (const Vec3& p : four_corners) {
@@ -444,7 +444,7 @@ TEST(Gltf, hostile_animations_and_skins_are_refused_by_name) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const auto& [fragment, spoil] : std::vector<std::pair<std::string, Spoil>>{
            {"refers to node 50", channel("target", {{"node", 50}, {"path", "rotation"}})},
-           {"glTF does not know", channel("target", {{"node", 2}, {"path", "colour"}})},
+           {"glTF does not know", channel("target", {{"node", 2}, {"path", "color"}})},
            {"without morph targets", channel("target", {{"node", 2}, {"path", "weights"}})},
            {"moves what another one moves",
             [](GltfMaker& file) {

@@ -38,7 +38,7 @@ TEST(HostileTrees, sph) {
       {"four_numbers.sph", "1 8\n0 0 0 1\n", 2, "the line ends where the weight should be"},
       {"six_numbers.sph", "1 8\n0 0 0 1 1 1\n", 2, "'1' follows x y z r w"},
       {"nan_radius.sph", "2 2\n" + root + "0 0 0 nan 1\n" + root, 3, "the radius is not finite"},
-      {"infinite_centre.sph", "1 8\n0 inf 0 1 1\n", 2, "y is not finite"},
+      {"infinite_center.sph", "1 8\n0 inf 0 1 1\n", 2, "y is not finite"},
       {"unused_root.sph", "2 2\n0 0 0 -0.002 1\n" + root + root, 2, "the root's radius is not above 0"},
       {"zero_root.sph", "1 2\n0 0 0 0 1\n", 2, "the root's radius is not above 0"},
   });
@@ -144,13 +144,13 @@ class NativeForge {
 
 TEST(HostileTrees, native) {
   const ScratchFolder folder;
-  const CoveredTree built = small_built(small_mesh());
-  write_tree(folder.path() / "good.morula", built);
+  const CoveredTree model = small_built(small_mesh());
+  write_tree(folder.path() / "good.morula", model);
   const std::string good = bytes_of(folder.path() / "good.morula");
   const NativeForge forge(good);
   const std::uint32_t no_such = 0xffffffffu;
-  const auto cut_vertices = static_cast<std::uint32_t>(built.cover.cut_points.size() + built.cover.vertex_count);
-  const std::size_t nodes = built.tree.node_count();
+  const auto cut_vertices = static_cast<std::uint32_t>(model.cover.cut_points.size() + model.cover.vertex_count);
+  const std::size_t nodes = model.tree.node_count();
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
   std::vector<HostileFile> files{
@@ -171,7 +171,7 @@ TEST(HostileTrees, native) {
       {"bracket.morula", forge.with_header("{", "[{"), 110, "is not JSON here"},
       {"no_mesh.morula", forge.with_header("\"mesh\"", "\"mess\""), 0, "the header has no \"mesh\""},
       {"no_arrays.morula", forge.with_header("\"arrays\"", "\"array\""), 0, "the header has no \"arrays\""},
-      {"no_report.morula", forge.with_header("\"report\"", "\"rumour\""), 0, "the header has no \"report\""},
+      {"no_report.morula", forge.with_header("\"report\"", "\"rumor\""), 0, "the header has no \"report\""},
       {"no_tree.morula", forge.with_header("\"tree\"", "\"wood\""), 0, "the header has no \"tree\""},
       {"hash.morula", forge.with_header("\"hash\": \"", "\"hash\": \"0"), 0, "not a string of 16 hexadecimal digits"},
       {"hash_type.morula", forge.with_header("\"hash\": ", "\"hash\": 7, \"was\": "), 0, "16 hexadecimal digits"},
@@ -225,15 +225,15 @@ TEST(HostileTrees, native) {
     files.push_back({"flipped_" + std::to_string(at) + ".morula", flipped, 0, "the checksum does not match"});
   }
   expect_trees_refused(files);
-  EXPECT_TRUE(same_bits(read_tree(folder.file("copy.morula", good)).tree, built.tree));
+  EXPECT_TRUE(same_bits(read_tree(folder.file("copy.morula", good)).tree, model.tree));
 }
 
 TEST(HostileTrees, native_poses) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  CoveredTree built = small_built(mesh);
-  built.poses.push_back({"as at rest", mesh.positions, std::make_shared<const CoveredTree>(small_built(mesh))});
-  write_tree(folder.path() / "good.morula", built);
+  CoveredTree model = small_built(mesh);
+  model.poses.push_back({"as at rest", mesh.positions, std::make_shared<const CoveredTree>(small_built(mesh))});
+  write_tree(folder.path() / "good.morula", model);
   const std::string good = bytes_of(folder.path() / "good.morula");
   const NativeForge forge(good);
   const std::uint32_t no_such = 0xffffffffu;
@@ -266,9 +266,9 @@ TEST(HostileTrees, native_file_of_another_mesh) {
 TEST(HostileTrees, native_file_whose_spheres_do_not_cover) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  const CoveredTree built = small_built(mesh);
-  write_tree(folder.path() / "a.morula", built);
-  const double smaller = built.tree.spheres[5].radius / 2;
+  const CoveredTree model = small_built(mesh);
+  write_tree(folder.path() / "a.morula", model);
+  const double smaller = model.tree.spheres[5].radius / 2;
   const fs::path path =
       folder.file("b.morula", NativeForge(bytes_of(folder.path() / "a.morula")).with("spheres", 4 * 5 + 3, smaller));
   EXPECT_NO_THROW(read_tree(path));
@@ -286,12 +286,12 @@ TEST(HostileTrees, spheres_beyond_all_range_are_refused_by_name) {
 TEST(HostileTrees, native_file_whose_patches_leave_surface_to_nobody) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  CoveredTree built = small_built(mesh);
-  const std::uint32_t first = built.cover.corner_begin[3];
-  built.cover.corners[first] = built.cover.corners[first + 1];
-  ASSERT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
+  CoveredTree model = small_built(mesh);
+  const std::uint32_t first = model.cover.corner_begin[3];
+  model.cover.corners[first] = model.cover.corners[first + 1];
+  ASSERT_TRUE(certify(model.cover, mesh.positions, model.tree.spheres).covered);
   const fs::path path = folder.path() / "a.morula";
-  write_tree(path, built);
+  write_tree(path, model);
   expect_file_error(path, 0, "instead of the whole", [&] { read_covered_tree(path, mesh); });
 }
 

@@ -62,7 +62,7 @@ TEST(Looks, files_of_trees_are_read_and_written_with_many) {
   const ScratchFolder folder;
   std::vector<Sphere> balls;
   for (std::size_t i = 0; i < 100'000; ++i) balls.push_back({large().positions[i], 1});
-  const SphereTree tree = tree_over_balls(balls);
+  const SphereTree tree = tree_from_spheres(balls);
   struct Case {
     const char* name;
     int written, read;
@@ -90,9 +90,9 @@ TEST(Looks, covers_are_put_together_and_cuts_joined_with_many) {
     }).join();
   };
   Workers workers(elsewhere, 1);
-  CoveredTree built;
-  expect_questions("build", 118, [&] { built = build(large(), {.method = Method::octree, .depth = 2}, workers); });
-  expect_questions("with_fewer_cuts", 29, [&] { with_fewer_cuts(large(), built, workers); });
+  CoveredTree model;
+  expect_questions("build", 118, [&] { model = build(large(), {.method = Method::octree, .depth = 2}, workers); });
+  expect_questions("with_fewer_cuts", 29, [&] { with_fewer_cuts(large(), model, workers); });
 }
 
 }  // namespace

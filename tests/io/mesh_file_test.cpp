@@ -78,7 +78,7 @@ TEST(MeshFile, polygons_become_fans) {
             fan);
 }
 
-TEST(MeshFile, off_takes_all_headers_and_ignores_colours) {
+TEST(MeshFile, off_takes_all_headers_and_ignores_colors) {
   const ScratchFolder folder;
   const std::string plain = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   for (const std::string header :

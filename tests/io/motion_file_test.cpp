@@ -184,7 +184,7 @@ TEST(HostileMotions, npy) {
       {"open_dictionary.npy", npy_with_header("{'descr': '<f8'", data), 0, "is malformed"},
       {"open_string.npy", npy_with_header("{'descr': '<f8, }", data), 0, "is malformed"},
       {"open_tuple.npy", npy_with_header("{'shape': (1, 3, 3, }", data), 0, "is malformed"},
-      {"other_key.npy", npy_with_header("{'colour': 'red'}", data), 0, "is malformed"},
+      {"other_key.npy", npy_with_header("{'color': 'red'}", data), 0, "is malformed"},
       {"no_keys.npy", npy_with_header("{}", data), 0, "the array's type is ''"},
       {"integers.npy", with("'<i8'", "False", "(1, 3, 3)"), 0, "type is ''<i8''"},
       {"big_endian.npy", with("'>f8'", "False", "(1, 3, 3)"), 0, "astype('<f8')"},

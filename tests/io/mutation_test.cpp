@@ -185,7 +185,7 @@ TEST_F(Mutations, modes_are_refused_or_usable) {
 
 TEST_F(Mutations, trees_are_refused_or_usable) {
   const Mesh mesh = small_mesh();
-  const CoveredTree built = small_built(mesh);
+  const CoveredTree model = small_built(mesh);
   const auto use = [&](const fs::path& path) {
     const TreeFile file = read_tree(path);
     EXPECT_TRUE(validate(file.tree).empty());
@@ -200,10 +200,10 @@ TEST_F(Mutations, trees_are_refused_or_usable) {
       }
   };
   for (const std::string name : {"a.sph", "a.json", "a.morula"}) {
-    write_tree(folder.path() / name, built);
+    write_tree(folder.path() / name, model);
     survive(name, bytes_of(folder.path() / name), use);
   }
-  write_tree(folder.path() / "a.morula", built);
+  write_tree(folder.path() / "a.morula", model);
   const std::string native = bytes_of(folder.path() / "a.morula");
   survive("sealed.morula", native, use, true);
   survive(

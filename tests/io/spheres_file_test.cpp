@@ -108,7 +108,7 @@ TEST(SpheresFile, says_that_the_tree_is_nested_where_every_frame_is) {
   const ScratchFolder folder;
   SphereTree tree = small_built(small_mesh()).tree;
   const std::vector<Sphere> outside = tree.spheres;
-  nest(tree);
+  make_nested(tree);
   const fs::path path = folder.path() / "spheres.npz";
   for (const bool last_is_outside : {false, true}) {
     SphereFramesWriter writer(path, tree, 2);

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A chain and bushes, early leaves, centres that are hard to write.
+// A chain and bushes, early leaves, centers that are hard to write.
 SphereTree awkward_tree() {
   const std::vector<double> numbers = awkward_numbers();
   const auto sphere = [&](std::size_t i) {
@@ -55,20 +55,20 @@ TEST(TreeFile, bare_trees_read_back_bit_for_bit) {
 TEST(TreeFile, native_files_read_back_bit_for_bit) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  CoveredTree built = small_built(mesh);
-  ASSERT_FALSE(built.cover.cut_points.empty());
-  built.report.method = "grid";
-  built.report.seed = 0xffffffffffffffffu;
-  built.report.notes = {"a note", "", "Größe \"1\"\n\\"};
-  built.report.growth[0] = {7, std::numeric_limits<double>::infinity(), -0.0};
-  built.report.growth[1] = {std::numeric_limits<std::size_t>::max(), 1.0 / 3, 1e-320};
+  CoveredTree model = small_built(mesh);
+  ASSERT_FALSE(model.cover.cut_points.empty());
+  model.report.method = "grid";
+  model.report.seed = 0xffffffffffffffffu;
+  model.report.notes = {"a note", "", "Größe \"1\"\n\\"};
+  model.report.growth[0] = {7, std::numeric_limits<double>::infinity(), -0.0};
+  model.report.growth[1] = {std::numeric_limits<std::size_t>::max(), 1.0 / 3, 1e-320};
   const fs::path path = folder.path() / "tree.morula";
-  write_tree(path, built);
+  write_tree(path, model);
   const TreeFile read = read_tree(path);
-  EXPECT_TRUE(same_bits(read.tree, built.tree));
+  EXPECT_TRUE(same_bits(read.tree, model.tree));
   ASSERT_TRUE(read.cover.has_value());
-  EXPECT_TRUE(same_bits(*read.cover, built.cover));
-  EXPECT_TRUE(same_bits(read.report, built.report));
+  EXPECT_TRUE(same_bits(*read.cover, model.cover));
+  EXPECT_TRUE(same_bits(read.report, model.report));
   EXPECT_TRUE(validate(mesh, read_covered_tree(path, mesh)).empty());
 }
 
@@ -77,7 +77,7 @@ TEST(TreeFile, a_nested_tree_says_so_in_every_format_that_can_and_no_other_file_
   const Mesh mesh = small_mesh();
   const CoveredTree plain = small_built(mesh);
   CoveredTree nested = plain;
-  nest(nested.tree);
+  make_nested(nested.tree);
   for (const std::string extension : {".morula", ".json", ".npz", ".sph"}) {
     const fs::path path = folder.path() / ("tree" + extension);
     write_tree(path, plain);
@@ -94,16 +94,16 @@ TEST(TreeFile, a_nested_tree_says_so_in_every_format_that_can_and_no_other_file_
 
 TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
   const ScratchFolder folder;
-  CoveredTree built = small_built(small_mesh());
-  ASSERT_FALSE(certify_nesting(built.tree, built.tree.spheres).nested);
-  built.tree.nested = true;
+  CoveredTree model = small_built(small_mesh());
+  ASSERT_FALSE(certify_nesting(model.tree, model.tree.spheres).nested);
+  model.tree.nested = true;
   for (const std::string extension : {".morula", ".json", ".npz"})
-    EXPECT_THROW(write_tree(folder.path() / ("tree" + extension), built), std::invalid_argument);
+    EXPECT_THROW(write_tree(folder.path() / ("tree" + extension), model), std::invalid_argument);
   EXPECT_TRUE(folder.names().empty());
 
-  built.tree.nested = false;
+  model.tree.nested = false;
   const fs::path json = folder.path() / "tree.json", native = folder.path() / "tree.morula";
-  write_tree(json, built.tree);
+  write_tree(json, model.tree);
   std::string text = bytes_of(json);
   const std::string before = text;
   text.insert(text.find("\"nodes\""), "\"nested\": true, ");
@@ -111,11 +111,11 @@ TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
   text = before;
   text.insert(text.find("\"nodes\""), "\"nested\": 1, ");
   expect_file_error(folder.file("tree.json", text), 0, "neither true nor false", [&] { read_tree(json); });
-  nest(built.tree);
-  write_tree(native, built);
+  make_nested(model.tree);
+  write_tree(native, model);
   std::string lying = bytes_of(native);
   // A radius that was made for the children's, taken back.
-  const std::string old_radius(reinterpret_cast<const char*>(&built.tree.spheres[0].radius), sizeof(double));
+  const std::string old_radius(reinterpret_cast<const char*>(&model.tree.spheres[0].radius), sizeof(double));
   const double smaller = 0.5;
   const std::size_t at = lying.find(old_radius);
   ASSERT_NE(at, std::string::npos);
@@ -125,34 +125,34 @@ TEST(TreeFile, one_that_says_it_is_nested_and_is_not_is_refused) {
 }
 
 CoveredTree built_with_poses(const Mesh& mesh) {
-  CoveredTree built = small_built(mesh);
+  CoveredTree model = small_built(mesh);
   for (const double factor : {1.5, -0.25}) {
     KnownPose pose{"x by " + std::to_string(factor), mesh.positions, nullptr};
     for (Vec3& p : pose.positions) p.x *= factor;
-    pose.built = std::make_shared<const CoveredTree>(small_built({pose.positions, mesh.facets}));
-    built.poses.push_back(std::move(pose));
+    pose.model = std::make_shared<const CoveredTree>(small_built({pose.positions, mesh.facets}));
+    model.poses.push_back(std::move(pose));
   }
-  return built;
+  return model;
 }
 
 TEST(TreeFile, trees_for_known_poses_read_back_bit_for_bit_and_leave_the_others_where_they_were) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  const CoveredTree built = built_with_poses(mesh);
+  const CoveredTree model = built_with_poses(mesh);
   const fs::path path = folder.path() / "tree.morula";
-  write_tree(path, built);
+  write_tree(path, model);
   const CoveredTree read = read_covered_tree(path, mesh);
-  EXPECT_TRUE(same_bits(read.tree, built.tree));
+  EXPECT_TRUE(same_bits(read.tree, model.tree));
   ASSERT_EQ(read.poses.size(), 2u);
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_EQ(read.poses[k].name, built.poses[k].name);
-    EXPECT_EQ(read.poses[k].positions, built.poses[k].positions);
-    EXPECT_TRUE(same_bits(read.poses[k].built->tree, built.poses[k].built->tree));
-    EXPECT_TRUE(same_bits(read.poses[k].built->cover, built.poses[k].built->cover));
-    EXPECT_TRUE(same_bits(read.poses[k].built->report, built.poses[k].built->report));
+    EXPECT_EQ(read.poses[k].name, model.poses[k].name);
+    EXPECT_EQ(read.poses[k].positions, model.poses[k].positions);
+    EXPECT_TRUE(same_bits(read.poses[k].model->tree, model.poses[k].model->tree));
+    EXPECT_TRUE(same_bits(read.poses[k].model->cover, model.poses[k].model->cover));
+    EXPECT_TRUE(same_bits(read.poses[k].model->report, model.poses[k].model->report));
   }
   // What a library that knows no poses reads is the file without them: the same arrays under the same names.
-  CoveredTree alone = built;
+  CoveredTree alone = model;
   alone.poses.clear();
   write_tree(folder.path() / "alone.morula", alone);
   EXPECT_TRUE(read_tree(folder.path() / "alone.morula").poses.empty());
@@ -170,46 +170,46 @@ TEST(TreeFile, trees_for_known_poses_read_back_bit_for_bit_and_leave_the_others_
 TEST(TreeFile, poses_that_are_not_of_the_mesh_are_neither_written_nor_read) {
   const ScratchFolder folder;
   const Mesh mesh = small_mesh();
-  CoveredTree built = built_with_poses(mesh);
+  CoveredTree model = built_with_poses(mesh);
   const fs::path path = folder.path() / "tree.morula";
-  built.poses[1].positions.pop_back();
-  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
-  built = built_with_poses(mesh);
-  built.poses[0].built = nullptr;
-  EXPECT_THROW(write_tree(path, built), std::invalid_argument);
+  model.poses[1].positions.pop_back();
+  EXPECT_THROW(write_tree(path, model), std::invalid_argument);
+  model = built_with_poses(mesh);
+  model.poses[0].model = nullptr;
+  EXPECT_THROW(write_tree(path, model), std::invalid_argument);
   EXPECT_FALSE(fs::exists(path));
-  built = built_with_poses(mesh);
-  for (Vec3& p : built.poses[1].positions) p.x *= 4;  // outside the spheres that were made for it
-  write_tree(path, built);
+  model = built_with_poses(mesh);
+  for (Vec3& p : model.poses[1].positions) p.x *= 4;  // outside the spheres that were made for it
+  write_tree(path, model);
   EXPECT_THROW(read_covered_tree(path, mesh), FileError);
 }
 
 TEST(TreeFile, spheres_of_a_built_tree_can_be_written_alone) {
   const ScratchFolder folder;
-  const CoveredTree built = small_built(small_mesh());
+  const CoveredTree model = small_built(small_mesh());
   for (const std::string name : {"a.sph", "a.json"}) {
-    write_tree(folder.path() / name, built);
-    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, built.tree)) << name;
+    write_tree(folder.path() / name, model);
+    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, model.tree)) << name;
   }
 }
 
 TEST(TreeFile, same_tree_gives_same_bytes_in_every_locale) {
   const ScratchFolder folder;
-  const CoveredTree built = small_built(small_mesh());
+  const CoveredTree model = small_built(small_mesh());
   for (const std::string name : {"a.morula", "a.sph", "a.json"}) {
-    write_tree(folder.path() / name, built);
+    write_tree(folder.path() / name, model);
     const CommaLocale commas;
-    write_tree(folder.path() / ("again_" + name), built);
+    write_tree(folder.path() / ("again_" + name), model);
     EXPECT_EQ(bytes_of(folder.path() / name), bytes_of(folder.path() / ("again_" + name)));
-    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, built.tree));
+    EXPECT_TRUE(same_bits(read_tree(folder.path() / name).tree, model.tree));
   }
 }
 
 // The layout that docs/formats.md promises: other programs rely on it.
 TEST(TreeFile, native_bytes_are_laid_out_as_documented) {
   const ScratchFolder folder;
-  const CoveredTree built = small_built(small_mesh());
-  write_tree(folder.path() / "a.morula", built);
+  const CoveredTree model = small_built(small_mesh());
+  write_tree(folder.path() / "a.morula", model);
   const std::string bytes = bytes_of(folder.path() / "a.morula");
   EXPECT_EQ(bytes.substr(0, 8), "MORULA\r\n");
   EXPECT_EQ(bytes.substr(8, 4), raw(std::uint32_t{1}));
@@ -219,8 +219,8 @@ TEST(TreeFile, native_bytes_are_laid_out_as_documented) {
   std::memcpy(&header_size, bytes.data() + 12, 4);
   const std::size_t data = 24 + header_size;
   EXPECT_EQ(data % 8, 0u);
-  EXPECT_EQ(bytes.substr(data, 32), raw(built.tree.spheres[0]));
-  EXPECT_EQ(bytes.substr(data + 32 * built.tree.node_count(), 4), raw(built.tree.child_count[0]));
+  EXPECT_EQ(bytes.substr(data, 32), raw(model.tree.spheres[0]));
+  EXPECT_EQ(bytes.substr(data + 32 * model.tree.node_count(), 4), raw(model.tree.child_count[0]));
 }
 
 TEST(TreeFile, sph_is_written_as_documented) {
@@ -236,7 +236,7 @@ TEST(TreeFile, sph_is_written_as_documented) {
             "0 0 0 -1 0\n0 0 0 -1 0\n1 2 3 1e-05 1\n0 0 0 -1 0\n");
 }
 
-// What the published toolkit writes: centres relative to the box centre, unused slots with a negative radius that is
+// What the published toolkit writes: centers relative to the box center, unused slots with a negative radius that is
 // not −1 or with 0, valid-looking nodes below unused ones, options and an evaluation after the last node.
 constexpr const char* toolkit_file =
     "3 2\n"
@@ -280,18 +280,18 @@ TEST(TreeFile, a_bare_tree_gets_a_cover_for_the_mesh) {
   for (Sphere& s : tree.spheres) s.radius *= 0.75;  // no longer covers
   for (const std::string name : {"a.sph", "a.json"}) {
     write_tree(folder.path() / name, tree);
-    const CoveredTree built = read_covered_tree(folder.path() / name, mesh);
-    EXPECT_TRUE(validate(mesh, built).empty());
-    EXPECT_EQ(built.report.method, "imported");
-    ASSERT_EQ(built.report.growth.size(), built.tree.level_count());
-    EXPECT_GT(built.report.growth[0].grown, 0u);
+    const CoveredTree model = read_covered_tree(folder.path() / name, mesh);
+    EXPECT_TRUE(validate(mesh, model).empty());
+    EXPECT_EQ(model.report.method, "imported");
+    ASSERT_EQ(model.report.growth.size(), model.tree.level_count());
+    EXPECT_GT(model.report.growth[0].grown, 0u);
   }
 }
 
 TEST(TreeFile, json_may_number_its_nodes_in_any_order) {
   const ScratchFolder folder;
   const TreeFile file = read_tree(folder.file("a.json", R"({"nodes": [
-    {"radius": 4, "children": [3, 1], "center": [0, 0, 0], "colour": "red"},
+    {"radius": 4, "children": [3, 1], "center": [0, 0, 0], "color": "red"},
     {"radius": 2, "children": [], "center": [1, 0, 0]},
     {"radius": 1, "children": [], "center": [-1e0, 0.5, 0]},
     {"radius": 3, "children": [2], "center": [-1, 0, 0]}],
@@ -323,16 +323,16 @@ TEST(TreeFile, what_a_format_cannot_hold_is_refused_and_nothing_is_written) {
   refused("tree.txt", chain, "use one of .morula .sph .json");
   refused("tree", chain, "no extension");
 
-  CoveredTree built = small_built(small_mesh());
+  CoveredTree model = small_built(small_mesh());
   EXPECT_THROW(write_tree(folder.path() / "empty.json", SphereTree{}), std::invalid_argument);
   chain.append_level(std::vector<std::uint32_t>{1}, std::vector<Sphere>{{{0, 0, 0}, 1}});
   EXPECT_THROW(write_tree(folder.path() / "deep.json", chain), std::invalid_argument);
-  built.tree.spheres[3].radius = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(write_tree(folder.path() / "nan.json", built), std::invalid_argument);
-  EXPECT_THROW(write_tree(folder.path() / "nan.morula", built), std::invalid_argument);
-  built = small_built(small_mesh());
-  built.cover.corners[5] = 1'000'000;
-  EXPECT_THROW(write_tree(folder.path() / "cover.morula", built), std::invalid_argument);
+  model.tree.spheres[3].radius = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_tree(folder.path() / "nan.json", model), std::invalid_argument);
+  EXPECT_THROW(write_tree(folder.path() / "nan.morula", model), std::invalid_argument);
+  model = small_built(small_mesh());
+  model.cover.corners[5] = 1'000'000;
+  EXPECT_THROW(write_tree(folder.path() / "cover.morula", model), std::invalid_argument);
   EXPECT_TRUE(folder.names().empty());
 
   write_tree(folder.path() / "point.json", point);

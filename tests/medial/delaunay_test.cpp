@@ -28,8 +28,8 @@ WidePoint cross(const WidePoint& a, const WidePoint& b) {
 
 constexpr std::size_t brute_force_limit = 1000;
 
-/// Everything a Delaunay tetrahedralisation is, by brute force and exactly: its spheres hold no point (by their
-/// centres, which are fractions: another formula than the library's determinant), no point is outside of its hull,
+/// Everything a Delaunay tetrahedralization is, by brute force and exactly: its spheres hold no point (by their
+/// centers, which are fractions: another formula than the library's determinant), no point is outside of its hull,
 /// facets are shared by two, every point is a corner. Of many points only those across a facet are looked at, which is
 /// enough as long as tetrahedra do not overlap.
 void expect_delaunay(const Delaunay& delaunay, const std::string& name) {
@@ -151,7 +151,7 @@ TEST(Delaunay, spheres_are_empty_for_points_on_one_sphere) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) expect_all_inserted(shuffled(points, seed), "cospherical");
   std::vector<LatticePoint> with_center = points;
   with_center.insert(with_center.begin() + 50, {1 << 19, 1 << 19, 1 << 19});
-  expect_all_inserted(with_center, "cospherical with centre");
+  expect_all_inserted(with_center, "cospherical with center");
 }
 
 TEST(Delaunay, twenty_thousand_points_in_space_and_on_the_sides_of_a_box) {

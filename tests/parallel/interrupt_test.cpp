@@ -137,14 +137,14 @@ TEST(Interrupt, ends_builds_and_indices_wherever_it_throws) {
 
 TEST(Interrupt, leaves_calls_that_cannot_throw_alone) {
   const Mesh mesh = sample_body("blob", 8);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
   std::vector<Vec3> moved = mesh.positions;
   for (Vec3& p : moved) p = p * 1.25 + Vec3{1, 2, 3};
   Workers two(2);
   for (Workers* workers : {&serial_workers(), &two})
     for (const Rule rule : {Rule::exact, Rule::wrapped, Rule::approach1, Rule::approach2, Rule::traditional}) {
-      Body body(mesh, built, {.rules = {rule}}, *workers), same = body;
-      KDopTree boxes(mesh, built, 18, *workers);
+      Body body(mesh, model, {.rules = {rule}}, *workers), same = body;
+      KDopTree boxes(mesh, model, 18, *workers);
       SurfaceTree surface(mesh);
       same.update(moved);
       const Interrupt interrupt([] { throw Cancelled(); });

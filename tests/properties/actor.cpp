@@ -61,7 +61,7 @@ Modes random_modes(const Mesh& mesh, Dice& dice) {
 
 }  // namespace
 
-Actor::Actor(const Specimen& specimen, Dice& dice, Record& record) : mesh_(specimen.mesh), built_(specimen.built) {
+Actor::Actor(const Specimen& specimen, Dice& dice, Record& record) : mesh_(specimen.mesh), built_(specimen.model) {
   if (record.place.mesh.facets.empty()) record.place.mesh = mesh_;
   if (dice.chance(0.05)) round_trip(mesh_, *built_, record);
   start(random_rules(dice), record);
@@ -109,7 +109,7 @@ void Actor::reach_all(Dice& dice, Record& record) {
     open.pop_back();
     if (n == stop) {
       std::vector<std::uint8_t> reached = promised_;
-      for (std::uint32_t i = 0; i < reached.size(); ++i) reached[i] &= static_cast<std::uint8_t>(body_->is_reached(i));
+      for (std::uint32_t i = 0; i < reached.size(); ++i) reached[i] &= static_cast<std::uint8_t>(body_->is_fresh(i));
       std::vector<Sphere> spheres;
       body_->copy_spheres(spheres);
       judge({mesh_, built_->tree, built_->cover, points_, balls_of(spheres), reached}, dice, record, {.cuts = 40},

@@ -27,7 +27,7 @@ class Actor {
   /// Follows the rules on every level?
   bool covers() const { return covers_; }
   const Mesh& mesh() const { return mesh_; }
-  const CoveredTree& built() const { return *built_; }
+  const CoveredTree& model() const { return *built_; }
   Body& body() { return *body_; }
   const Positions& positions() const { return positions_; }
   PositionView view() const { return positions_; }

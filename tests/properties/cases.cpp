@@ -34,7 +34,7 @@ Specimen probe(const Mesh& mesh, Dice& dice, Record& record) {
   if (dice.chance(0.5)) s.mesh = {{{-1, -1, -1}, {1, 1, -1}, {0, 0, 2}}, {{0, 1, 2}}};
   scale(s.mesh.positions, small);
   record.place.description += s.name;
-  s.built = std::make_shared<const CoveredTree>(build(s.mesh, {.method = Method::octree, .branching = 8, .depth = 1}));
+  s.model = std::make_shared<const CoveredTree>(build(s.mesh, {.method = Method::octree, .branching = 8, .depth = 1}));
   return s;
 }
 
@@ -54,18 +54,18 @@ void modal_body(const Source& source, Dice& dice, Record& record) {
 
 // Trees for poses that the body may or may not come to, however little they are worth; degenerate ones too.
 CoveredTree with_known_poses(const Mesh& mesh, const CoveredTree& home, Dice& dice, Record& record) {
-  CoveredTree built = home;
+  CoveredTree model = home;
   for (int left = dice.between(1, 3); left > 0; --left) {
     Pose pose = random_pose(mesh, dice);
     try {
       const CoveredTree tree = build({pose.positions, mesh.facets}, {.method = Method::octree, .depth = 2});
       if (!(surface_area(MeshView{pose.positions, mesh.facets}) > 0)) continue;
-      built.poses.push_back({pose.name, std::move(pose.positions), std::make_shared<const CoveredTree>(tree)});
+      model.poses.push_back({pose.name, std::move(pose.positions), std::make_shared<const CoveredTree>(tree)});
     } catch (const std::invalid_argument&) {  // a pose beyond what can be built
     }
   }
-  record.place.description += " | trees for " + std::to_string(built.poses.size()) + " poses";
-  return built;
+  record.place.description += " | trees for " + std::to_string(model.poses.size()) + " poses";
+  return model;
 }
 
 // A body that is built anew again and again, judged in each frame; beside it, now and then, another one.
@@ -77,10 +77,10 @@ void rebuilt_body(const Source& source, Dice& dice, Record& record) {
     specimen = source(40, dice, record);
   }
   const Mesh& mesh = specimen.mesh;
-  const CoveredTree& home = *specimen.built;
+  const CoveredTree& home = *specimen.model;
   record.place.mesh = mesh;
   const Method method =
-      home.tree.node_count() > 10 || dice.chance(0.9) ? Method::octree : dice.pick({Method::grid, Method::morula});
+      home.tree.node_count() > 10 || dice.chance(0.9) ? Method::octree : dice.pick({Method::grid, Method::optimized});
   const int every = dice.pick({0, 1, 1, 2});
   RebuildOptions options{.method = method,
                          .quality = Quality::draft,
@@ -119,7 +119,7 @@ void rebuilt_body(const Source& source, Dice& dice, Record& record) {
     if (!side || body.tree_version() != seen) side.emplace(mesh, now);
     seen = body.tree_version();
     side->set_positions(pose.positions);
-    still.place(touching_placement(*side, still, dice));
+    still.set_transform(touching_transform(*side, still, dice));
     const PairJudge judge_of(*side, still, dice);
     judge_of.judge_facets(record);
     judge_of.judge_contacts(collide(*side, still, {.budget = dice.below(100)}), 0, 0, record, "beside a rebuilt body");
@@ -142,7 +142,7 @@ CollideOptions random_options(const Actor& a, const Actor& b, const Collider& si
   CollideOptions options;
   if (dice.chance(0.2))
     options.level =
-        static_cast<std::uint32_t>(dice.below(std::max(a.built().tree.level_count(), b.built().tree.level_count())));
+        static_cast<std::uint32_t>(dice.below(std::max(a.model().tree.level_count(), b.model().tree.level_count())));
   if (dice.chance(0.4)) {
     Box box;
     for (const Facet& f : side.mesh_facets())
@@ -150,7 +150,7 @@ CollideOptions random_options(const Actor& a, const Actor& b, const Collider& si
     options.margin = box.diagonal() * dice.pick({1e-6, 0.01, 0.1, 0.5});
   }
   options.priority = dice.pick({Priority::level, Priority::overlap, Priority::importance});
-  options.exact = dice.chance(0.4);
+  options.find_crossings = dice.chance(0.4);
   options.surfaces = dice.chance(0.1);
   return options;
 }
@@ -189,9 +189,9 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
     a.set_positions(first.view());
     b.set_positions(second.view());
   } else if (dice.chance(0.7)) {
-    a.place(touching_placement(a, a, dice));
+    a.set_transform(touching_transform(a, a, dice));
   }
-  b.place(touching_placement(a, b, dice, on_lattice));
+  b.set_transform(touching_transform(a, b, dice, on_lattice));
 
   CollideOptions options = random_options(first, second, a, dice);
   const bool also_swapped = dice.chance(0.2);  // two pairs in one queue: (a, b) and (b, a)
@@ -201,7 +201,7 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
   const auto judge_query = [&](const PairJudge& pair, const std::optional<PairJudge>& other, const std::string& when) {
     pair.judge_contacts(query.contacts(), 0, options.margin, record, when);
     if (other) other->judge_contacts(query.contacts(), 1, options.margin, record, when);
-    if (options.exact && query.contacts().finished && !options.level) {
+    if (options.find_crossings && query.contacts().finished && !options.level) {
       pair.judge_listed(query.contacts(), 0, record);
       if (other) other->judge_listed(query.contacts(), 1, record);
     }
@@ -219,11 +219,11 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
         b.set_positions(second.view());
       }
       if (!first.body().is_current() || !second.body().is_current()) return;
-      if (dice.chance(0.7)) b.place(touching_placement(a, b, dice, on_lattice));
+      if (dice.chance(0.7)) b.set_transform(touching_transform(a, b, dice, on_lattice));
     }
     if (probing)
       for (int n = 0; n < 10; ++n) {
-        b.place(touching_placement(a, b, dice, on_lattice));
+        b.set_transform(touching_transform(a, b, dice, on_lattice));
         const PairJudge pair(a, b, dice);
         pair.judge_facets(record);
         options.budget = some_budget(dice);
@@ -241,7 +241,7 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
     options.budget = dice.chance(0.3) ? Budget() : some_budget(dice);
     const Contacts once = collide(a, b, options);
     pair.judge_contacts(once, 0, options.margin, record, "at once");
-    if (options.exact && once.finished && !options.level) pair.judge_listed(once, 0, record);
+    if (options.find_crossings && once.finished && !options.level) pair.judge_listed(once, 0, record);
 
     // Again and again.
     for (int step = 0; step < 7; ++step) {
@@ -277,10 +277,10 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
     record.place.pose = pose.positions;
     if (!first.body().update_lazily(pose.positions, 0)) return;
     a.set_positions(pose.positions);
-    b.place(touching_placement(a, b, dice));
+    b.set_transform(touching_transform(a, b, dice));
     const PairJudge pair(a, b, dice);
     options.budget = dice.chance(0.5) ? Budget() : some_budget(dice);
-    options.exact = false;
+    options.find_crossings = false;
     options.reach = [&](const Collider& which, std::uint32_t node) {
       if (&which == &a) first.body().reach(node);
       return true;

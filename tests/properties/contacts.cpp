@@ -23,7 +23,7 @@ Point point(const Vec3& v) {
 }
 
 std::vector<Triangle> world_facets(const Collider& c) {
-  const RigidTransform& t = c.placement();
+  const RigidTransform& t = c.transform();
   std::vector<Triangle> facets;
   for (const Facet& f : c.mesh_facets()) {
     Triangle world;
@@ -106,13 +106,13 @@ PairJudge::PairJudge(const Collider& a, const Collider& b, Dice& dice)
     for (const Triangle& t : *facets) all.insert(all.end(), t.begin(), t.end());
   for (const Point& p : all) largest = std::max(largest, largest_coordinate(p));
   for (const Collider* c : {&a, &b}) {
-    largest = std::max(largest, largest_coordinate(point(c->placement().translation)));
+    largest = std::max(largest, largest_coordinate(point(c->transform().translation)));
     for (const Facet& f : c->mesh_facets())
       for (const std::uint32_t v : f) largest = std::max(largest, largest_coordinate(point(c->positions()[v])));
   }
   const Extent whole(all);
   const Real size = oracle::distance(whole.lower, whole.upper);
-  const bool unplaced = a.placement() == RigidTransform{} && b.placement() == RigidTransform{};
+  const bool unplaced = a.transform() == RigidTransform{} && b.transform() == RigidTransform{};
   // Three products, three sums: each rounded to double by the library where a body is placed.
   error_ = unplaced ? 16 * oracle::epsilon * largest : 0x1p-49L * largest;
   const Real margin = 4 * std::sqrt(error_ * size) + 8 * error_;
@@ -130,7 +130,7 @@ PairJudge::PairJudge(const Collider& a, const Collider& b, Dice& dice)
              on_lattice(facets_b_, whole.lower, step, lattice_b);
     // A turn that is not one of the lattice's makes sums whose rounding we do not follow.
     for (const Collider* c : {&a, &b})
-      for (const Vec3& row : c->placement().rows)
+      for (const Vec3& row : c->transform().rows)
         for (const double x : {row.x, row.y, row.z}) exact_ = exact_ && (x == 0 || x == 1 || x == -1);
   }
 
@@ -164,8 +164,8 @@ void PairJudge::judge_facets(Record& record) const {
   // Where both are, for what fails: relative to the first one's own place.
   record.place.second = {{}, {b_.mesh_facets().begin(), b_.mesh_facets().end()}};
   for (std::uint32_t v = 0; v < b_.vertex_count(); ++v) {
-    const Vec3 p = b_.vertex(v) - a_.placement().translation;
-    record.place.second.positions.push_back(a_.placement().turn_back(p));
+    const Vec3 p = b_.vertex(v) - a_.transform().translation;
+    record.place.second.positions.push_back(a_.transform().inverse_rotate(p));
   }
   record.counts.exact_poses += exact_;
   record.counts.crossings += meetings_.size();
@@ -275,7 +275,7 @@ void PairJudge::judge_listed(const Contacts& contacts, std::uint32_t bodies, Rec
              record, "missed-listed");
 }
 
-RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice, bool on_lattice) {
+RigidTransform touching_transform(const Collider& a, const Collider& b, Dice& dice, bool on_lattice) {
   const auto any_point = [&](const Collider& c) {
     const Facet& f = c.mesh_facets()[dice.below(c.mesh_facets().size())];
     const Vec3 p = c.positions()[f[dice.below(3)]];
@@ -307,9 +307,9 @@ RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& di
       t = RigidTransform::from_quaternion(w, x, y, z);
     }
   }
-  const Vec3 on_a = a.placement()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
+  const Vec3 on_a = a.transform()(!on_lattice && dice.chance(0.5) ? any_corner(a) : any_point(a));
   const Vec3 on_b = any_point(b);
-  t.translation = on_a - t.turn(on_b);
+  t.translation = on_a - t.rotate(on_b);
   const double size = max_norm(t.translation);
   if (on_lattice && size > 0) {
     // 2^-12: fine enough for most lattices to keep what touches, coarse enough for whole numbers.

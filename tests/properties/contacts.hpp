@@ -34,7 +34,7 @@ class PairJudge {
   /// points that are nearer than the margin? bodies: which pair of the query this is.
   void judge_contacts(const Contacts& contacts, std::uint32_t bodies, double margin, Record& record,
                       const std::string& when) const;
-  /// With CollideOptions::exact, and all finished: the crossings are in the list.
+  /// With CollideOptions::find_crossings, and all finished: the crossings are in the list.
   void judge_listed(const Contacts& contacts, std::uint32_t bodies, Record& record) const;
 
  private:
@@ -55,8 +55,8 @@ class PairJudge {
   bool exact_ = false;
 };
 
-/// A placement that brings some point of b onto one of a, turned or not; on_lattice: by quarters, and whole steps of
+/// A transform that brings some point of b onto one of a, turned or not; on_lattice: by quarters, and whole steps of
 /// one.
-RigidTransform touching_placement(const Collider& a, const Collider& b, Dice& dice, bool on_lattice = false);
+RigidTransform touching_transform(const Collider& a, const Collider& b, Dice& dice, bool on_lattice = false);
 
 }  // namespace morula::properties

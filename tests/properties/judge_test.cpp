@@ -42,7 +42,7 @@ TEST(Judge, proves_what_one_ball_holds_and_sees_it_shrink_by_little) {
 }
 
 TEST(Judge, finds_a_hole_between_three_balls) {
-  // Centres one away from the middle of a triangle: what they leave open there is as small as one likes.
+  // Centers one away from the middle of a triangle: what they leave open there is as small as one likes.
   const Triangle facet{Point{-1, -0.5L, 0}, Point{1, -0.5L, 0}, Point{0, 0.9L, 0}};
   const Real s = std::sqrt(Real(3)) / 2;
   const auto balls = [&](Real radius) {
@@ -73,11 +73,11 @@ TEST(Judge, looks_at_segments_and_points) {
 // Something to be judged: a body at rest, its numbers open to be changed.
 struct Judged {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   std::vector<Sphere> spheres;
   explicit Judged(Mesh m, Method method = Method::octree)
-      : mesh(std::move(m)), built(build(mesh, {.method = method, .branching = 8, .depth = 2})), body(mesh, built) {
+      : mesh(std::move(m)), model(build(mesh, {.method = method, .branching = 8, .depth = 2})), body(mesh, model) {
     body.copy_spheres(spheres);
   }
   std::map<std::string, std::size_t> faults(std::vector<Ball> balls, std::uint64_t seed = 1) const {
@@ -85,7 +85,7 @@ struct Judged {
     record.begin(0, 0);
     Dice dice(seed);
     const std::vector<std::uint8_t> all(balls.size(), 1);
-    judge({mesh, built.tree, built.cover, points_of(mesh.positions), balls, all}, dice, record);
+    judge({mesh, model.tree, model.cover, points_of(mesh.positions), balls, all}, dice, record);
     return record.failures();
   }
 };
@@ -142,7 +142,7 @@ TEST(Judge, sees_bare_surface_wherever_thousands_of_points_do) {
   Dice dice(4);
   std::size_t bare = 0;
   for (const Judged& s : specimens()) {
-    const auto leaves = level_sets(s.built.tree).back();
+    const auto leaves = level_sets(s.model.tree).back();
     for (int n = 0; n < 25; ++n) {
       std::vector<Ball> balls = balls_of(s.spheres);
       const std::uint32_t node = leaves[dice.below(leaves.size())];
@@ -164,12 +164,12 @@ TEST(Judge, sees_bare_surface_wherever_thousands_of_points_do) {
 
 TEST(Judge, level_sets_are_those_of_the_library) {
   for (const Judged& s : specimens()) {
-    const auto sets = level_sets(s.built.tree);
-    ASSERT_EQ(sets.size(), s.built.tree.level_count());
+    const auto sets = level_sets(s.model.tree);
+    ASSERT_EQ(sets.size(), s.model.tree.level_count());
     for (std::size_t level = 0; level < sets.size(); ++level) {
       auto nodes = sets[level];
       std::sort(nodes.begin(), nodes.end());
-      EXPECT_EQ(nodes, level_set(s.built.tree, level));
+      EXPECT_EQ(nodes, level_set(s.model.tree, level));
     }
   }
 }
@@ -180,7 +180,7 @@ TEST(Judge, misses_no_contact_that_is_taken_away) {
   Collider b(t.mesh, t.body);
   Dice dice(6);
   for (const bool turned : {false, true}) {
-    if (turned) b.place(RigidTransform::from_axis({1, 2, 3}, 0.7, {-0.2, 0.1, 0.3}));
+    if (turned) b.set_transform(RigidTransform::from_axis({1, 2, 3}, 0.7, {-0.2, 0.1, 0.3}));
     const PairJudge pair(a, b, dice);
     ASSERT_FALSE(pair.meetings().empty());
     const auto faults = [&](const Contacts& contacts, double margin) {
@@ -219,7 +219,7 @@ TEST(Judge, decides_lattices_exactly) {
   EXPECT_TRUE(touching.exact());
   EXPECT_EQ(touching.meetings().size(), brute_force::crossings(a, b).size());
   EXPECT_GT(touching.meetings().size(), 4u);
-  b.place({.translation = {0x1p-16, 0, 0}});
+  b.set_transform({.translation = {0x1p-16, 0, 0}});
   const PairJudge apart(a, b, dice);
   EXPECT_TRUE(apart.exact());
   EXPECT_TRUE(apart.meetings().empty());

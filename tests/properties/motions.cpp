@@ -82,7 +82,7 @@ void shear(Positions& positions, const Box& box, Dice& dice) {
   for (Vec3& p : positions) p[u] += amount * (p[axis] - box.center()[axis]);
 }
 
-void teleport(Positions& positions, const Box& box, const std::vector<bool>& used, Dice& dice) {
+void relocate_vertex(Positions& positions, const Box& box, const std::vector<bool>& used, Dice& dice) {
   const double far = box.diagonal() * dice.pick({1.0, 10.0, 1e3, 1e6});
   const std::size_t vertex = any_used(used, dice);
   if (dice.chance(0.3))
@@ -133,10 +133,10 @@ const char* move(Positions& positions, const std::vector<bool>& used, Dice& dice
       collapse(positions, used, dice);
       return "collapsed";
     case 8:
-      teleport(positions, box, used, dice);
+      relocate_vertex(positions, box, used, dice);
       return "a vertex teleported";
     case 9:
-      teleport(positions, box, used, dice);
+      relocate_vertex(positions, box, used, dice);
       return "a vertex teleported";
     case 10:
       scale(positions, dice.pick({1e3, 1e-3, 2.0, 0.5}));

@@ -18,7 +18,7 @@ Index any_vertex(const Mesh& mesh, Dice& dice) {
   return mesh.facets[dice.below(mesh.facet_count())][dice.below(3)];
 }
 
-// Into four or three, the neighbours left as they are: their edges have vertices in the middle.
+// Into four or three, the neighbors left as they are: their edges have vertices in the middle.
 void subdivide_some(Mesh& mesh, Dice& dice, std::size_t most) {
   for (std::size_t i = 1 + dice.below(6); i > 0 && mesh.facet_count() + 3 <= most; --i) {
     const std::size_t f = dice.below(mesh.facet_count());

@@ -80,16 +80,16 @@ std::vector<oracle::Ball> with_rounding_of_double(std::vector<oracle::Ball> ball
   return balls;
 }
 
-void judge_tree(const Mesh& mesh, const CoveredTree& built, Dice& dice, Record& record) {
+void judge_tree(const Mesh& mesh, const CoveredTree& model, Dice& dice, Record& record) {
   if (record.place.mesh.facets.empty()) record.place.mesh = mesh;
-  for (const std::string& fault : validate(mesh, built)) {
+  for (const std::string& fault : validate(mesh, model)) {
     record.fail("validate", fault);
     break;
   }
-  const std::vector<std::uint8_t> all(built.tree.node_count(), 1);
-  auto balls = balls_of(built.tree.spheres);
-  if (built.report.method == "imported") balls = with_rounding_of_double(std::move(balls), mesh);
-  judge({mesh, built.tree, built.cover, points_of(mesh.positions), balls, all}, dice, record, {}, "-tree");
+  const std::vector<std::uint8_t> all(model.tree.node_count(), 1);
+  auto balls = balls_of(model.tree.spheres);
+  if (model.report.method == "imported") balls = with_rounding_of_double(std::move(balls), mesh);
+  judge({mesh, model.tree, model.cover, points_of(mesh.positions), balls, all}, dice, record, {}, "-tree");
 }
 
 // Octree, or no builder at all: a millisecond.
@@ -105,33 +105,34 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
       static_cast<std::size_t>(dice.logarithmic(2, static_cast<double>(std::min<std::size_t>(most_facets, 300)) + 1));
   Shape shape = random_shape(dice, facets);
   Specimen s{shape.name, std::move(shape.mesh), nullptr};
-  CoveredTree built;
+  CoveredTree model;
   if (dice.chance(0.4)) {
     s.name += " | strewn" + sizes(options.branching, depth);
     record.place.description += s.name;
-    built = cover(s.mesh, strewn(s.mesh, options.branching, depth, dice));
+    model = cover(s.mesh, strewn(s.mesh, options.branching, depth, dice));
   } else {
     const bool imported = dice.chance(0.2);
     s.name += " | octree" + sizes(options.branching, depth);
     if (options.spheres != 0) s.name += " of " + std::to_string(options.spheres) + " spheres";
     if (imported) s.name += " imported";
     record.place.description += s.name;
-    built = build(s.mesh, options);
+    model = build(s.mesh, options);
     if (imported) {
-      SphereTree bare = built.tree;
+      SphereTree bare = model.tree;
       spoil_spheres(bare, dice);
-      built = cover(s.mesh, bare);
+      model = cover(s.mesh, bare);
     }
   }
-  judge_tree(s.mesh, built, dice, record);
-  s.built = std::make_shared<const CoveredTree>(std::move(built));
+  judge_tree(s.mesh, model, dice, record);
+  s.model = std::make_shared<const CoveredTree>(std::move(model));
   return s;
 }
 
 // Any of the other generators: tens of milliseconds, most of them per node and not per facet.
 Specimen costly_tree(Dice& dice, Record& record) {
-  BuildOptions options{.method = dice.pick({Method::grid, Method::grid, Method::hubbard, Method::spawn, Method::medial,
-                                            Method::combined, Method::morula, Method::morula, Method::morula})};
+  BuildOptions options{.method =
+                           dice.pick({Method::grid, Method::grid, Method::hubbard, Method::spawn, Method::medial,
+                                      Method::combined, Method::optimized, Method::optimized, Method::optimized})};
   struct Sizes {
     int branching, depth;
   };
@@ -143,24 +144,24 @@ Specimen costly_tree(Dice& dice, Record& record) {
   options.depth = depth;
   options.seed = 1 + dice.below(3);
   std::size_t most = 60;
-  if (options.method == Method::morula) {
+  if (options.method == Method::optimized) {
     options.quality = dice.pick({Quality::draft, Quality::fast, Quality::fast, Quality::standard});
     if (options.quality == Quality::standard) most = 12;
   } else if (options.method == Method::combined) {
     most = 16;
   } else if (dice.chance(0.1)) {
-    options.optimiser = dice.pick({Optimiser::refit, Optimiser::simplex, Optimiser::balance});
+    options.optimizer = dice.pick({Optimizer::recenter, Optimizer::simplex, Optimizer::balance});
     most = 16;
   }
   const auto facets = static_cast<std::size_t>(dice.logarithmic(2, static_cast<double>(most) + 1));
   Shape shape = random_shape(dice, facets);
   Specimen s{shape.name + " | " + std::string(name(options.method)), std::move(shape.mesh), nullptr};
-  if (options.method == Method::morula) s.name += " " + std::string(name(options.quality));
+  if (options.method == Method::optimized) s.name += " " + std::string(name(options.quality));
   s.name += sizes(options.branching, depth);
-  if (options.optimiser != Optimiser::none) s.name += " " + std::string(name(options.optimiser));
+  if (options.optimizer != Optimizer::none) s.name += " " + std::string(name(options.optimizer));
   record.place.description += s.name;
-  s.built = std::make_shared<const CoveredTree>(build(s.mesh, options));
-  judge_tree(s.mesh, *s.built, dice, record);
+  s.model = std::make_shared<const CoveredTree>(build(s.mesh, options));
+  judge_tree(s.mesh, *s.model, dice, record);
   return s;
 }
 
@@ -197,12 +198,12 @@ BuildOptions far_options(Method method, Dice& dice) {
   options.depth = size.depth;
   options.nested = dice.chance(0.1);
   options.seed = 1 + dice.below(1000);
-  if (method == Method::morula)
+  if (method == Method::optimized)
     options.quality = dice.pick({Quality::draft, Quality::draft, Quality::fast, Quality::fast, Quality::standard,
                                  Quality::standard, Quality::best});
-  const bool proposes = method != Method::morula && method != Method::octree;
+  const bool proposes = method != Method::optimized && method != Method::octree;
   if (proposes && dice.chance(0.05))
-    options.optimiser = dice.pick({Optimiser::refit, Optimiser::simplex, Optimiser::balance});
+    options.optimizer = dice.pick({Optimizer::recenter, Optimizer::simplex, Optimizer::balance});
   if (dice.chance(0.06)) options.spheres = 1 + dice.below(12);
   return options;
 }
@@ -216,7 +217,7 @@ void far_tree(std::optional<Method> method, Dice& dice, Record& record) {
   const auto facets = static_cast<std::size_t>(dice.logarithmic(1, quick ? 150 : 60));
   Shape shape = random_shape(dice, facets);
   shape.name += take_far_away(shape.mesh, dice) + " | " + std::string(name(options.method));
-  if (options.method == Method::morula) shape.name += " " + std::string(name(options.quality));
+  if (options.method == Method::optimized) shape.name += " " + std::string(name(options.quality));
   shape.name += sizes(options.branching, *options.depth);
   if (options.spheres > 0) shape.name += " of " + std::to_string(options.spheres) + " spheres";
   if (options.nested) shape.name += " nested";
@@ -229,17 +230,17 @@ void far_tree(std::optional<Method> method, Dice& dice, Record& record) {
     chosen.spheres = chosen.max_protrusion > 0 ? 40 : 0;
     if (chosen.spheres > 0) record.place.description += " within a protrusion";
   }
-  const CoveredTree built = build(shape.mesh, chosen);
-  for (const std::string& note : built.report.notes)
+  const CoveredTree model = build(shape.mesh, chosen);
+  for (const std::string& note : model.report.notes)
     record.counts.enlarged += note.find("for the rounding of coordinates") != std::string::npos;
-  judge_tree(shape.mesh, built, dice, record);
+  judge_tree(shape.mesh, model, dice, record);
 }
 
 Specimen Specimens::choose(std::uint64_t seed, std::uint64_t number, std::size_t most_facets, Dice& dice,
                            Record& record) {
   if (dice.chance(0.65)) return own_tree(most_facets, dice, record);
   const std::uint64_t block = number / cases_per_tree;
-  if (!shared_.built || seed_ != seed || block_ != block) {
+  if (!shared_.model || seed_ != seed || block_ != block) {
     shared_ = {};
     Dice of_block(seed ^ 0x626c6f636bu, block);
     shared_ = costly_tree(of_block, record);
@@ -306,12 +307,12 @@ std::vector<std::uint8_t> promised(const SphereTree& tree, const UpdateOptions& 
   return nodes;
 }
 
-void round_trip(const Mesh& mesh, const CoveredTree& built, Record& record) {
+void round_trip(const Mesh& mesh, const CoveredTree& model, Record& record) {
   ++record.counts.round_trips;
   // By another numbering of vertices and back.
-  const auto order = leaf_order(built);
+  const auto order = leaf_order(model);
   const Mesh other_mesh = renumbered(mesh, order);
-  const CoveredTree other = renumbered(built, other_mesh, order);
+  const CoveredTree other = renumbered(model, other_mesh, order);
   for (const std::string& fault : validate(other_mesh, other)) {
     record.fail("renumbered", fault);
     break;
@@ -319,18 +320,18 @@ void round_trip(const Mesh& mesh, const CoveredTree& built, Record& record) {
   std::vector<std::uint32_t> back(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) back[order[i]] = i;
   const CoveredTree again = renumbered(other, mesh, back);
-  record.expect(same(again.tree, built.tree) && same(again.cover, built.cover), "round-trip",
+  record.expect(same(again.tree, model.tree) && same(again.cover, model.cover), "round-trip",
                 "renumbered there and back, the tree is another");
 #ifdef MORULA_PROPERTIES_IO
   const auto path =
       std::filesystem::temp_directory_path() / ("morula-properties-" + std::to_string(getpid()) + ".morula");
   try {
-    write_tree(path, built);
+    write_tree(path, model);
     const TreeFile file = read_tree(path);
-    record.expect(same(file.tree, built.tree) && file.cover && same(*file.cover, built.cover), "round-trip",
+    record.expect(same(file.tree, model.tree) && file.cover && same(*file.cover, model.cover), "round-trip",
                   "written and read, the tree is another");
     const CoveredTree read = read_covered_tree(path, mesh);
-    record.expect(same(read.tree, built.tree) && same(read.cover, built.cover), "round-trip",
+    record.expect(same(read.tree, model.tree) && same(read.cover, model.cover), "round-trip",
                   "read with its mesh, the tree is another");
   } catch (const std::exception& error) {
     record.fail("round-trip", error.what());

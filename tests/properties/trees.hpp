@@ -19,7 +19,7 @@ namespace morula::properties {
 struct Specimen {
   std::string name;  ///< mesh and tree, in words
   Mesh mesh;
-  std::shared_ptr<const CoveredTree> built;
+  std::shared_ptr<const CoveredTree> model;
 };
 
 /// Cases in a row share one tree by a generator that takes its time, and have another of their own, by the octree or
@@ -49,6 +49,6 @@ std::string name(const UpdateOptions& options);
 std::vector<std::uint8_t> promised(const SphereTree& tree, const UpdateOptions& options);
 
 /// Written as a file, read again, compared; nothing where the library is built without files.
-void round_trip(const Mesh& mesh, const CoveredTree& built, Record& record);
+void round_trip(const Mesh& mesh, const CoveredTree& model, Record& record);
 
 }  // namespace morula::properties

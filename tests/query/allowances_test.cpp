@@ -103,7 +103,7 @@ TEST(TriangleBvhAllowance, prunes_no_facet_that_is_nearest_as_computed) {
     Mesh mesh;
     const Vec3 u = random_vector(random), w = random_vector(random);
     for (std::uint32_t f = 0; f < 40; ++f) {
-      // Strewn over one plane and its neighbourhood of a few units in the last place.
+      // Strewn over one plane and its neighborhood of a few units in the last place.
       for (int k = 0; k < 3; ++k)
         mesh.positions.push_back(away + random.uniform(-1, 1) * u + random.uniform(-1, 1) * w);
       mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});

@@ -171,7 +171,7 @@ TEST(PowerDiagram, facets_on_both_sides_of_an_edge_find_the_same_cut_points) {
   std::vector<std::uint32_t> scratch;
   CutFacet cut;
   // Per mesh edge and direction of travel: weights of the higher vertex where two owners meet. (Where one owner's
-  // pieces meet, a facet may have a cut that its neighbour does without.)
+  // pieces meet, a facet may have a cut that its neighbor does without.)
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   std::map<Edge, std::set<double>> found[2];
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {

@@ -89,7 +89,7 @@ TEST(SignedDistance, facets_as_thin_as_rounding_do_not_turn_it_around) {
     const std::vector<Facet> whole = mesh.facets;
     mesh.facets.clear();
     for (const Facet& f : whole) {
-      // From the first side of each facet, which is the second or third of its neighbour or the same.
+      // From the first side of each facet, which is the second or third of its neighbor or the same.
       const auto m = static_cast<std::uint32_t>(mesh.positions.size());
       const double t = random.uniform(0.2, 0.8);
       mesh.positions.push_back(mesh.positions[f[0]] * (1 - t) + mesh.positions[f[1]] * t);
@@ -103,7 +103,7 @@ TEST(SignedDistance, facets_as_thin_as_rounding_do_not_turn_it_around) {
         const double far = std::pow(10, random.uniform(-8, -0.5));
         const Vec3 p =
             mesh.positions[v] + far * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-        const double out = max_norm(placed.turn_back(p)) - 1;  // from the faces, roughly; the sign is exact enough
+        const double out = max_norm(placed.inverse_rotate(p)) - 1;  // from the faces, roughly; the sign is exact enough
         if (std::abs(out) < 1e-3 * far) continue;
         EXPECT_EQ(object.at(p).distance < 0, out < 0) << "vertex " << v << ", " << far << " away, " << out;
       }

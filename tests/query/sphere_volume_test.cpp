@@ -26,13 +26,13 @@ double share(const SignedDistance& object, const Sphere& ball) {
   return inside_volume(object, ball) / volume(ball);
 }
 
-// Part of a unit ball beyond a plane at this signed distance from its centre.
+// Part of a unit ball beyond a plane at this signed distance from its center.
 double cap_share(double distance) {
   const double h = std::clamp(1 - distance, 0.0, 2.0);
   return h * h * (3 - h) / 4;
 }
 
-// A ball with its centre anywhere, or exactly or nearly on the mesh.
+// A ball with its center anywhere, or exactly or nearly on the mesh.
 Sphere hard_ball(const Mesh& mesh, Random& random) {
   const Box box = bounding_box(mesh);
   const double size = box.diagonal();
@@ -108,7 +108,7 @@ TEST(SphereVolume, a_ball_around_everything_holds_the_whole_volume) {
 }
 
 TEST(SphereVolume, adds_up_over_the_pieces_of_a_body) {
-  // A cube cut into two boxes, and into tetrahedra about an inner point: planes in all directions, and centres on them.
+  // A cube cut into two boxes, and into tetrahedra about an inner point: planes in all directions, and centers on them.
   Random random(7);
   const Mesh cube = box_mesh({0, 0, 0}, {1, 1, 1}, 3);
   const SignedDistance whole(cube);
@@ -195,7 +195,7 @@ TEST(SphereVolume, agrees_with_sampling) {
 
 TEST(SphereVolume, changes_no_faster_than_the_ball_moves) {
   // A wrong count of turns shows as a jump of at least an eighth somewhere. Moving the ball by s changes the volume by
-  // at most π r² s; `s` is far below the distances at which hard_ball puts centres beside vertices and edges.
+  // at most π r² s; `s` is far below the distances at which hard_ball puts centers beside vertices and edges.
   std::vector<Mesh> meshes;
   for (const test::NamedMesh& named : test::closed_meshes()) meshes.push_back(named.mesh);
   for (const std::string_view name : sample_body_names()) meshes.push_back(sample_body(name, 12));

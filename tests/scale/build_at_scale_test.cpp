@@ -14,16 +14,16 @@ namespace {
 
 BuildOptions small_tree(Method method) {
   BuildOptions options{.method = method, .branching = 4, .depth = 2};
-  if (method == Method::morula) options.quality = Quality::fast;
+  if (method == Method::optimized) options.quality = Quality::fast;
   return options;
 }
 
-void expect_right(const Mesh& mesh, const CoveredTree& built, const std::string& what) {
-  EXPECT_TRUE(test::covers(built.cover, mesh.positions, built.tree.spheres)) << what;
-  EXPECT_EQ(validate(mesh, built), std::vector<std::string>{}) << what;
-  std::vector<Sphere> smaller = built.tree.spheres;
+void expect_right(const Mesh& mesh, const CoveredTree& model, const std::string& what) {
+  EXPECT_TRUE(test::covers(model.cover, mesh.positions, model.tree.spheres)) << what;
+  EXPECT_EQ(validate(mesh, model), std::vector<std::string>{}) << what;
+  std::vector<Sphere> smaller = model.tree.spheres;
   for (Sphere& s : smaller) s.radius *= 0.99;
-  EXPECT_EQ(certify(built.cover, mesh.positions, smaller).covered, test::covers(built.cover, mesh.positions, smaller))
+  EXPECT_EQ(certify(model.cover, mesh.positions, smaller).covered, test::covers(model.cover, mesh.positions, smaller))
       << what;
 }
 
@@ -58,16 +58,16 @@ TEST(BuildAtScale, gives_the_same_bits_at_every_power_of_two) {
       for (const int power : {-98, 95}) {
         const double size = std::ldexp(1.0, power);
         const Mesh mesh = test::placed(body.mesh, size, 0);
-        const CoveredTree built = build(mesh, small_tree(method));
-        ASSERT_EQ(built.tree.node_count(), unit.tree.node_count()) << body.name << ' ' << name(method) << ' ' << power;
+        const CoveredTree model = build(mesh, small_tree(method));
+        ASSERT_EQ(model.tree.node_count(), unit.tree.node_count()) << body.name << ' ' << name(method) << ' ' << power;
         std::size_t different = 0;
         for (std::uint32_t node = 0; node < unit.tree.node_count(); ++node) {
-          const Sphere &s = unit.tree.spheres[node], &t = built.tree.spheres[node];
+          const Sphere &s = unit.tree.spheres[node], &t = model.tree.spheres[node];
           different += !(t == Sphere{s.center * size, s.radius * size});
         }
         EXPECT_EQ(different, 0u) << body.name << ' ' << name(method) << ' ' << power;
-        EXPECT_EQ(built.cover.cut_points, unit.cover.cut_points) << body.name << ' ' << name(method) << ' ' << power;
-        expect_right(mesh, built, body.name);
+        EXPECT_EQ(model.cover.cut_points, unit.cover.cut_points) << body.name << ' ' << name(method) << ' ' << power;
+        expect_right(mesh, model, body.name);
       }
     }
 }
@@ -84,11 +84,11 @@ TEST(BuildAtScale, flat_sets_too) {
         EXPECT_TRUE(test::is_refused([&] { build(mesh, o); })) << size;
         continue;
       }
-      const CoveredTree built = build(mesh, o);
-      expect_right(mesh, built, test::told("ball", size, 0));
-      ASSERT_TRUE(built.report.protrusion_bound.has_value());
-      EXPECT_GE(*built.report.protrusion_bound, 0);
-      EXPECT_LT(*built.report.protrusion_bound, 2 * size);
+      const CoveredTree model = build(mesh, o);
+      expect_right(mesh, model, test::told("ball", size, 0));
+      ASSERT_TRUE(model.report.protrusion_bound.has_value());
+      EXPECT_GE(*model.report.protrusion_bound, 0);
+      EXPECT_LT(*model.report.protrusion_bound, 2 * size);
     }
   }
 }
@@ -106,8 +106,8 @@ TEST(BuildAtScale, trees_made_elsewhere_are_covered_or_refused) {
           EXPECT_TRUE(test::is_refused([&] { cover(mesh, tree); })) << what;
           continue;
         }
-        const CoveredTree built = cover(mesh, tree);
-        expect_right(mesh, built, what);
+        const CoveredTree model = cover(mesh, tree);
+        expect_right(mesh, model, what);
         tree.spheres[0].radius = 1e200;
         EXPECT_TRUE(test::is_refused([&] { cover(mesh, tree); })) << what;
       }

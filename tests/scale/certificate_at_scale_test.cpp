@@ -15,18 +15,18 @@ namespace {
 // A tree that was built at a size of 1, its spheres made anew at another from what the judge says they need.
 struct Fixture {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
 };
 Fixture fixture(const test::BodyAtScale& body, double size, double offset) {
   Fixture made{test::placed(body.mesh, size, offset),
                build(body.mesh, {.method = Method::octree, .branching = 4, .depth = 2})};
   const double pad = 0x1p-48 * test::reach_of(made.mesh);
-  for (std::uint32_t node = 0; node < made.built.tree.node_count(); ++node) {
-    Sphere& s = made.built.tree.spheres[node];
+  for (std::uint32_t node = 0; node < made.model.tree.node_count(); ++node) {
+    Sphere& s = made.model.tree.spheres[node];
     s.center = test::placed(s.center, size, offset);
-    s.radius = static_cast<double>(test::reach_from(s.center, made.built.cover, node, made.mesh.positions)) + pad;
+    s.radius = static_cast<double>(test::reach_from(s.center, made.model.cover, node, made.mesh.positions)) + pad;
   }
-  made.built.report.mesh_hash = mesh_hash(made.mesh);
+  made.model.report.mesh_hash = mesh_hash(made.mesh);
   return made;
 }
 
@@ -35,32 +35,32 @@ TEST(CertificateAtScale, says_yes_to_spheres_that_contain_and_no_to_any_that_is_
     for (const double size : test::sizes())
       for (const double offset : test::offsets()) {
         Fixture f = fixture(body, size, offset);
-        std::vector<Sphere>& spheres = f.built.tree.spheres;
+        std::vector<Sphere>& spheres = f.model.tree.spheres;
         const std::string what = test::told(body.name, size, offset);
-        ASSERT_TRUE(test::covers(f.built.cover, f.mesh.positions, spheres)) << what;
-        EXPECT_TRUE(certify(f.built.cover, f.mesh.positions, spheres).covered) << what;
-        EXPECT_TRUE(validate(f.mesh, f.built).empty()) << what;
+        ASSERT_TRUE(test::covers(f.model.cover, f.mesh.positions, spheres)) << what;
+        EXPECT_TRUE(certify(f.model.cover, f.mesh.positions, spheres).covered) << what;
+        EXPECT_TRUE(validate(f.mesh, f.model).empty()) << what;
         for (std::uint32_t node = 0; node < spheres.size(); ++node) {
           const double radius = spheres[node].radius;
           spheres[node].radius = 0.99 * radius;
-          ASSERT_FALSE(test::covers(f.built.cover, f.mesh.positions, spheres)) << what;
-          const Certificate proof = certify(f.built.cover, f.mesh.positions, spheres);
+          ASSERT_FALSE(test::covers(f.model.cover, f.mesh.positions, spheres)) << what;
+          const Certificate proof = certify(f.model.cover, f.mesh.positions, spheres);
           EXPECT_FALSE(proof.covered) << what;
           EXPECT_EQ(proof.worst_node, node) << what;
           EXPECT_NEAR(proof.worst_excess / radius, 0.01, 1e-9) << what;
           spheres[node].radius = radius;
         }
         spheres[0].radius *= 0.99;
-        EXPECT_FALSE(validate(f.mesh, f.built).empty()) << what;
+        EXPECT_FALSE(validate(f.mesh, f.model).empty()) << what;
       }
 }
 
 // A facet of its own, whose middle is a cut point.
 CoveredTree one_sphere(const Sphere& sphere) {
-  CoveredTree built;
-  built.tree.branching = 2;
-  built.tree.append_level({}, std::vector<Sphere>{sphere});
-  Cover& cover = built.cover;
+  CoveredTree model;
+  model.tree.branching = 2;
+  model.tree.append_level({}, std::vector<Sphere>{sphere});
+  Cover& cover = model.cover;
   cover.vertex_count = 3;
   cover.facet_count = 1;
   cover.cut_points = {{{0, 1, 2}, {0.25, 0.25, 0.5}}};
@@ -69,14 +69,14 @@ CoveredTree one_sphere(const Sphere& sphere) {
   cover.corners = {0, 1, 3, 1, 2, 3, 2, 0, 3};
   cover.region_begin = {0};
   cover.region_end = {3};
-  return built;
+  return model;
 }
 
 TEST(CertificateAtScale, compares_numbers_of_any_two_sizes) {
   const auto verdict = [](const std::vector<Vec3>& positions, const Sphere& sphere) {
-    const CoveredTree built = one_sphere(sphere);
-    const bool expected = test::covers(built.cover, positions, built.tree.spheres);
-    const Certificate proof = certify(built.cover, positions, built.tree.spheres);
+    const CoveredTree model = one_sphere(sphere);
+    const bool expected = test::covers(model.cover, positions, model.tree.spheres);
+    const Certificate proof = certify(model.cover, positions, model.tree.spheres);
     EXPECT_EQ(proof.covered, expected) << positions[1].x << " in " << sphere.radius << " about " << sphere.center.x;
     EXPECT_EQ(proof.worst_excess <= 0, expected);
     EXPECT_FALSE(std::isnan(proof.worst_excess));
@@ -104,16 +104,16 @@ TEST(CertificateAtScale, compares_numbers_of_any_two_sizes) {
 // Where products of weights underflow, a cut point is not where its sum says: then only what is certain is certified.
 TEST(CertificateAtScale, trusts_no_cut_point_of_denormals) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
-  CoveredTree built = one_sphere({});
+  CoveredTree model = one_sphere({});
   // 1/2 of the least double rounds to 0, 3/2 of it to 2.
-  built.cover.corners = {3, 3, 3, 3, 3, 3, 3, 3, 3};
+  model.cover.corners = {3, 3, 3, 3, 3, 3, 3, 3, 3};
   for (int i = 0; i < 50; ++i)
     for (int radius = 0; radius < 40; ++radius) {
       const std::vector<Vec3> positions{
           {i * least, least, 0}, {3 * least, -i * least, least}, {i * least, 7 * least, 0}};
-      built.tree.spheres[0] = {{0, 0, 0}, radius * least};
-      if (certify(built.cover, positions, built.tree.spheres).covered) {
-        EXPECT_TRUE(test::covers(built.cover, positions, built.tree.spheres)) << i << ' ' << radius;
+      model.tree.spheres[0] = {{0, 0, 0}, radius * least};
+      if (certify(model.cover, positions, model.tree.spheres).covered) {
+        EXPECT_TRUE(test::covers(model.cover, positions, model.tree.spheres)) << i << ' ' << radius;
       }
     }
 }

@@ -24,12 +24,12 @@ constexpr std::array<double, 13> body_sizes{1e-307, 1e-300, 1e-250, 1e-200, 1e-1
 // The cube from −1 to 1, of some size, beside a place.
 struct Cube {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   Collider collider;
 
   Cube(double size, const Vec3& middle)
-      : mesh(at(size, middle)), built(tree(mesh, size, middle)), body(mesh, built), collider(mesh, body) {}
+      : mesh(at(size, middle)), model(tree(mesh, size, middle)), body(mesh, model), collider(mesh, body) {}
   Cube(const Cube&) = delete;
   Cube& operator=(const Cube&) = delete;
 
@@ -64,7 +64,7 @@ TEST(CollideAtScale, distances_are_bounded_from_both_sides) {
       EXPECT_FALSE(found.crossing);
       EXPECT_TRUE(is_finite(found.a.point) && is_finite(found.b.point));
       // Thresholds on both sides.
-      EXPECT_FALSE(distance(a.collider, b.collider, {.only_within = 2 * expected}).farther) << size << ' ' << gap;
+      EXPECT_FALSE(distance(a.collider, b.collider, {.stop_above = 2 * expected}).farther) << size << ' ' << gap;
     }
 }
 
@@ -120,17 +120,17 @@ TEST(CollideAtScale, shapes_beside_bodies) {
 TEST(CollideAtScale, bodies_as_far_apart_as_double_goes_give_numbers) {
   Cube a(1, {0, 0, 0}), b(1, {0, 0, 0});
   for (const double far : {1e20, 1e60, 1e150, 1e160, 1e200, 1e300, 1e307}) {
-    a.collider.place({{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {far, -far, 0}});
+    a.collider.set_transform({{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {far, -far, 0}});
     for (const Contact& contact : collide(a.collider, b.collider).contacts) {
       EXPECT_TRUE(is_finite(contact.point)) << far;
       EXPECT_FALSE(std::isnan(contact.normal.x) || std::isnan(contact.depth) || std::isnan(contact.lens_volume)) << far;
     }
     // Both there: as far as digits tell, they may be anywhere in it.
-    b.collider.place(a.collider.placement());
+    b.collider.set_transform(a.collider.transform());
     const Contacts there = collide(a.collider, b.collider);
     EXPECT_FALSE(there.contacts.empty()) << far;
     for (const Contact& contact : there.contacts) EXPECT_GE(contact.error_bound, 0x1p-48 * far) << far;
-    b.collider.place({});
+    b.collider.set_transform({});
   }
 }
 

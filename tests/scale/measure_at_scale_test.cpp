@@ -37,8 +37,8 @@ TEST(MeasureAtScale, figures_are_those_of_a_unit_body_or_refused) {
         for (std::size_t level = 0; level < 2; ++level) {
           const LevelMeasure &m = measured[level], &u = unit[level];
           EXPECT_EQ(m.coverage.covered, u.coverage.covered) << what;
-          EXPECT_NEAR(m.coverage.gap / size, u.coverage.gap, 1e-6) << what;
-          EXPECT_NEAR(m.coverage.bare_area, u.coverage.bare_area, 1e-6) << what;
+          EXPECT_NEAR(m.coverage.uncovered_distance / size, u.coverage.uncovered_distance, 1e-6) << what;
+          EXPECT_NEAR(m.coverage.uncovered_area, u.coverage.uncovered_area, 1e-6) << what;
           ASSERT_TRUE(m.looseness.looseness.has_value());
           EXPECT_NEAR(*m.looseness.looseness, *u.looseness.looseness, 0.02 * (1 + *u.looseness.looseness)) << what;
           ASSERT_TRUE(m.protrusion.has_value());
@@ -64,8 +64,8 @@ TEST(MeasureAtScale, spheres_without_size_cover_nothing) {
       const std::vector<Sphere> spheres{{mesh.positions[0], radius}};
       const Coverage found = coverage(mesh, spheres);
       EXPECT_FALSE(found.covered);
-      EXPECT_NEAR(found.bare_area, 1, 1e-12);
-      EXPECT_NEAR(found.gap / size, 2, 1e-6);
+      EXPECT_NEAR(found.uncovered_area, 1, 1e-12);
+      EXPECT_NEAR(found.uncovered_distance / size, 2, 1e-6);
     }
 }
 

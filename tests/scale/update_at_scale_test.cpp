@@ -16,11 +16,11 @@ namespace morula {
 namespace {
 
 CoveredTree scaled_tree(const Mesh& unit, const Mesh& mesh, double size, double offset) {
-  CoveredTree built = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
-  for (Sphere& s : built.tree.spheres)
+  CoveredTree model = build(unit, {.method = Method::octree, .branching = 4, .depth = 2});
+  for (Sphere& s : model.tree.spheres)
     s = {test::placed(s.center, size, offset), s.radius * size + 0x1p-46 * test::reach_of(mesh)};
-  built.report.mesh_hash = mesh_hash(mesh);
-  return built;
+  model.report.mesh_hash = mesh_hash(mesh);
+  return model;
 }
 
 std::vector<Vec3> shaken(const Mesh& mesh, double amplitude) {
@@ -47,24 +47,24 @@ TEST(UpdateAtScale, covers_by_the_judge_or_refuses) {
     for (const double size : test::sizes())
       for (const double offset : test::offsets()) {
         const Mesh mesh = test::placed(unit.mesh, size, offset);
-        const CoveredTree built = scaled_tree(unit.mesh, mesh, size, offset);
+        const CoveredTree model = scaled_tree(unit.mesh, mesh, size, offset);
         for (std::size_t k = 0; k < all.size(); ++k) {
           const std::string what = test::told(unit.name, size, offset) + ", rules " + std::to_string(k);
           const bool has_links = k >= 2;  // found by squares of lengths
           if (size > 1e17 || (has_links && test::is_out_of_range(mesh))) {
-            EXPECT_TRUE(test::is_refused([&] { Body body(mesh, built, all[k]); })) << what;
+            EXPECT_TRUE(test::is_refused([&] { Body body(mesh, model, all[k]); })) << what;
             continue;
           }
-          Body body(mesh, built, all[k]);
-          EXPECT_TRUE(test::covers(built.cover, mesh.positions, spheres_of(body))) << what;
+          Body body(mesh, model, all[k]);
+          EXPECT_TRUE(test::covers(model.cover, mesh.positions, spheres_of(body))) << what;
           const std::vector<Vec3> positions = shaken(mesh, 0.2 * size);
           ASSERT_TRUE(body.update(positions)) << what;
-          EXPECT_TRUE(test::covers(built.cover, positions, spheres_of(body))) << what;
-          EXPECT_TRUE(certify(built.cover, positions, spheres_of(body)).covered) << what;
+          EXPECT_TRUE(test::covers(model.cover, positions, spheres_of(body))) << what;
+          EXPECT_TRUE(certify(model.cover, positions, spheres_of(body)).covered) << what;
           ++bodies;
         }
         if (size > 1e17) {
-          EXPECT_TRUE(test::is_refused([&] { KDopTree boxes(mesh, built, 6); }) || test::reach_of(mesh) > 1e17);
+          EXPECT_TRUE(test::is_refused([&] { KDopTree boxes(mesh, model, 6); }) || test::reach_of(mesh) > 1e17);
         }
       }
   EXPECT_GT(bodies, 200);
@@ -72,8 +72,8 @@ TEST(UpdateAtScale, covers_by_the_judge_or_refuses) {
 
 TEST(UpdateAtScale, frames_out_of_range_change_nothing) {
   const Mesh& mesh = test::unit_bodies()[2].mesh;
-  const CoveredTree built = build(mesh, {.method = Method::octree, .branching = 4, .depth = 2});
-  Body body(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .branching = 4, .depth = 2});
+  Body body(mesh, model);
   const std::uint64_t before = body.hash();
   for (const double far : {1e31, 1e100, 1e200, 1e300}) {
     // All of them there: a body as flat as the digits that are left, and one in a single place.
@@ -89,7 +89,7 @@ TEST(UpdateAtScale, frames_out_of_range_change_nothing) {
   for (const double far : {1e9, 1e20, 1e29}) {
     const std::vector<Vec3> there(mesh.vertex_count(), Vec3{far, -far, far});
     ASSERT_TRUE(body.update(there)) << far;
-    EXPECT_TRUE(test::covers(built.cover, there, spheres_of(body))) << far;
+    EXPECT_TRUE(test::covers(model.cover, there, spheres_of(body))) << far;
   }
 }
 
@@ -100,8 +100,8 @@ TEST(UpdateAtScale, looseness_is_estimated_alike_at_every_power_of_two) {
   for (const int power : {-40, -30, 30, 50}) {
     const double size = std::ldexp(1.0, power);
     const Mesh mesh = test::placed(unit, size, 0);
-    const CoveredTree built = scaled_tree(unit, mesh, size, 0);
-    const std::vector<double> found = estimate_looseness(mesh, Body(mesh, built), mesh.positions);
+    const CoveredTree model = scaled_tree(unit, mesh, size, 0);
+    const std::vector<double> found = estimate_looseness(mesh, Body(mesh, model), mesh.positions);
     for (std::size_t level = 0; level < expected.size(); ++level)
       EXPECT_NEAR(found[level], expected[level], 1e-3 * (1 + expected[level])) << power;
   }

@@ -12,7 +12,7 @@
 #include <optional>
 #include <stdexcept>
 #include <support/meshes.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -21,8 +21,8 @@ namespace morula::test {
 struct Thing {
   explicit Thing(Mesh m)
       : mesh(std::move(m)),
-        built(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
-        body(mesh, built),
+        model(build(mesh, {.method = Method::octree, .branching = 8, .depth = 2})),
+        body(mesh, model),
         positions(mesh.positions),
         collider(mesh, body) {}
   void deform(Random& random, double amount) {
@@ -35,7 +35,7 @@ struct Thing {
   }
 
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   std::vector<Vec3> positions;
   Collider collider;
@@ -149,18 +149,18 @@ class Crowd {
         if (what > 1) continue;
         scene.wake(thing->id);
       }
-      if (what == 0) thing->collider.place(random_placement(random, 1.2));
+      if (what == 0) thing->collider.set_transform(random_transform(random, 1.2));
       if (what == 1) thing->deform(random, 0.05);
       if (what == 2) {
-        RigidTransform nudged = thing->collider.placement();
+        RigidTransform nudged = thing->collider.transform();
         nudged.translation = nudged.translation + random_point(random, 0.02);
-        thing->collider.place(nudged);
+        thing->collider.set_transform(nudged);
       }
     }
   }
   bool may_meet(const Thing& a, const Thing& b) const {
-    return !(a.options.is_static && b.options.is_static) && (a.options.of & b.options.with) != 0 &&
-           (b.options.of & a.options.with) != 0;
+    return !(a.options.is_static && b.options.is_static) && (a.options.category & b.options.mask) != 0 &&
+           (b.options.category & a.options.mask) != 0;
   }
 
   Random random;
@@ -172,11 +172,11 @@ class Crowd {
     spare_.erase(spare_.begin());
     Thing& thing = *things.back();
     thing.options = {.is_static = random.next() % 5 == 0,
-                     .of = 1u << (random.next() % 3),
-                     .with = static_cast<std::uint32_t>(random.next() % 7 + 1) | 1u,
+                     .category = 1u << (random.next() % 3),
+                     .mask = static_cast<std::uint32_t>(random.next() % 7 + 1) | 1u,
                      .weight = random.uniform(0, 3),
                      .user_data = random.next()};
-    thing.collider.place(random_placement(random, 1.2));
+    thing.collider.set_transform(random_transform(random, 1.2));
     thing.id = scene.add(thing.collider, thing.options);
     EXPECT_EQ(scene.user_data(thing.id), thing.options.user_data);
   }

@@ -20,8 +20,8 @@ TEST(Scene, no_pair_waits_for_ever_not_even_one_whose_roots_only_touch) {
   Thing a(test::grid_plate(8, 1.4, 1.0)), b(test::grid_plate(8, 1.4, 1.0));
   Thing c(test::icosphere(2, 0.6)), d(test::icosphere(2, 0.6));
   const double apart = (c.body.sphere(0).radius + d.body.sphere(0).radius) * (1 + 1e-8);
-  c.collider.place({.translation = {0, 0, 50}});
-  d.collider.place({.translation = {apart, 0, 50}});
+  c.collider.set_transform({.translation = {0, 0, 50}});
+  d.collider.set_transform({.translation = {apart, 0, 50}});
   Scene scene({.budget = 72});
   scene.add(a.collider), scene.add(b.collider);
   const BodyId id_c = scene.add(c.collider), id_d = scene.add(d.collider);
@@ -33,7 +33,7 @@ TEST(Scene, no_pair_waits_for_ever_not_even_one_whose_roots_only_touch) {
   ASSERT_TRUE(is_open());
   int frame = 0;
   for (; frame < 5000 && is_open(); ++frame) {
-    a.collider.place({.translation = {0.1 * (frame % 3), 0, 0}});
+    a.collider.set_transform({.translation = {0.1 * (frame % 3), 0, 0}});
     ASSERT_TRUE(scene.update());
   }
   EXPECT_LT(frame, 5000);
@@ -75,7 +75,8 @@ TEST(Scene, a_budget_in_time_ends_within_a_tenth_of_it) {
   }
   std::size_t late = 0, stopped = 0, finished = 0;
   for (int frame = 0; frame < 10000; ++frame) {
-    for (const auto& thing : things) thing->collider.place(test::random_placement(random, frame % 2 == 0 ? 1.0 : 3.0));
+    for (const auto& thing : things)
+      thing->collider.set_transform(test::random_transform(random, frame % 2 == 0 ? 1.0 : 3.0));
     const std::chrono::nanoseconds before = time;
     const SceneStatus status = scene.update();
     ASSERT_TRUE(status);
@@ -98,7 +99,7 @@ TEST(Scene, a_long_wait_does_not_keep_pairs_from_being_begun_later) {
     Scene scene({.budget = 1ms, .clock = [&] { return time += ++reads == wait_at ? 5000us : 1us; }});
     for (const auto& thing : things) thing->id = scene.add(thing->collider);
     const auto update = [&] {
-      for (const auto& thing : things) thing->collider.place(test::random_placement(random, 1));
+      for (const auto& thing : things) thing->collider.set_transform(test::random_transform(random, 1));
       reads = 0;
       const SceneStatus status = scene.update();
       EXPECT_TRUE(status);
@@ -140,7 +141,7 @@ TEST(Scene, gives_a_budget_to_the_important_first_and_leaves_nobody_out_for_ever
   // Eight pairs far from each other, each as deep as the others; the fourth is important.
   for (int i = 0; i < 16; ++i) {
     things.push_back(std::make_unique<Thing>(test::icosphere(2, 0.6)));
-    things.back()->collider.place({.translation = {10.0 * (i / 2) + 0.3 * (i % 2), 0, 0}});
+    things.back()->collider.set_transform({.translation = {10.0 * (i / 2) + 0.3 * (i % 2), 0, 0}});
     things.back()->id = scene.add(things.back()->collider, {.weight = i / 2 == 3 ? 10.0 : 1.0});
   }
   std::set<std::uint32_t> refined;
@@ -155,9 +156,9 @@ TEST(Scene, gives_a_budget_to_the_important_first_and_leaves_nobody_out_for_ever
   Random random(1);
   for (int step = 0; step < 30; ++step) {
     for (const auto& thing : things) {
-      RigidTransform moved = thing->collider.placement();
+      RigidTransform moved = thing->collider.transform();
       moved.translation = moved.translation + Vec3{0, random.uniform(-0.01, 0.01), 0};
-      thing->collider.place(moved);
+      thing->collider.set_transform(moved);
     }
     ASSERT_TRUE(scene.update());
     look();

@@ -40,7 +40,7 @@ class Frames {
       things.push_back(make_thing(i));
       things[i]->options.user_data = i;
       things[i]->options.is_static = i == 4;
-      for (std::vector<RigidTransform>& of_frame : poses) of_frame.push_back(test::random_placement(random, 1.1));
+      for (std::vector<RigidTransform>& of_frame : poses) of_frame.push_back(test::random_transform(random, 1.1));
     }
     poses[1][4] = poses[0][4];
   }
@@ -68,7 +68,7 @@ class Frames {
 
  private:
   void pose(std::size_t frame) {
-    for (std::size_t i = 0; i < count; ++i) things[i]->collider.place(poses[frame][i]);
+    for (std::size_t i = 0; i < count; ++i) things[i]->collider.set_transform(poses[frame][i]);
   }
   std::vector<RigidTransform> poses[2];
 };
@@ -176,7 +176,7 @@ TEST(SceneCallback, a_filter_that_throws_at_any_call_loses_no_pair_and_no_touch)
   Fuse fuse;
   for (const Budget& budget : {Budget(), Budget(700)}) {
     const auto options = [&] {
-      return SceneOptions{.budget = budget, .surfaces = true, .exact = true, .keeps = [&](BodyId, BodyId) {
+      return SceneOptions{.budget = budget, .surfaces = true, .find_crossings = true, .accepts = [&](BodyId, BodyId) {
                             fuse.burn();
                             return true;
                           }};
@@ -192,10 +192,11 @@ TEST(SceneCallback, a_clock_that_throws_at_any_call_loses_no_pair_and_no_touch) 
   Fuse fuse;
   for (const bool extras : {false, true}) {
     const auto options = [&] {
-      return SceneOptions{.budget = 300us, .surfaces = extras, .exact = extras, .clock = [&fuse, time = 0ns]() mutable {
-                            fuse.burn();
-                            return time += 4us;
-                          }};
+      return SceneOptions{
+          .budget = 300us, .surfaces = extras, .find_crossings = extras, .clock = [&fuse, time = 0ns]() mutable {
+            fuse.burn();
+            return time += 4us;
+          }};
     };
     const std::size_t thrown = throw_at_every_call(
         frames, options, [&](std::size_t call) { fuse.light(call); }, plain_update);
@@ -224,7 +225,7 @@ TEST(SceneCallback, an_executor_that_throws_at_any_chunk_loses_no_pair_and_no_to
 TEST(SceneCallback, an_update_without_memory_at_any_place_loses_no_pair_and_no_touch) {
   Frames frames;
   for (const Budget& budget : {Budget(), Budget(700)}) {
-    const auto options = [&] { return SceneOptions{.budget = budget, .surfaces = true, .exact = true}; };
+    const auto options = [&] { return SceneOptions{.budget = budget, .surfaces = true, .find_crossings = true}; };
     std::size_t fail_at = 0;
     const std::size_t thrown = throw_at_every_call(
         frames, options, [&](std::size_t call) { fail_at = call; },
@@ -408,7 +409,7 @@ TEST(SceneCallback, no_method_that_changes_or_tells_is_answered_from_inside_a_ca
         return time += 1us;
       };
     } else {
-      options.keeps = [&](BodyId, BodyId) {
+      options.accepts = [&](BodyId, BodyId) {
         ask();
         return true;
       };
@@ -428,7 +429,7 @@ TEST(SceneCallback, no_method_that_changes_or_tells_is_answered_from_inside_a_ca
     EXPECT_EQ(who, expected);
     // What a callback lets out of such a call comes out of update(), and the scene answers again.
     SceneOptions careless;
-    careless.keeps = [&](BodyId a, BodyId) {
+    careless.accepts = [&](BodyId a, BodyId) {
       scene->remove(a);
       return true;
     };
@@ -456,12 +457,12 @@ TEST(SceneCallback, one_that_moves_a_body_ends_the_update) {
             EXPECT_TRUE(thing.body.update(thing.positions));
             return;
           }
-          const RigidTransform before = thing.collider.placement();
-          thing.collider.place({.translation = {50, 0, 0}});
-          thing.collider.place(before);
+          const RigidTransform before = thing.collider.transform();
+          thing.collider.set_transform({.translation = {50, 0, 0}});
+          thing.collider.set_transform(before);
         };
-        SceneOptions options{.exact = true};
-        options.keeps = [&](BodyId, BodyId) { return by_clock ? true : (hook(), true); };
+        SceneOptions options{.find_crossings = true};
+        options.accepts = [&](BodyId, BodyId) { return by_clock ? true : (hook(), true); };
         if (by_clock) {
           options.budget = std::chrono::hours(1);
           options.clock = [&] { return hook(), std::chrono::nanoseconds(1); };

@@ -29,7 +29,7 @@ class Heap {
   void place(Random& random, double spacing) {
     for (std::size_t i = 0; i < colliders_.size(); ++i) {
       const Vec3 home{static_cast<double>(i % 4), static_cast<double>(i / 4 % 4), static_cast<double>(i / 16)};
-      colliders_[i]->place(random_placement(random, 0.1, home * spacing));
+      colliders_[i]->set_transform(random_transform(random, 0.1, home * spacing));
     }
   }
   std::size_t facet_count() const { return mesh_.facets.size(); }
@@ -53,7 +53,7 @@ std::vector<SceneOptions> all_options() {
   for (const bool surfaces : {false, true})
     for (const bool exact : {false, true})
       for (const std::size_t budget : {std::size_t{0}, std::size_t{5000}}) {
-        SceneOptions options{.surfaces = surfaces, .exact = exact};
+        SceneOptions options{.surfaces = surfaces, .find_crossings = exact};
         if (budget > 0) options.budget = budget;
         all.push_back(options);
       }
@@ -70,12 +70,12 @@ TEST(SceneMemory, a_near_pair_of_small_bodies_holds_less_than_16_kilobytes) {
     heap.fill(scene);
     std::size_t near = 0;
     for (int frame = 0; frame < 12; ++frame) {
-      heap.place(random, 1.0);
+      heap.set_transform(random, 1.0);
       near = std::max(near, scene.update().near_pairs);
     }
     ASSERT_GT(near, 400u);
     ASSERT_GT(scene.pairs().size(), 200u);
-    EXPECT_LT((live_bytes - before) / near, 16 * kilobyte) << options.surfaces << options.exact;
+    EXPECT_LT((live_bytes - before) / near, 16 * kilobyte) << options.surfaces << options.find_crossings;
   }
 }
 
@@ -85,9 +85,9 @@ TEST(SceneMemory, a_near_pair_of_larger_bodies_holds_twice_what_it_lists_and_a_l
   ASSERT_EQ(heap.facet_count(), 588u);
   for (const bool extras : {false, true}) {
     Random random(3);
-    heap.place(random, 1.0);
+    heap.set_transform(random, 1.0);
     const std::size_t before = live_bytes;
-    Scene scene({.surfaces = extras, .exact = extras});
+    Scene scene({.surfaces = extras, .find_crossings = extras});
     heap.fill(scene);
     const std::size_t near = scene.update().near_pairs, listed = listed_bytes(scene);
     ASSERT_GT(near, 400u);
@@ -98,19 +98,19 @@ TEST(SceneMemory, a_near_pair_of_larger_bodies_holds_twice_what_it_lists_and_a_l
 
 TEST(SceneMemory, pairs_that_are_apart_for_a_while_give_back_what_they_held) {
   Heap heap(2, 2);
-  SceneOptions options{.budget = 5000, .surfaces = true, .exact = true};
+  SceneOptions options{.budget = 5000, .surfaces = true, .find_crossings = true};
   Random random(3);
   const std::size_t before = live_bytes;
   Scene scene(options);
   heap.fill(scene);
   std::size_t near = 0;
   for (int frame = 0; frame < 12; ++frame) {
-    heap.place(random, 1.0);
+    heap.set_transform(random, 1.0);
     near = std::max(near, scene.update().near_pairs);
   }
   const std::size_t touching = live_bytes - before;
   for (int frame = 0; frame < 70; ++frame) {
-    heap.place(random, 30.0);
+    heap.set_transform(random, 30.0);
     ASSERT_TRUE(scene.update());
   }
   ASSERT_TRUE(scene.pairs().empty());
@@ -118,7 +118,7 @@ TEST(SceneMemory, pairs_that_are_apart_for_a_while_give_back_what_they_held) {
   EXPECT_LT(apart, touching / 4);
   EXPECT_LT(apart / near, 2 * kilobyte);
   // They come back as what they were.
-  heap.place(random, 1.0);
+  heap.set_transform(random, 1.0);
   ASSERT_TRUE(scene.update());
   EXPECT_GT(scene.pairs().size(), 200u);
 }

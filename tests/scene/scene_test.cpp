@@ -92,7 +92,7 @@ TEST(Scene, finished_contacts_are_those_of_every_two_bodies_alone) {
   for (const double margin : {0.0, 0.15})
     for (const bool limited : {false, true}) {
       Crowd crowd(31);
-      SceneOptions options{.margin = margin, .surfaces = true, .exact = true};
+      SceneOptions options{.margin = margin, .surfaces = true, .find_crossings = true};
       if (limited) options.budget = 1000000;
       Scene scene(options);
       for (int step = 0; step < 60; ++step) {
@@ -105,7 +105,7 @@ TEST(Scene, finished_contacts_are_those_of_every_two_bodies_alone) {
             if (!(a->id.place < b->id.place) || !crowd.may_meet(*a, *b)) continue;
             const ScenePair* pair = scene.find(a->id, b->id);
             const Contacts alone =
-                collide(a->collider, b->collider, {.margin = margin, .surfaces = true, .exact = true});
+                collide(a->collider, b->collider, {.margin = margin, .surfaces = true, .find_crossings = true});
             ASSERT_EQ(pair == nullptr, alone.contacts.empty());
             if (pair == nullptr) continue;
             ++compared;
@@ -159,10 +159,10 @@ TEST(Scene, tells_what_it_refuses_and_changes_nothing) {
     EXPECT_THROW(Scene({.margin = margin}), std::invalid_argument);
   EXPECT_THROW(Scene({.budget = -1}), std::invalid_argument);
   Thing a(test::icosphere(1)), b(test::icosphere(1)), c(test::icosphere(1));
-  b.collider.place({.translation = {0.5, 0, 0}});
+  b.collider.set_transform({.translation = {0.5, 0, 0}});
   Scene scene;
   EXPECT_THROW(scene.set_options({.margin = -1}), std::invalid_argument);
-  EXPECT_THROW(scene.add(a.collider, {.of = 0}), std::invalid_argument);
+  EXPECT_THROW(scene.add(a.collider, {.category = 0}), std::invalid_argument);
   EXPECT_THROW(scene.add(a.collider, {.weight = -1}), std::invalid_argument);
   EXPECT_THROW(scene.add(a.collider, {.weight = nan}), std::invalid_argument);
   EXPECT_EQ(scene.size(), 0u);
@@ -213,8 +213,8 @@ TEST(Scene, the_last_move_before_sleep_counts) {
   Scene scene;
   scene.add(a.collider);
   const BodyId id_b = scene.add(b.collider), id_other = scene.add(other.collider);
-  other.collider.place({.translation = {0, 50, 0}});
-  const auto place = [&](double x) { b.collider.place({.translation = {x, 0, 0}}); };
+  other.collider.set_transform({.translation = {0, 50, 0}});
+  const auto place = [&](double x) { b.collider.set_transform({.translation = {x, 0, 0}}); };
   const auto touches = [&] {
     const SceneStatus status = scene.update();
     EXPECT_TRUE(status && status.finished) << message(status);
@@ -258,7 +258,8 @@ TEST(Scene, the_last_move_before_sleep_counts) {
 TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {
   Thing a(test::icosphere(1)), b(test::icosphere(1));
   Scene scene;
-  const BodyId id_a = scene.add(a.collider, {.of = 2, .with = 4}), id_b = scene.add(b.collider, {.of = 4, .with = 2});
+  const BodyId id_a = scene.add(a.collider, {.category = 2, .mask = 4}),
+               id_b = scene.add(b.collider, {.category = 4, .mask = 2});
   ASSERT_TRUE(scene.update());
   EXPECT_EQ(scene.pairs().size(), 1u);
   scene.set_masks(id_b, 4, 1);
@@ -271,7 +272,7 @@ TEST(Scene, masks_and_filters_may_change_while_bodies_touch) {
   EXPECT_TRUE(scene.pairs()[0].began);
   EXPECT_TRUE(scene.ended().empty());
   std::size_t asked = 0;
-  scene.set_options({.keeps = [&](BodyId x, BodyId y) {
+  scene.set_options({.accepts = [&](BodyId x, BodyId y) {
     ++asked;
     EXPECT_EQ(std::pair(x, y), std::pair(id_a, id_b));
     return false;
@@ -304,16 +305,16 @@ TEST(Scene, a_body_replaced_while_apart_comes_back_as_what_it_is_now) {
     if (limited) options.budget = 400;
     Scene scene(options);
     const BodyId id_a = scene.add(a.collider), id_b = scene.add(b.collider);
-    b.collider.place({.translation = {0.4, 0.1, 0}});
+    b.collider.set_transform({.translation = {0.4, 0.1, 0}});
     for (int frame = 0; frame < 20; ++frame) ASSERT_TRUE(scene.update());
     ASSERT_GT(scene.find(id_a, id_b)->contacts.size(), 10u);
-    b.collider.place({.translation = {50, 0, 0}});
+    b.collider.set_transform({.translation = {50, 0, 0}});
     ASSERT_TRUE(scene.update());
     ASSERT_TRUE(scene.pairs().empty());
-    ball.collider.place({.translation = {50, 0, 0}});
+    ball.collider.set_transform({.translation = {50, 0, 0}});
     scene.replace(id_b, ball.collider);
     ASSERT_TRUE(scene.update());
-    ball.collider.place({.translation = {0.6, 0.1, 0}});
+    ball.collider.set_transform({.translation = {0.6, 0.1, 0}});
     for (int frame = 0; frame < 20; ++frame) ASSERT_TRUE(scene.update());
     const ScenePair* pair = scene.find(id_a, id_b);
     ASSERT_NE(pair, nullptr) << "the collider before is far away";
@@ -327,7 +328,7 @@ TEST(Scene, a_body_replaced_while_apart_comes_back_as_what_it_is_now) {
 TEST(Scene, a_pair_that_a_filter_refuses_is_asked_about_once) {
   Thing a(test::icosphere(1)), b(test::icosphere(1));
   std::size_t asked = 0;
-  Scene scene({.keeps = [&](BodyId, BodyId) {
+  Scene scene({.accepts = [&](BodyId, BodyId) {
     ++asked;
     return false;
   }});
@@ -393,7 +394,7 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   EXPECT_EQ(scene.touch(ConvexHull::box({{0, 0, 0}, {1, 1, 1}}), {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.first_hit({{}, {}}).status.code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touches().size(), kept);
-  crowd.things[0]->collider.place({.translation = {9, 9, 9}});
+  crowd.things[0]->collider.set_transform({.translation = {9, 9, 9}});
   scene.wake(crowd.things[0]->id);
   const SceneStatus stale = scene.touch(Sphere{});
   EXPECT_EQ(stale.code, Status::Code::other_frame);
@@ -415,7 +416,7 @@ TEST(Scene, allocates_nothing_once_it_has_seen_the_motion) {
         const double t = std::abs(step - 12) / 12.0;
         for (std::size_t i = 0; i < things.size(); ++i) {
           const double x = static_cast<double>(i % 6), y = static_cast<double>(i / 6);
-          things[i]->collider.place({.translation = Vec3{x, y, 0} * (0.7 + 0.9 * t)});
+          things[i]->collider.set_transform({.translation = Vec3{x, y, 0} * (0.7 + 0.9 * t)});
         }
         good = good && scene.update();
         for (const ScenePair& pair : scene.pairs()) contacts += pair.contacts.size(), began += pair.began;

@@ -136,13 +136,13 @@ class SceneWalk {
       positions = mesh.positions;
       for (Body& body : bodies) ASSERT_TRUE(body.update(positions));
       which = 0;
-      placement = {};
+      transform = {};
       id = {};
       is_in = is_refused = is_asleep = is_to_be_read = has_moved = is_known = false;
     }
     void make_collider() {
       collider = std::make_unique<Collider>(mesh, bodies[which]);
-      collider->place(placement);
+      collider->set_transform(transform);
     }
     bool is_read() const { return is_in && (is_to_be_read || !(is_asleep || options.is_static)); }
 
@@ -150,7 +150,7 @@ class SceneWalk {
     Body bodies[2];
     std::size_t which = 0;
     std::vector<Vec3> positions;
-    RigidTransform placement;
+    RigidTransform transform;
     std::unique_ptr<Collider> collider;
     SceneBodyOptions options;
     BodyId id;
@@ -190,14 +190,14 @@ class SceneWalk {
       case Call::replace:
         return replace(member, call.kind == Call::swap);
       case Call::place:
-        return moved(member, random_placement(random, 1.0));
+        return moved(member, random_transform(random, 1.0));
       case Call::part: {
-        RigidTransform far = member.placement;
+        RigidTransform far = member.transform;
         far.translation = random_point(random, 1) + Vec3{20.0 * (1 + call.body), 0, 0};
         return moved(member, far);
       }
       case Call::nudge: {
-        RigidTransform near = member.placement;
+        RigidTransform near = member.transform;
         near.translation = near.translation + random_point(random, 0.02);
         return moved(member, near);
       }
@@ -231,9 +231,9 @@ class SceneWalk {
       }
       case Call::set_masks: {
         const SceneBodyOptions masks = random_masks(random);
-        if (!member.is_in) return misses(member, [&] { scene_->set_masks(member.id, masks.of, masks.with); });
-        scene_->set_masks(member.id, masks.of, masks.with);
-        member.options.of = masks.of, member.options.with = masks.with;
+        if (!member.is_in) return misses(member, [&] { scene_->set_masks(member.id, masks.category, masks.mask); });
+        scene_->set_masks(member.id, masks.category, masks.mask);
+        member.options.category = masks.category, member.options.mask = masks.mask;
         return {};
       }
       case Call::set_options:
@@ -266,7 +266,7 @@ class SceneWalk {
   static SceneBodyOptions random_masks(Random& random) {
     // Most meet all.
     const std::uint64_t with = random.next() % 24;
-    return {.of = 1u << (random.next() % 3), .with = static_cast<std::uint32_t>(with < 8 ? with : 7)};
+    return {.category = 1u << (random.next() % 3), .mask = static_cast<std::uint32_t>(with < 8 ? with : 7)};
   }
 
   std::string add(Member& member, Random& random) {
@@ -297,7 +297,7 @@ class SceneWalk {
     const std::size_t next = swaps ? 1 - member.which : member.which;
     if (swaps && !member.bodies[next].update(member.positions)) return "a good update was refused";
     auto other = std::make_unique<Collider>(member.mesh, member.bodies[next]);
-    other->place(member.placement);
+    other->set_transform(member.transform);
     const bool is_refused = !swaps && member.is_refused;
     try {
       scene_->replace(member.id, *other);
@@ -312,9 +312,9 @@ class SceneWalk {
     return {};
   }
 
-  std::string moved(Member& member, const RigidTransform& placement) {
-    member.placement = placement;
-    if (member.collider) member.collider->place(placement);
+  std::string moved(Member& member, const RigidTransform& transform) {
+    member.transform = transform;
+    if (member.collider) member.collider->set_transform(transform);
     member.has_moved = true;
     return {};
   }
@@ -335,23 +335,23 @@ class SceneWalk {
       next.budget = std::chrono::microseconds(random.next() % 100);
     }
     next.surfaces = random.next() % 4 == 0;
-    next.exact = random.next() % 4 == 0;
+    next.find_crossings = random.next() % 4 == 0;
     salt_ = random.next() % 3;
     if (salt_ != 0 || random.next() % 2 == 0)
-      next.keeps = [this](BodyId a, BodyId b) {
+      next.accepts = [this](BodyId a, BodyId b) {
         burn();
-        return keeps(scene_->user_data(a), scene_->user_data(b));
+        return accepts(scene_->user_data(a), scene_->user_data(b));
       };
     next.clock = [this] {
       burn();
       return time_ += std::chrono::microseconds(3);
     };
     all_anew_ = all_anew_ || next.level != options_.level || next.margin != options_.margin;
-    extras_anew_ = extras_anew_ || next.surfaces != options_.surfaces || next.exact != options_.exact;
+    extras_anew_ = extras_anew_ || next.surfaces != options_.surfaces || next.find_crossings != options_.find_crossings;
     options_ = next;
     scene_->set_options(std::move(next));
   }
-  bool keeps(std::uint64_t a, std::uint64_t b) const { return salt_ == 0 || (a * 7 + b * 7 + salt_) % 4 != 0; }
+  bool accepts(std::uint64_t a, std::uint64_t b) const { return salt_ == 0 || (a * 7 + b * 7 + salt_) % 4 != 0; }
   void burn() {
     if (fuse_ != 0 && --fuse_ == 0) throw Bomb{};
   }
@@ -436,20 +436,22 @@ class SceneWalk {
   std::string pair(const Member& x, const Member& y) {
     const Collider &a = *x.collider, &b = *y.collider;
     const ScenePair* found = scene_->find(y.id, x.id);
-    const bool may_meet = !(x.options.is_static && y.options.is_static) && (x.options.of & y.options.with) != 0 &&
-                          (y.options.of & x.options.with) != 0 && keeps(x.options.user_data, y.options.user_data);
+    const bool may_meet = !(x.options.is_static && y.options.is_static) && (x.options.category & y.options.mask) != 0 &&
+                          (y.options.category & x.options.mask) != 0 &&
+                          accepts(x.options.user_data, y.options.user_data);
     if (!may_meet) return found == nullptr ? "" : "a pair of two that may not meet";
     for (const Crossed& crossing : crossings_by_force(a, b)) {
       ++crossed;
       if (found == nullptr) return "they cross, and there is no pair";
       if (!is_within(crossing, *found, a, b)) return "a crossing outside all contacts";
-      if (!options_.exact || !found->finished) continue;
+      if (!options_.find_crossings || !found->finished) continue;
       const bool is_listed = std::any_of(found->crossings.begin(), found->crossings.end(), [&](const Crossing& c) {
         return c.facet_a == crossing.facet_a && c.facet_b == crossing.facet_b;
       });
       if (!is_listed) return "a crossing is not in the list";
     }
-    if (!options_.exact && found != nullptr && !found->crossings.empty()) return "crossings that nobody asked for";
+    if (!options_.find_crossings && found != nullptr && !found->crossings.empty())
+      return "crossings that nobody asked for";
     if (found == nullptr && comes_near(a, b)) return "they come as near as the margin, and there is no pair";
     if (found == nullptr || !found->finished) return {};
     const std::size_t surfaces = options_.surfaces ? found->contacts.size() : 0;

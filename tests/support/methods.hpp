@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Generators as parameters of tests: those that every test can afford, and those whose tests are labelled `long`.
+// Generators as parameters of tests: those that every test can afford, and those whose tests are labeled `long`.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 
 namespace morula::test {
 
-/// Method morula is quick at the quality `fast`.
-inline constexpr std::array quick_methods{Method::octree, Method::grid, Method::spawn, Method::morula};
+/// Method optimized is quick at the quality `fast`.
+inline constexpr std::array quick_methods{Method::octree, Method::grid, Method::spawn, Method::optimized};
 /// They make medial balls of every node.
 inline constexpr std::array slow_methods{Method::hubbard, Method::medial, Method::combined};
 

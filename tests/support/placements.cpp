@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "support/placements.hpp"
-
 #include <cmath>
+
+#include "support/transforms.hpp"
 
 namespace morula::test {
 
@@ -16,7 +16,7 @@ Vec3 random_whole(Random& random, double reach) {
   return {std::round(p.x), std::round(p.y), std::round(p.z)};
 }
 
-RigidTransform random_placement(Random& random, double reach, const Vec3& about) {
+RigidTransform random_transform(Random& random, double reach, const Vec3& about) {
   const auto number = [&] { return random.uniform(-1, 1); };
   const double w = number(), x = number(), y = number(), z = number();
   return RigidTransform::from_quaternion(w, x, y, z, about + random_point(random, reach));

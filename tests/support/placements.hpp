@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Random points and placements.
+// Random points and transforms.
 #pragma once
 
 #include <morula/geometry/reproducible.hpp>
@@ -13,6 +13,6 @@ Vec3 random_point(Random& random, double reach);
 /// The same in whole numbers.
 Vec3 random_whole(Random& random, double reach);
 /// Any rotation, and a random_point() from `about`.
-RigidTransform random_placement(Random& random, double reach, const Vec3& about = {});
+RigidTransform random_transform(Random& random, double reach, const Vec3& about = {});
 
 }  // namespace morula::test

@@ -54,7 +54,7 @@ struct World {
   void restore() {
     EXPECT_TRUE(body_a.update(mesh_a.positions));
     EXPECT_TRUE(body_b.update(mesh_b.positions));
-    for (Collider* collider : {&a, &b}) collider->place({});
+    for (Collider* collider : {&a, &b}) collider->set_transform({});
     EXPECT_TRUE(surface_a.update(mesh_a.positions, later));
     EXPECT_TRUE(surface_b.update(mesh_b.positions));
   }
@@ -115,7 +115,7 @@ struct SurfaceSubject : Subject {
   void set(const Hook& hook, bool short_budget) override {
     Options next = options;
     next.budget = short_budget ? Budget(400) : Budget();
-    next.filter.keeps = [hook](const FeaturePair&) {
+    next.filter.accepts = [hook](const FeaturePair&) {
       if (hook) hook();
       return true;
     };
@@ -178,7 +178,7 @@ struct ObstacleSubject : Subject {
     ObstacleOptions next{.margin = 0.05};
     next.budget = short_budget ? Budget(60) : Budget();
     field_hook = is_field ? hook : Hook();
-    next.keeps = [hook](std::uint32_t) {
+    next.accepts = [hook](std::uint32_t) {
       if (hook) hook();
       return true;
     };
@@ -296,7 +296,7 @@ struct DistanceSubject : Subject {
   Status run(Workers&) override {
     found = {};
     Collider far = world().b;
-    far.place(apart);
+    far.set_transform(apart);
     found = query.run(world().a, far, options);
     return found.status;
   }
@@ -639,12 +639,12 @@ const Move moves[]{
     {"update of b", collider, true, [](World& w) { EXPECT_TRUE(w.body_b.update(w.later)); }},
     {"place", collider, false,
      [](World& w) {
-       w.a.place({.translation = {0, 0.3, 0}});
+       w.a.set_transform({.translation = {0, 0.3, 0}});
      }},
     {"place there and back", collider, false,
      [](World& w) {
-       w.a.place({.translation = {0, 0.3, 0}});
-       w.a.place({});
+       w.a.set_transform({.translation = {0, 0.3, 0}});
+       w.a.set_transform({});
      }},
     {"positions", collider, false, [](World& w) { w.a.set_positions(w.later); }},
     {"assignment", collider, false, [](World& w) { w.body_a = Body(w.mesh_a, w.built_a); }, true},
@@ -730,7 +730,7 @@ TEST(MovedDuringCalls, bodies_that_surfaces_follow) {
   ASSERT_TRUE(same.run(w.surface_a, w.surface_b).finished);
   ASSERT_FALSE(same.pairs().empty());
   long calls = 0;
-  query.set_options({.filter = {.keeps = [&](const FeaturePair&) {
+  query.set_options({.filter = {.accepts = [&](const FeaturePair&) {
                        if (++calls == 3) {
                          EXPECT_TRUE(w.body_b.update(w.later));
                        }
@@ -753,7 +753,7 @@ TEST(MovedDuringCalls, throw_where_there_is_no_status) {
     for (const long k : {1, 2, 9}) {
       long calls = 0;
       const Hook moves_a = [&] {
-        if (++calls == k) w.a.place({.translation = {0.01, 0, 0}});
+        if (++calls == k) w.a.set_transform({.translation = {0.01, 0, 0}});
       };
       try {
         f(moves_a);
@@ -773,7 +773,7 @@ TEST(MovedDuringCalls, throw_where_there_is_no_status) {
   });
   expect_refused("distance", [&](const Hook& hook) {
     Collider far = w.b;
-    far.place({.translation = {3, 0.2, 0.1}});
+    far.set_transform({.translation = {3, 0.2, 0.1}});
     DistanceOptions options{.budget = std::chrono::hours(1)};
     // It is read at first for the time, and then after every 64 tests.
     options.clock = [&] { return hook(), hook(), hook(), hook(), hook(), std::chrono::nanoseconds(0); };
@@ -825,7 +825,7 @@ TEST(EndedQueries, without_a_budget_forget_what_workers_had_found) {
     for (const int k : {1, 2, 20, 200}) {
       std::atomic<int> calls = 0;
       ProximityOptions options{.distance = 0.1}, all = options;
-      options.filter.keeps = [&](const FeaturePair&) {
+      options.filter.accepts = [&](const FeaturePair&) {
         if (++calls >= k) throw Thrown();
         return true;
       };

@@ -10,7 +10,7 @@
 #include <morula/surface/surface_crossings.hpp>
 #include <set>
 #include <support/allocations.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 #include "surfaces.hpp"
 
@@ -220,12 +220,12 @@ TEST(Proximity, filters_leave_out_what_they_say_and_nothing_else) {
   std::vector<std::uint32_t> piece(n);
   for (std::size_t f = 0; f < m.mesh.facets.size(); ++f)
     for (const std::uint32_t v : m.mesh.facets[f]) piece[v] = pieces.of_facet[f];
-  const auto expect = [&](const PairFilter& filter, const auto& keeps, const char* what) {
+  const auto expect = [&](const PairFilter& filter, const auto& accepts, const char* what) {
     ProximityQuery query({.distance = 0.2, .filter = filter});
     ASSERT_TRUE(query.run(tree));
     std::vector<PlainPair> expected;
     for (const PlainPair& pair : plain_pairs(tree, tree, all.pairs()))
-      if (keeps(pair)) expected.push_back(pair);
+      if (accepts(pair)) expected.push_back(pair);
     const auto found = plain_pairs(tree, tree, query.pairs());
     EXPECT_TRUE(found == expected) << what << ": " << found.size() << " pairs, not " << expected.size();
     EXPECT_LT(expected.size(), all.pairs().size()) << what;
@@ -247,7 +247,7 @@ TEST(Proximity, filters_leave_out_what_they_say_and_nothing_else) {
       {.rest_distance = 0.0987},
       [&](const PlainPair& p) { return test::plain_distance(m.mesh.positions, p.a, p.b) > 0.0987L; }, "at rest");
   expect(
-      {.keeps = [](const FeaturePair& pair) { return pair.a % 2 == 0; }},
+      {.accepts = [](const FeaturePair& pair) { return pair.a % 2 == 0; }},
       [&, kept =
               [&] {
                 std::set<PlainPair> even;
@@ -259,7 +259,7 @@ TEST(Proximity, filters_leave_out_what_they_say_and_nothing_else) {
   // Facets of the first piece are of group 1 and meet group 2 alone.
   FacetMasks masks;
   for (const std::uint32_t of : pieces.of_facet)
-    masks.of.push_back(of == 0 ? 1 : 2), masks.with.push_back(of == 0 ? 2 : 3);
+    masks.category.push_back(of == 0 ? 1 : 2), masks.mask.push_back(of == 0 ? 2 : 3);
   expect(
       {.masks_a = masks}, [&](const PlainPair& p) { return piece[p.a[0]] != 0 || piece[p.b[0]] != 0; }, "masks");
 }

@@ -15,7 +15,7 @@
 #include <morula/update/body.hpp>
 #include <support/aligned.hpp>
 #include <support/allocations.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 #include "surfaces.hpp"
 
@@ -26,7 +26,7 @@ using Code = Status::Code;
 
 struct Follower {
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
   Body body;
   Collider collider;
   SurfaceTree surface, updated;
@@ -36,14 +36,14 @@ struct Follower {
 
   Follower(const Mesh& given, const BuildOptions& build_options, const UpdateOptions& options = {})
       : mesh(given),
-        built(build(mesh, build_options)),
-        body(mesh, built, options),
+        model(build(mesh, build_options)),
+        body(mesh, model, options),
         collider(mesh, body),
         surface(mesh),
         updated(mesh) {}
 
   // In double, or in float.
-  void move(const std::vector<Vec3>& to, const RigidTransform& placement, bool is_float) {
+  void move(const std::vector<Vec3>& to, const RigidTransform& transform, bool is_float) {
     at = to;
     narrow.clear();
     for (Vec3& p : at) {
@@ -51,7 +51,7 @@ struct Follower {
       if (is_float) p = Vec3(narrow.back());
     }
     ASSERT_TRUE(is_float ? body.update(PositionView(narrow)) : body.update(PositionView(at)));
-    collider.place(placement);
+    collider.set_transform(transform);
     world.clear();
     for (std::uint32_t v = 0; v < at.size(); ++v) world.push_back(collider.vertex(v));
     ASSERT_TRUE(updated.update(world));
@@ -107,7 +107,7 @@ void expect_the_same(const Follower& a, const Follower& b, double distance, Aske
   asked.near += expected.pairs().size();
 }
 
-// A placement that brings some vertex of b upon some vertex of a, perhaps turned, perhaps off by a little.
+// A transform that brings some vertex of b upon some vertex of a, perhaps turned, perhaps off by a little.
 RigidTransform touching(const Follower& a, const Follower& b, std::span<const Vec3> to, double off, Random& random) {
   RigidTransform t;
   if (random.uniform(0, 1) < 0.5)
@@ -117,7 +117,7 @@ RigidTransform touching(const Follower& a, const Follower& b, std::span<const Ve
     return static_cast<std::size_t>(random.uniform(0, 1) * 0.999 * static_cast<double>(count));
   };
   const Facet &f = a.mesh.facets[any(a.mesh.facets.size())], &g = b.mesh.facets[any(b.mesh.facets.size())];
-  t.translation = a.world[f[0]] - t.turn(to[g[1]]) + Vec3{off, off, -off};
+  t.translation = a.world[f[0]] - t.rotate(to[g[1]]) + Vec3{off, off, -off};
   return t;
 }
 
@@ -129,7 +129,7 @@ TEST(Following, finds_what_brute_force_and_updated_surfaces_find) {
   for (std::size_t i = 0; i < bodies.size(); i += 2) {
     const Mesh &mesh_a = bodies[i].mesh, &mesh_b = bodies[(i * 7 + 3) % bodies.size()].mesh;
     SCOPED_TRACE(bodies[i].name + " and " + bodies[(i * 7 + 3) % bodies.size()].name);
-    const Method method = i % 16 == 4 ? Method::morula : i % 4 == 0 ? Method::octree : Method::grid;
+    const Method method = i % 16 == 4 ? Method::optimized : i % 4 == 0 ? Method::octree : Method::grid;
     const BuildOptions options{.method = method, .branching = 4, .depth = 2};
     Follower a(mesh_a, options), b(mesh_b, options);
     for (int frame = 0; frame < 4; ++frame) {
@@ -253,22 +253,22 @@ TEST(Following, refuses_a_body_that_has_moved_and_stays_as_it_was_after_refusals
   EXPECT_EQ(a.surface.follow(of_others.collider).code, Code::wrong_vertex_count);
   Mesh turned = limb;
   std::swap(turned.facets[3][0], turned.facets[3][1]);
-  const CoveredTree built = build(turned, {.quality = Quality::fast});
-  const Body body(turned, built);
+  const CoveredTree model = build(turned, {.quality = Quality::fast});
+  const Body body(turned, model);
   EXPECT_THROW(static_cast<void>(a.surface.follow(Collider(turned, body))), std::invalid_argument);
-  EXPECT_EQ(a.surface.follow(Collider(b.body.pose())).code, Code::no_surface);
+  EXPECT_EQ(a.surface.follow(Collider(b.body.sphere_state())).code, Code::no_surface);
   EXPECT_EQ(a.surface.hash(), before);
   EXPECT_TRUE(a.surface.is_following());
-  b.collider.place({.translation = {0x1p150, 0, 0}});
+  b.collider.set_transform({.translation = {0x1p150, 0, 0}});
   EXPECT_EQ(a.surface.follow(b.collider).code, Code::non_finite_position);
   EXPECT_EQ(a.surface.hash(), before);
 
   // A refusal leaves which blocks go with which leaf as it was, too: the other body's tree is another one.
   Follower coarse(limb, {.method = Method::octree, .depth = 1});
   coarse.move(limb.positions, {}, false);
-  coarse.collider.place({.translation = {0x1p150, 0, 0}});
+  coarse.collider.set_transform({.translation = {0x1p150, 0, 0}});
   EXPECT_EQ(a.surface.follow(coarse.collider).code, Code::non_finite_position);
-  b.collider.place({.translation = Vec3{0.01, 0.02, 0.8 * bounding_box(limb).extent().z}});
+  b.collider.set_transform({.translation = Vec3{0.01, 0.02, 0.8 * bounding_box(limb).extent().z}});
   for (std::uint32_t v = 0; v < b.world.size(); ++v) b.world[v] = b.collider.vertex(v);
   ASSERT_TRUE(b.surface.follow(b.collider) && b.updated.update(b.world));
   Asked asked;
@@ -289,8 +289,8 @@ TEST(Following, allocates_nothing_once_it_is_warm) {
   const Mesh limb = sample_body("limb", 24);
   Follower a(limb, {.quality = Quality::fast}), b(limb, {.quality = Quality::fast});
   a.move(limb.positions, {}, false);
-  const RigidTransform placement = touching(a, b, limb.positions, 0, random);
-  b.move(limb.positions, placement, false);
+  const RigidTransform transform = touching(a, b, limb.positions, 0, random);
+  b.move(limb.positions, transform, false);
   SurfaceCrossingQuery crossings;
   ProximityQuery near({.distance = 0.05});
   bool good = true;

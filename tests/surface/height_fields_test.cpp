@@ -447,15 +447,15 @@ TEST(HeightFields, are_those_of_the_present_pose) {
 TEST(HeightFields, of_a_surface_that_follows_a_placed_body_are_those_of_where_it_is_placed) {
   // Seen along one axis alone: turned by a quarter, along another one.
   const Mesh mesh = sheet(9, [](double x, double y) { return std::sin(0.7 * x) * std::cos(1.3 * y); });
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 1});
-  const Body body(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 1});
+  const Body body(mesh, model);
   Collider collider(mesh, body);
   SurfaceTree surface(mesh);
   for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{1, 1, 1}})
     for (const double quarter : {0.5 * std::numbers::pi, -0.5 * std::numbers::pi, std::numbers::pi}) {
       if (axis.z != 0 && quarter > 3) continue;
       const double angle = axis.z != 0 ? quarter * 4 / 3 : quarter;
-      collider.place(RigidTransform::from_axis(axis, angle, {3, 2, 1}));
+      collider.set_transform(RigidTransform::from_axis(axis, angle, {3, 2, 1}));
       ASSERT_TRUE(surface.follow(collider));
       detail::QueryBoxes boxes;
       boxes.start(surface.state(), surface.state(), 0, false, serial_workers());

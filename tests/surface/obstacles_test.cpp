@@ -367,7 +367,7 @@ TEST(Obstacles, interrupted_queries_go_on_to_the_same_and_say_what_is_open) {
         EXPECT_EQ(sweep.impacts()[i].time, whole_sweep.impacts()[i].time);
     }
     // A filter of the caller's.
-    ObstacleQuery odd({.margin = 0.2, .keeps = [](std::uint32_t f) { return f % 2 == 1; }});
+    ObstacleQuery odd({.margin = 0.2, .accepts = [](std::uint32_t f) { return f % 2 == 1; }});
     ASSERT_TRUE(odd.run(tree, solid.obstacle));
     std::size_t expected = 0;
     for (const ObstacleContact& contact : whole.contacts()) expected += contact.feature % 2;

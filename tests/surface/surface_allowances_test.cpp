@@ -8,7 +8,7 @@
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>
 #include <support/meshes.hpp>
-#include <support/placements.hpp>
+#include <support/transforms.hpp>
 
 namespace morula {
 namespace {
@@ -102,7 +102,7 @@ TEST(SurfaceAllowance, of_impacts_counts_the_distance_along_directions_of_any_le
   Random random(4);
   for (int round = 0; round < 2000; ++round) {
     // The nearest points come as near as the distance at half the step, straight towards each other.
-    const RigidTransform turn = test::random_placement(random, 10);
+    const RigidTransform turn = test::random_transform(random, 10);
     const double distance = random.uniform(0.01, 1), height = random.uniform(2, 5);
     const std::vector<Vec3> facet{turn({-1, -1, 0}), turn({2, -1, 0}), turn({-1, 2, 0})};
     const std::vector<Vec3> from{turn({0, 0, distance + height})}, to{turn({0, 0, distance - height})};

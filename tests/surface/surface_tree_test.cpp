@@ -128,13 +128,13 @@ TEST(SurfaceQueries, refuse_options_that_make_no_sense_and_questions_about_the_p
   EXPECT_EQ(query.resume().code, Status::Code::no_front);
   const Mesh mesh = test::icosphere(2);
   SurfaceTree tree(mesh);
-  query.set_options({.distance = 0.1, .filter = {.masks_a = {.of = {1, 2, 3}}}});
+  query.set_options({.distance = 0.1, .filter = {.masks_a = {.category = {1, 2, 3}}}});
   EXPECT_EQ(query.run(tree).code, Status::Code::bad_option);
   query.set_options({.distance = 0.1, .budget = 128});
   EXPECT_FALSE(query.run(tree).finished);
   query.set_options({.distance = 0.2});
   EXPECT_EQ(query.resume().code, Status::Code::other_options);
-  query.set_options({.distance = 0.1, .filter = {.masks_a = {.of = {1, 2, 3}}}});
+  query.set_options({.distance = 0.1, .filter = {.masks_a = {.category = {1, 2, 3}}}});
   EXPECT_EQ(query.resume().code, Status::Code::bad_option);
   query.set_options({.distance = 0.1});
   SweptQuery swept({.distance = 0.1, .budget = 128});

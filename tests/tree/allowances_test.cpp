@@ -16,14 +16,14 @@ namespace {
 // Facet 0 is cut at its first edge into the patches of two leaves, facet 1 is a segment and whole, facet 2 is whole.
 struct Cut {
   Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {3, 3, 0}, {0, 1, 3}}};
-  CoveredTree built;
+  CoveredTree model;
 
   Cut() {
     const Sphere ball{{0, 0, 0}, 2};
-    built.tree.branching = 2;
-    built.tree.append_level({}, std::vector<Sphere>{ball});
-    built.tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{ball, ball});
-    Cover& c = built.cover;
+    model.tree.branching = 2;
+    model.tree.append_level({}, std::vector<Sphere>{ball});
+    model.tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{ball, ball});
+    Cover& c = model.cover;
     c.vertex_count = 4;
     c.facet_count = 3;
     c.cut_points = {{{0, 1, 1}, {0.7, 0.3, 0}}};
@@ -35,7 +35,7 @@ struct Cut {
   }
   std::string faults() const {
     std::string all;
-    for (const std::string& f : validate(mesh, built)) all += f + "\n";
+    for (const std::string& f : validate(mesh, model)) all += f + "\n";
     return all;
   }
 };
@@ -43,7 +43,7 @@ struct Cut {
 template <class Spoil>
 std::string faults_after(const Spoil& spoil) {
   Cut cut;
-  spoil(cut.built.cover);
+  spoil(cut.model.cover);
   return cut.faults();
 }
 bool mentions(const std::string& text, const char* part) {
@@ -133,7 +133,7 @@ TEST(Validate, names_every_region_that_is_not_its_childrens) {
   EXPECT_TRUE(mentions(faults_after([](Cover& c) { c.region_end[1] = c.region_begin[2] = 0; }), "owns no patches"));
 }
 
-// The farthest corner is exactly 5 from the centre.
+// The farthest corner is exactly 5 from the center.
 TEST(Certify, tells_a_sphere_that_just_contains_from_one_that_just_does_not) {
   Mesh mesh{{{3, 4, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
   Cover c;
@@ -170,8 +170,8 @@ TEST(Cover, pays_for_distances_taken_in_double) {
     mesh.facets = {{0, 1, 2}};
     SphereTree tree;
     tree.append_level({}, std::vector<Sphere>{{{any(2), any(2), any(2)}, 0.01}});
-    const CoveredTree built = cover(mesh, tree);
-    const Sphere& s = built.tree.spheres[0];
+    const CoveredTree model = cover(mesh, tree);
+    const Sphere& s = model.tree.spheres[0];
     for (const Vec3& p : mesh.positions)
       ASSERT_LE(length(Wide(p) - Wide(s.center)), static_cast<long double>(s.radius)) << round;
   }

@@ -33,7 +33,7 @@ TEST(BallTree, has_the_balls_as_leaves_and_nodes_that_contain_them) {
     for (const std::uint32_t branching : {2u, 8u, 64u}) {
       if (count > 256 && branching == 2) continue;
       const std::vector<Sphere> balls = random_balls(count, count);
-      const SphereTree tree = tree_over_balls(balls, branching);
+      const SphereTree tree = tree_from_spheres(balls, branching);
       EXPECT_TRUE(validate(tree).empty()) << count << ' ' << branching;
       EXPECT_EQ(tree.branching, branching);
       EXPECT_EQ(sorted(level_set_spheres(tree, tree.level_count() - 1)), sorted(balls));
@@ -56,21 +56,21 @@ TEST(BallTree, has_the_balls_as_leaves_and_nodes_that_contain_them) {
 
 TEST(BallTree, equal_balls_are_no_trouble_and_the_order_does_not_matter_to_the_root) {
   const std::vector<Sphere> equal(100, Sphere{{1, 2, 3}, 4});
-  const SphereTree tree = tree_over_balls(equal);
+  const SphereTree tree = tree_from_spheres(equal);
   EXPECT_TRUE(validate(tree).empty());
   EXPECT_EQ(tree.leaf_count(), 100u);
   EXPECT_NEAR(tree.spheres[0].radius, 4, 1e-9);
 }
 
 TEST(BallTree, what_has_no_tree_is_refused) {
-  EXPECT_THROW(tree_over_balls({}), std::invalid_argument);
+  EXPECT_THROW(tree_from_spheres({}), std::invalid_argument);
   const double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{0, 0, infinity}, 1}}), std::invalid_argument);
-  EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{0, 0, 0}, -1}}), std::invalid_argument);
-  EXPECT_THROW(tree_over_balls(std::vector<Sphere>{{{-1.7e308, -1.7e308, 0}, 1}, {{1.7e308, 1.7e308, 0}, 1}}),
+  EXPECT_THROW(tree_from_spheres(std::vector<Sphere>{{{0, 0, infinity}, 1}}), std::invalid_argument);
+  EXPECT_THROW(tree_from_spheres(std::vector<Sphere>{{{0, 0, 0}, -1}}), std::invalid_argument);
+  EXPECT_THROW(tree_from_spheres(std::vector<Sphere>{{{-1.7e308, -1.7e308, 0}, 1}, {{1.7e308, 1.7e308, 0}, 1}}),
                std::invalid_argument);
-  EXPECT_THROW(tree_over_balls(random_balls(300, 1), 2), std::invalid_argument) << "eight levels hold 256";
-  EXPECT_THROW(tree_over_balls(random_balls(3, 1), 65), std::invalid_argument);
+  EXPECT_THROW(tree_from_spheres(random_balls(300, 1), 2), std::invalid_argument) << "eight levels hold 256";
+  EXPECT_THROW(tree_from_spheres(random_balls(3, 1), 65), std::invalid_argument);
 }
 
 }  // namespace

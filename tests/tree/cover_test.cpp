@@ -30,9 +30,9 @@ SphereTree careless_tree(const Mesh& mesh, std::size_t count, std::uint64_t seed
 }
 
 // The union of the leaves contains every sample, in plain arithmetic.
-void expect_samples_inside(const Mesh& mesh, const CoveredTree& built, const std::string& name) {
-  for (std::size_t level = 0; level < built.tree.level_count(); ++level) {
-    const std::vector<Sphere> spheres = level_set_spheres(built.tree, level);
+void expect_samples_inside(const Mesh& mesh, const CoveredTree& model, const std::string& name) {
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
+    const std::vector<Sphere> spheres = level_set_spheres(model.tree, level);
     for (const SurfacePoint& s : sample_surface(mesh, 2000, 9)) {
       const bool inside = std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& b) {
         return distance(b.center, s.point) <= b.radius * (1 + 1e-12);
@@ -46,11 +46,11 @@ TEST(Cover, repairs_a_careless_tree_on_every_kind_of_mesh) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     const SphereTree tree = careless_tree(named.mesh, 40, 3);
     if (tree.node_count() == 1) continue;  // no area to put spheres on
-    const CoveredTree built = cover(named.mesh, tree);
-    const auto faults = validate(named.mesh, built);
+    const CoveredTree model = cover(named.mesh, tree);
+    const auto faults = validate(named.mesh, model);
     EXPECT_TRUE(faults.empty()) << named.name << ": " << (faults.empty() ? "" : faults.front());
-    expect_samples_inside(named.mesh, built, named.name);
-    EXPECT_EQ(built.report.dropped_spheres, tree.node_count() - built.tree.node_count());
+    expect_samples_inside(named.mesh, model, named.name);
+    EXPECT_EQ(model.report.dropped_spheres, tree.node_count() - model.tree.node_count());
   }
 }
 
@@ -67,23 +67,23 @@ TEST(Cover, leaves_a_tree_that_covers_as_it_is_bit_for_bit) {
                        0.26 * box.diagonal()});
   }
   tree.append_level(std::vector<std::uint32_t>{8}, octants);
-  const CoveredTree built = cover(mesh, tree);
-  EXPECT_EQ(built.tree.spheres, tree.spheres);
-  for (const LevelGrowth& g : built.report.growth) EXPECT_EQ(g.grown, 0u);
-  EXPECT_EQ(built.report.leftover_patches, 0u);
+  const CoveredTree model = cover(mesh, tree);
+  EXPECT_EQ(model.tree.spheres, tree.spheres);
+  for (const LevelGrowth& g : model.report.growth) EXPECT_EQ(g.grown, 0u);
+  EXPECT_EQ(model.report.leftover_patches, 0u);
 }
 
 TEST(Cover, reports_what_had_to_grow) {
   const Mesh mesh = test::icosphere(3);
   SphereTree tree;
   tree.append_level({}, std::vector<Sphere>{{{0, 0, 0}, 0.5}});
-  const CoveredTree built = cover(mesh, tree);
-  ASSERT_EQ(built.report.growth.size(), 1u);
-  EXPECT_EQ(built.report.growth[0].grown, 1u);
-  EXPECT_NEAR(built.report.growth[0].largest_growth, 0.5, 1e-12);
-  EXPECT_NEAR(built.report.growth[0].largest_factor, 2.0, 1e-12);
-  EXPECT_EQ(built.report.method, "imported");
-  EXPECT_EQ(built.report.mesh_hash, mesh_hash(mesh));
+  const CoveredTree model = cover(mesh, tree);
+  ASSERT_EQ(model.report.growth.size(), 1u);
+  EXPECT_EQ(model.report.growth[0].grown, 1u);
+  EXPECT_NEAR(model.report.growth[0].largest_growth, 0.5, 1e-12);
+  EXPECT_NEAR(model.report.growth[0].largest_factor, 2.0, 1e-12);
+  EXPECT_EQ(model.report.method, "imported");
+  EXPECT_EQ(model.report.mesh_hash, mesh_hash(mesh));
 }
 
 TEST(Cover, hands_gap_pieces_to_the_sphere_that_grows_least_not_to_the_one_of_least_power) {
@@ -106,11 +106,11 @@ TEST(Cover, hands_gap_pieces_to_the_sphere_that_grows_least_not_to_the_one_of_le
   tree.append_level(std::vector<std::uint32_t>{2}, std::vector<Sphere>{large, minute});
   const Vec3 gap{0.93, 0.005, 0};
   ASSERT_LT(power(minute, gap), power(large, gap));
-  const CoveredTree built = cover(strip, tree);
-  EXPECT_TRUE(validate(strip, built).empty());
-  EXPECT_LT(built.tree.spheres[1].radius / large.radius, 1.05);
+  const CoveredTree model = cover(strip, tree);
+  EXPECT_TRUE(validate(strip, model).empty());
+  EXPECT_LT(model.tree.spheres[1].radius / large.radius, 1.05);
   // Half of the gap is 0.1 wide, a sphere about it 8.4 times as large; about all of it 16.4 times.
-  EXPECT_LT(built.tree.spheres[2].radius / minute.radius, 10);
+  EXPECT_LT(model.tree.spheres[2].radius / minute.radius, 10);
 }
 
 TEST(Cover, drops_spheres_that_own_nothing) {
@@ -121,10 +121,10 @@ TEST(Cover, drops_spheres_that_own_nothing) {
   tree.append_level(std::vector<std::uint32_t>{3},
                     std::vector<Sphere>{{{0, 0, 0}, 1.1}, {{0, 0, 0}, 0.1}, {{90, 0, 0}, 1}});
   tree.append_level(std::vector<std::uint32_t>{0, 0, 1}, std::vector<Sphere>{{{90, 0, 0}, 0.5}});
-  const CoveredTree built = cover(mesh, tree);
-  EXPECT_EQ(built.tree.node_count(), 2u);
-  EXPECT_EQ(built.report.dropped_spheres, 3u);
-  EXPECT_TRUE(validate(mesh, built).empty());
+  const CoveredTree model = cover(mesh, tree);
+  EXPECT_EQ(model.tree.node_count(), 2u);
+  EXPECT_EQ(model.report.dropped_spheres, 3u);
+  EXPECT_TRUE(validate(mesh, model).empty());
 }
 
 TEST(Cover, has_the_same_bits_for_any_number_of_workers) {
@@ -133,11 +133,11 @@ TEST(Cover, has_the_same_bits_for_any_number_of_workers) {
   const CoveredTree reference = cover(mesh, tree);
   for (const unsigned threads : {2u, 3u, 8u}) {
     Workers workers(threads);
-    const CoveredTree built = cover(mesh, tree, workers);
-    EXPECT_EQ(tree_hash(built.tree), tree_hash(reference.tree));
-    EXPECT_EQ(built.cover.corners, reference.cover.corners);
-    EXPECT_EQ(built.cover.cut_points, reference.cover.cut_points);
-    EXPECT_EQ(built.cover.region_end, reference.cover.region_end);
+    const CoveredTree model = cover(mesh, tree, workers);
+    EXPECT_EQ(tree_hash(model.tree), tree_hash(reference.tree));
+    EXPECT_EQ(model.cover.corners, reference.cover.corners);
+    EXPECT_EQ(model.cover.cut_points, reference.cover.cut_points);
+    EXPECT_EQ(model.cover.region_end, reference.cover.region_end);
   }
 }
 
@@ -157,10 +157,10 @@ class CoverOfABlob : public ::testing::Test {
 
   template <class Spoil>
   std::string faults_after(Spoil spoil) const {
-    CoveredTree built = good;
-    spoil(built);
+    CoveredTree model = good;
+    spoil(model);
     std::string all;
-    for (const std::string& f : validate(mesh, built)) all += f + "\n";
+    for (const std::string& f : validate(mesh, model)) all += f + "\n";
     return all;
   }
   static bool mentions(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }

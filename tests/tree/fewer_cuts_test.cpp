@@ -49,8 +49,8 @@ CoveredTree as_partitioned(const Mesh& mesh, const SphereTree& tree) {
     pieces[leaf].push_back(most.back());
     most.pop_back();
   }
-  CoveredTree built{tree, {}, {}};
-  Cover& cover = built.cover;
+  CoveredTree model{tree, {}, {}};
+  Cover& cover = model.cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
   cover.corner_begin = {0};
@@ -84,11 +84,11 @@ CoveredTree as_partitioned(const Mesh& mesh, const SphereTree& tree) {
     double farthest = 0;
     for (const std::uint32_t c : cover.region_corners(node))
       farthest = std::max(farthest, distance(corner_position(cover, c, mesh.positions), tree.spheres[node].center));
-    built.tree.spheres[node].radius =
+    model.tree.spheres[node].radius =
         std::max(tree.spheres[node].radius,
                  rounded_up_radius(farthest, std::max(max_norm(tree.spheres[node].center), largest_coordinate(mesh))));
   }
-  return built;
+  return model;
 }
 
 Real distance_of(const Cover& cover, std::uint32_t corner, const Mesh& mesh, const Vec3& center) {
@@ -105,17 +105,17 @@ Real distance_of(const Cover& cover, std::uint32_t corner, const Mesh& mesh, con
   return std::hypot(at[0] - center.x, at[1] - center.y, at[2] - center.z);
 }
 
-Real reach_of(const CoveredTree& built, const Cover& cover, std::uint32_t node, const Mesh& mesh) {
+Real reach_of(const CoveredTree& model, const Cover& cover, std::uint32_t node, const Mesh& mesh) {
   Real farthest = 0;
   for (const std::uint32_t c : cover.region_corners(node))
-    farthest = std::max(farthest, distance_of(cover, c, mesh, built.tree.spheres[node].center));
+    farthest = std::max(farthest, distance_of(cover, c, mesh, model.tree.spheres[node].center));
   return farthest;
 }
 
-std::set<std::uint32_t> owners_of(const CoveredTree& built, const Cover& cover, std::uint32_t facet) {
+std::set<std::uint32_t> owners_of(const CoveredTree& model, const Cover& cover, std::uint32_t facet) {
   std::set<std::uint32_t> owners;
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    for (std::uint32_t p = cover.region_begin[node]; built.tree.is_leaf(node) && p < cover.region_end[node]; ++p)
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    for (std::uint32_t p = cover.region_begin[node]; model.tree.is_leaf(node) && p < cover.region_end[node]; ++p)
       if (cover.patch_facet[p] == facet) owners.insert(node);
   return owners;
 }
@@ -135,20 +135,20 @@ std::size_t corners_that_are_cut(const Cover& cover) {
 }
 
 // What the promise of with_fewer_cuts says, on whatever tree. Returns how many patches there are fewer.
-std::size_t expect_fewer_cuts(const Mesh& mesh, const CoveredTree& built, const std::string& name) {
-  const auto faults_before = validate(mesh, built);
+std::size_t expect_fewer_cuts(const Mesh& mesh, const CoveredTree& model, const std::string& name) {
+  const auto faults_before = validate(mesh, model);
   EXPECT_TRUE(faults_before.empty()) << name << ": " << (faults_before.empty() ? "" : faults_before.front());
-  CoveredTree freed{built.tree, with_fewer_cuts(mesh, built), {}};
+  CoveredTree freed{model.tree, with_fewer_cuts(mesh, model), {}};
   const auto faults = validate(mesh, freed);
   EXPECT_TRUE(faults.empty()) << name << ": " << (faults.empty() ? "" : faults.front());
-  EXPECT_LE(corners_that_are_cut(freed.cover), corners_that_are_cut(built.cover)) << name;
-  EXPECT_LE(freed.cover.patch_count(), built.cover.patch_count()) << name;
+  EXPECT_LE(corners_that_are_cut(freed.cover), corners_that_are_cut(model.cover)) << name;
+  EXPECT_LE(freed.cover.patch_count(), model.cover.patch_count()) << name;
 
   std::vector<Real> reach;
   const Real rounding = 0x1p-48L * static_cast<Real>(largest_coordinate(mesh));
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
-    reach.push_back(reach_of(built, built.cover, node, mesh));
-    EXPECT_LE(reach_of(built, freed.cover, node, mesh), reach.back() * (1 + 0x1p-50L) + rounding)
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node) {
+    reach.push_back(reach_of(model, model.cover, node, mesh));
+    EXPECT_LE(reach_of(model, freed.cover, node, mesh), reach.back() * (1 + 0x1p-50L) + rounding)
         << name << ", node " << node;
     EXPECT_LT(freed.cover.region_begin[node], freed.cover.region_end[node]) << name << ", node " << node;
   }
@@ -165,18 +165,18 @@ std::size_t expect_fewer_cuts(const Mesh& mesh, const CoveredTree& built, const 
     return facets.size() == 1;
   };
   for (std::uint32_t f = 0; f < mesh.facet_count(); f += 1 + static_cast<std::uint32_t>(mesh.facet_count() / 64)) {
-    const std::set<std::uint32_t> owners = owners_of(built, freed.cover, f);
+    const std::set<std::uint32_t> owners = owners_of(model, freed.cover, f);
     if (owners.size() < 2 || std::any_of(owners.begin(), owners.end(), last_patch_of)) continue;
     for (const std::uint32_t owner : owners) {
       bool holds = true;
-      for (std::uint32_t node = owner; node != no_node; node = built.tree.parent[node])
+      for (std::uint32_t node = owner; node != no_node; node = model.tree.parent[node])
         for (const std::uint32_t v : mesh.facets[f])
-          holds = holds && distance_of(built.cover, v, mesh, built.tree.spheres[node].center) <
+          holds = holds && distance_of(model.cover, v, mesh, model.tree.spheres[node].center) <
                                reach[node] * (1 - 0x1p-40L) - rounding;
       EXPECT_FALSE(holds) << name << ": facet " << f << " could belong to leaf " << owner << " alone";
     }
   }
-  return built.cover.patch_count() - freed.cover.patch_count();
+  return model.cover.patch_count() - freed.cover.patch_count();
 }
 
 TEST(FewerCuts, reach_no_farther_own_all_and_leave_nothing_that_could_be_whole) {
@@ -211,8 +211,8 @@ TEST(FewerCuts, leave_every_leaf_a_patch_on_coarse_bodies) {
   for (const int resolution : {3, 4, 6})
     for (const char* name : {"limb", "torus", "plate"}) {
       const Mesh mesh = sample_body(name, resolution);
-      const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 4});
-      expect_fewer_cuts(mesh, as_partitioned(mesh, built.tree), name);
+      const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 4});
+      expect_fewer_cuts(mesh, as_partitioned(mesh, model.tree), name);
     }
 }
 
@@ -220,9 +220,9 @@ TEST(FewerCuts, leave_every_leaf_a_patch_on_coarse_bodies) {
 TEST(FewerCuts, make_one_of_a_facet_in_however_many_pieces) {
   const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, {{0, 1, 2}}};
   for (const std::uint32_t pieces : {2u, 255u, 256u, 257u, 600u}) {
-    CoveredTree built;
-    built.tree.append_level({}, std::array{Sphere{{1, 1, 0}, 4}});
-    Cover& cover = built.cover;
+    CoveredTree model;
+    model.tree.append_level({}, std::array{Sphere{{1, 1, 0}, 4}});
+    Cover& cover = model.cover;
     cover.vertex_count = 3;
     cover.facet_count = 1;
     cover.corner_begin = {0};
@@ -239,9 +239,9 @@ TEST(FewerCuts, make_one_of_a_facet_in_however_many_pieces) {
     }
     cover.region_begin = {0};
     cover.region_end = {pieces};
-    built.report.mesh_hash = mesh_hash(mesh);
-    ASSERT_TRUE(validate(mesh, built).empty()) << pieces << ": " << validate(mesh, built).front();
-    const Cover freed = with_fewer_cuts(mesh, built);
+    model.report.mesh_hash = mesh_hash(mesh);
+    ASSERT_TRUE(validate(mesh, model).empty()) << pieces << ": " << validate(mesh, model).front();
+    const Cover freed = with_fewer_cuts(mesh, model);
     EXPECT_EQ(freed.corners, (std::vector<std::uint32_t>{0, 1, 2})) << pieces;
     EXPECT_TRUE(freed.cut_points.empty()) << pieces;
   }

@@ -197,7 +197,7 @@ TEST(Nesting, spheres_contain_their_childrens_and_are_no_larger_than_necessary) 
     SphereTree tree = root_over(root, children);
     const bool held = worst_excess(tree) <= 0;
     EXPECT_EQ(certify_nesting(tree, tree.spheres).nested, held);
-    nest(tree);
+    make_nested(tree);
     EXPECT_TRUE(tree.nested);
     EXPECT_LE(worst_excess(tree), 0) << round;
     EXPECT_TRUE(std::equal(children.begin(), children.end(), tree.spheres.begin() + 1)) << "leaves stay";
@@ -220,18 +220,18 @@ TEST(Nesting, holds_for_numbers_of_any_size) {
         children.push_back(times({{number(), number(), number()}, std::abs(number())}, scale));
       }
       SphereTree tree = root_over(times({{1, 2, 3}, 1}, scale), children);
-      nest(tree);
-      // Exact: the differences and radii are small integers times the scale, and so is the parent's centre or nearly.
+      make_nested(tree);
+      // Exact: the differences and radii are small integers times the scale, and so is the parent's center or nearly.
       EXPECT_LE(worst_excess(tree), 0) << scale << ", round " << round;
       EXPECT_TRUE(validate(tree).empty());
     }
   const double infinity = std::numeric_limits<double>::infinity();
   SphereTree large = root_over({{0, 0, 0}, 1}, std::vector<Sphere>{{{1e308, 0, 0}, 1e308}, {{-1e308, 0, 0}, 1e308}});
-  EXPECT_THROW(nest(large), std::invalid_argument);
+  EXPECT_THROW(make_nested(large), std::invalid_argument);
   EXPECT_FALSE(large.nested);
   EXPECT_EQ(large.spheres[0].radius, 1) << "unchanged";
   large.spheres[1].radius = infinity;
-  EXPECT_THROW(nest(large), std::invalid_argument);
+  EXPECT_THROW(make_nested(large), std::invalid_argument);
   EXPECT_FALSE(certify_nesting(large, large.spheres).nested);
   large.spheres[0].radius = infinity;
   large.spheres[1].radius = large.spheres[2].radius = 1;
@@ -259,20 +259,21 @@ TEST(Nesting, validate_finds_a_tree_that_says_so_and_is_not) {
   tree.spheres[2].radius = std::nextafter(1.0, 2.0);
   ASSERT_EQ(validate(tree).size(), 1u);
   EXPECT_NE(validate(tree)[0].find("node 2 sticks out of node 0"), std::string::npos) << validate(tree)[0];
-  EXPECT_THROW(nest(tree = root_over({{0, 0, 0}, -1}, std::vector<Sphere>{{{0, 0, 0}, 1}})), std::invalid_argument);
+  EXPECT_THROW(make_nested(tree = root_over({{0, 0, 0}, -1}, std::vector<Sphere>{{{0, 0, 0}, 1}})),
+               std::invalid_argument);
   tree.nested = false;
   tree.spheres[0].radius = 0;
   EXPECT_TRUE(validate(tree).empty()) << "it promises nothing";
 }
 
 // What is left of the promises when a tree is nested, judged without the library.
-void expect_nested(const std::string& name, const Mesh& mesh, const CoveredTree& built) {
-  EXPECT_TRUE(built.tree.nested) << name;
-  if (built.tree.node_count() > 1) {
-    EXPECT_LE(worst_excess(built.tree), 0) << name;
+void expect_nested(const std::string& name, const Mesh& mesh, const CoveredTree& model) {
+  EXPECT_TRUE(model.tree.nested) << name;
+  if (model.tree.node_count() > 1) {
+    EXPECT_LE(worst_excess(model.tree), 0) << name;
   }
-  EXPECT_TRUE(certify_nesting(built.tree, built.tree.spheres).nested) << name;
-  const auto faults = validate(mesh, built);
+  EXPECT_TRUE(certify_nesting(model.tree, model.tree.spheres).nested) << name;
+  const auto faults = validate(mesh, model);
   EXPECT_TRUE(faults.empty()) << name << ": " << faults.front();
 }
 
@@ -299,7 +300,7 @@ using NestedTreesBy = test::ByMethod;
 
 void expect_nested_where_asked(const test::NamedMesh& named, Method method) {
   BuildOptions options{.method = method, .branching = 4, .depth = 2};
-  if (options.method == Method::morula) options.quality = Quality::fast;
+  if (options.method == Method::optimized) options.quality = Quality::fast;
   const CoveredTree plain = build(named.mesh, options);
   options.nested = true;
   const CoveredTree nested = build(named.mesh, options);
@@ -315,14 +316,14 @@ TEST_P(NestedTreesBy, hold_on_aligned_bodies) {
 TEST_P(NestedTreesBy, hold_for_flat_sets) {
   const Mesh mesh = test::icosphere(2);
   BuildOptions options{.method = GetParam(), .spheres = 20, .nested = true};
-  if (options.method == Method::morula) options.quality = Quality::fast;
+  if (options.method == Method::optimized) options.quality = Quality::fast;
   expect_nested("ball", mesh, build(mesh, options));
 }
 
 INSTANTIATE_TEST_SUITE_P(Quick, NestedTreesBy, testing::Values(Method::octree, Method::grid), test::method_name);
 INSTANTIATE_TEST_SUITE_P(Long, NestedTreesBy,
                          testing::Values(Method::hubbard, Method::spawn, Method::medial, Method::combined,
-                                         Method::morula),
+                                         Method::optimized),
                          test::method_name);
 
 TEST(NestedTrees, hold_on_meshes_of_every_kind) {
@@ -340,10 +341,10 @@ TEST(NestedCover, repairs_trees_of_others_and_keeps_what_they_say) {
     const Box box = bounding_box(named.mesh);
     for (const SurfacePoint& p : sample_surface(named.mesh, 30)) balls.push_back({p.point, 0.2 * box.diagonal()});
     if (balls.empty()) continue;
-    SphereTree tree = tree_over_balls(balls, 4);
+    SphereTree tree = tree_from_spheres(balls, 4);
     EXPECT_FALSE(cover(named.mesh, tree).tree.nested);
     expect_nested(named.name, named.mesh, cover(named.mesh, tree, {.nested = true}));
-    nest(tree);
+    make_nested(tree);
     expect_nested(named.name, named.mesh, cover(named.mesh, tree));
   }
 }

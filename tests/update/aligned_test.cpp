@@ -62,9 +62,9 @@ TEST(Aligned, bodies_are_covered_by_every_rule_that_promises_it) {
                                            {.rules = {Rule::exact, Rule::approach2}, .conservative = true}};
   std::size_t frames = 0;
   for (const test::NamedMesh& b : test::aligned_bodies())
-    for (const CoveredTree& built : trees_of(b.mesh))
+    for (const CoveredTree& model : trees_of(b.mesh))
       for (const UpdateOptions& how : options) {
-        Body body(b.mesh, built, how);
+        Body body(b.mesh, model, how);
         for (const test::Motion& motion : test::motions()) {
           const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
           ASSERT_TRUE(body.update(positions));
@@ -77,9 +77,9 @@ TEST(Aligned, bodies_are_covered_by_every_rule_that_promises_it) {
 
 TEST(Aligned, bodies_are_covered_by_modes_at_any_coordinates) {
   for (const test::NamedMesh& b : test::aligned_bodies()) {
-    const CoveredTree built = build(b.mesh, {.method = Method::octree, .depth = 2});
+    const CoveredTree model = build(b.mesh, {.method = Method::octree, .depth = 2});
     const Modes modes = test::linear_modes(b.mesh);
-    Body body(b.mesh, built, {.rules = {Rule::modal}, .modes = modes});
+    Body body(b.mesh, model, {.rules = {Rule::modal}, .modes = modes});
     for (const double stretch : {0.5, 2.0, -1.0, 100.0}) {
       std::vector<double> coordinates(9, 0.0);
       coordinates[0] = stretch - 1;
@@ -94,15 +94,15 @@ TEST(Aligned, bodies_are_covered_by_modes_at_any_coordinates) {
 
 TEST(Aligned, bodies_are_covered_by_slabs) {
   for (const test::NamedMesh& b : test::aligned_bodies()) {
-    const CoveredTree built = build(b.mesh, {.method = Method::octree, .depth = 2});
-    KDopTree slabs(b.mesh, built, 26);
+    const CoveredTree model = build(b.mesh, {.method = Method::octree, .depth = 2});
+    KDopTree slabs(b.mesh, model, 26);
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(slabs.update(positions));
       long double worst = -1e30L;
       for (std::uint32_t node = 0; node < slabs.node_count(); ++node)
-        for (const std::uint32_t c : built.cover.region_corners(node)) {
-          const Placed p = corner_place(built.cover, c, positions);
+        for (const std::uint32_t c : model.cover.region_corners(node)) {
+          const Placed p = corner_place(model.cover, c, positions);
           const Vec3 o = slabs.origin();
           for (std::size_t i = 0; i < slabs.directions().size(); ++i) {
             const Vec3 d = slabs.directions()[i];

@@ -30,13 +30,13 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
     all_options.push_back({.rules = {Rule::approach1, Rule::exact, Rule::approach2}, .details = {}});
     all_options.push_back({.rules = {Rule::approach2}, .conservative = true, .details = {}});
     for (const UpdateOptions& options : all_options) {
-      const Body made(b.mesh, b.built, options);
+      const Body made(b.mesh, b.model, options);
       Body body = made;  // a copy has the same room
       for (Workers* workers : {&serial_workers(), &three}) {
         const VertexRange range{1, 3};
         const std::size_t before = allocations;
         const bool ok = body.update(good, *workers) && body.update(good, std::span(&range, 1), *workers) &&
-                        body.update_lazily(good, 0, *workers) && body.reach(0) <= b.built.tree.branching;
+                        body.update_lazily(good, 0, *workers) && body.refresh_children(0) <= b.model.tree.branching;
         const bool refused = !body.update(bad, *workers) && !body.update(short_one, *workers);
         const std::size_t after = allocations;
         EXPECT_TRUE(ok && refused);
@@ -52,10 +52,10 @@ TEST(Allocation, no_estimate_of_looseness_allocates) {
   const Mesh blob = sample_body("blob", 40);
   bodies.push_back({"blob of many spheres", blob, build(blob, {.method = Method::octree, .depth = 5})});
   for (const test::Specimen& b : bodies) {
-    const Body body(b.mesh, b.built);
+    const Body body(b.mesh, b.model);
     LoosenessEstimator estimator(b.mesh);
-    estimator.reserve(b.built.tree.node_count());
-    std::vector<double> figures(b.built.tree.level_count());
+    estimator.reserve(b.model.tree.node_count());
+    std::vector<double> figures(b.model.tree.level_count());
     const std::size_t before = allocations;
     estimator.pose(b.mesh.positions);
     estimator.estimate(body, figures);
@@ -74,7 +74,7 @@ TEST(Allocation, no_modal_update_allocates_good_or_bad) {
     const std::vector<double> good{0.3, -0.2, 0.0, 0.1}, bad{0.3, std::numeric_limits<double>::infinity(), 0.0, 0.1};
     for (const std::vector<Rule>& rules : {std::vector{Rule::modal}, std::vector{Rule::exact, Rule::modal},
                                            std::vector{Rule::approach2, Rule::modal}, std::vector{Rule::exact}}) {
-      Body body(b.mesh, b.built, {.rules = rules, .modes = modes});
+      Body body(b.mesh, b.model, {.rules = rules, .modes = modes});
       for (Workers* workers : {&serial_workers(), &three}) {
         const std::size_t before = allocations;
         const bool ok = static_cast<bool>(body.update_modal(good, *workers));
@@ -95,8 +95,8 @@ TEST(Allocation, no_update_of_k_dops_allocates_through_an_index_map) {
     std::vector<std::uint32_t> index(b.mesh.vertex_count());
     for (std::uint32_t i = 0; i < index.size(); ++i) index[i] = i;
     const PositionView view = PositionView::indexed(b.mesh.positions, index);
-    Body body(b.mesh, b.built);
-    KDopTree boxes(b.mesh, b.built, 6), dops(b.mesh, b.built, 26);
+    Body body(b.mesh, b.model);
+    KDopTree boxes(b.mesh, b.model, 6), dops(b.mesh, b.model, 26);
     const std::size_t before = allocations;
     const bool ok = body.update(view, three) && boxes.update(view, three) && dops.update(view);
     const std::size_t after = allocations;
@@ -111,7 +111,7 @@ TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
   std::function<void()> never_run;
   RebuildOptions options{.check_every = 1, .thread = RebuildThread::host};
   options.executor = [&](std::function<void()> job) { never_run = std::move(job); };
-  RebuiltBody body(b.mesh, b.built, options);
+  RebuiltBody body(b.mesh, b.model, options);
   const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.2, 1);
   std::size_t starts = 0;
   for (int frame = 0; frame < 12; ++frame) {
@@ -133,7 +133,7 @@ TEST(Allocation, rebuilding_allocates_only_where_a_rebuild_starts) {
 // Nor do leaves that are fitted.
 TEST(Allocation, high_effort_allocates_nothing) {
   for (const test::Specimen& b : test::specimens()) {
-    RebuiltBody body(b.mesh, b.built, {.effort = RebuildEffort::high, .thread = RebuildThread::none});
+    RebuiltBody body(b.mesh, b.model, {.effort = RebuildEffort::high, .thread = RebuildThread::none});
     std::vector<std::vector<Vec3>> frames;
     for (std::uint64_t frame = 0; frame < 12; ++frame)
       frames.push_back(frame == 8 ? b.mesh.positions
@@ -150,12 +150,12 @@ TEST(Allocation, high_effort_allocates_nothing) {
 // Nor a change to the tree of a known pose and back, nor a look at it.
 TEST(Allocation, known_poses_allocate_nothing) {
   const test::Specimen& b = test::specimens()[2];
-  CoveredTree built = b.built;
+  CoveredTree model = b.model;
   const std::vector<Vec3> away = test::scaled(b.mesh.positions, 2);
-  built.poses.push_back(
+  model.poses.push_back(
       {"twice as large", away,
        std::make_shared<const CoveredTree>(build({away, b.mesh.facets}, {.method = Method::octree, .depth = 2}))});
-  RebuiltBody body(b.mesh, built, {.thread = RebuildThread::none});
+  RebuiltBody body(b.mesh, model, {.thread = RebuildThread::none});
   const std::vector<Vec3> near = test::noisy(away, 0.01, 1);
   const std::size_t before = allocations;
   bool ok = true;

@@ -44,13 +44,13 @@ class TwoLeaves {
   LocalPoint point[2];
 
   void measure() {
-    place();
+    set_transform();
     walk_.measure(points_, spheres_, serial_workers());
     incremental_.forget();
   }
   // The root has gone `moved`, negative for not at all; the second leaf's point has changed or not.
   float measure_incremental(float moved, bool changed) {
-    place();
+    set_transform();
     Marks leaves(2), dirty(3);
     if (changed) leaves.add(1);
     const std::vector<IncrementalWalk::MovedNode> nodes(moved < 0 ? 0 : 1, {0, moved});
@@ -78,7 +78,7 @@ class TwoLeaves {
     ownership.points = {0, 1};
     return ownership;
   }
-  void place() {
+  void set_transform() {
     spheres_ = {{root, 0}, {leaf[0], 0}, {leaf[1], 0}};
     points_ = {point[0], point[1]};
   }
@@ -142,7 +142,7 @@ class ManyPoints {
     walk_.emplace(tree, depth_first_leaves(tree), ownership, std::vector<std::uint8_t>{1, 1});
     incremental_.emplace(walk_->chains());
   }
-  // All from the beginning, then by groups: the centre is where all other points are.
+  // All from the beginning, then by groups: the center is where all other points are.
   void measure(const Vec3f& center) {
     points_.assign(count, {center.x, center.y, center.z, 0});
     points_[20] = point[0], points_[count - 20] = point[1];
@@ -177,7 +177,7 @@ class ManyPoints {
   std::size_t tested_ = 0;
 };
 
-// The centre goes straight towards the farthest point and away from the other one, which comes to be as far within a
+// The center goes straight towards the farthest point and away from the other one, which comes to be as far within a
 // share of that. Returns how many points were tested in the end.
 std::size_t expect_farthest_of_groups(double size, double share, int trials, std::uint64_t seed) {
   Random random(seed);
@@ -223,9 +223,9 @@ TEST(CornerWalkAllowance, sees_every_step_of_a_long_way) {
   }
 }
 
-// A strip whose right end is pulled along it: centres follow it, straight away from the left end, and both ends are
+// A strip whose right end is pulled along it: centers follow it, straight away from the left end, and both ends are
 // nearly as far from them.
-TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_where_centres_go_straight) {
+TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_where_centers_go_straight) {
   Mesh strip;
   constexpr int columns = 300;  // vertices are looked at in blocks: the left end has some of its own
   for (int i = 0; i <= columns; ++i)
@@ -237,8 +237,8 @@ TEST(CornerWalkAllowance, updates_of_a_changed_end_have_the_bits_of_full_ones_wh
   const auto count = static_cast<std::uint32_t>(strip.positions.size());
   Random random(5);
   for (const int branching : {2, 3, 5}) {
-    const CoveredTree built = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
-    Body full(strip, built), partial(strip, built);
+    const CoveredTree model = test::hand_made_tree(strip, {.depth = 2, .branching = branching, .center_shift = 0.02});
+    Body full(strip, model), partial(strip, model);
     std::vector<Vec3> positions = strip.positions;
     for (int frame = 0; frame < 2000; ++frame) {
       const VertexRange range{count - 2 * (1 + static_cast<std::uint32_t>(random.uniform(0, 40))), count};
@@ -262,8 +262,8 @@ struct HandMadePatch {
 // these.
 CoveredTree with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_points,
                         const std::vector<HandMadePatch>& patches, const Sphere& root) {
-  CoveredTree built;
-  Cover& cover = built.cover;
+  CoveredTree model;
+  Cover& cover = model.cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
   cover.cut_points = cut_points;
@@ -280,10 +280,10 @@ CoveredTree with_leaves(const Mesh& mesh, const std::vector<CutPoint>& cut_point
     cover.region_end.push_back(p + 1);
     leaves.push_back(patches[p].sphere);
   }
-  built.tree.branching = std::max(2u, count);
-  built.tree.append_level({}, std::vector<Sphere>{root});
-  built.tree.append_level(std::vector<std::uint32_t>{count}, leaves);
-  return built;
+  model.tree.branching = std::max(2u, count);
+  model.tree.append_level({}, std::vector<Sphere>{root});
+  model.tree.append_level(std::vector<std::uint32_t>{count}, leaves);
+  return model;
 }
 
 double excess_of(const Body& body, const std::vector<Vec3>& positions) {
@@ -335,7 +335,7 @@ TEST(CoveringRadius, pays_for_narrowing_and_for_moving_cut_points) {
   }
 }
 
-// Spheres whose centres are far outside the body: distances a thousand times the body's size, squared in float.
+// Spheres whose centers are far outside the body: distances a thousand times the body's size, squared in float.
 TEST(CoveringRadius, pays_for_distances_taken_in_float) {
   Random random(7);
   for (int round = 0; round < 500; ++round) {
@@ -349,7 +349,7 @@ TEST(CoveringRadius, pays_for_distances_taken_in_float) {
 }
 
 // A body whose size is a few units in the last place of where it is.
-TEST(CoveringRadius, pays_for_reading_centres_far_from_the_origin) {
+TEST(CoveringRadius, pays_for_reading_centers_far_from_the_origin) {
   Random random(8);
   const Vec3 away{1e9, 1.1e9, 1.2e9};
   const double unit = 0x1p-22;  // of coordinates there
@@ -433,9 +433,9 @@ TEST(HullAllowance, what_is_left_out_stays_inside) {
     }
     const Vec3 middle = 0.34 * mesh.positions[0] + 0.33 * mesh.positions[1] + 0.33 * mesh.positions[2];
     patch.sphere.center = middle + 0.2 * random_vector(random);
-    const CoveredTree built = with_leaves(mesh, cuts, {patch}, {middle, 1});
+    const CoveredTree model = with_leaves(mesh, cuts, {patch}, {middle, 1});
     const Modes still{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)};
-    const Body exact(mesh, built), modal(mesh, built, {.rules = {Rule::modal}, .modes = still});
+    const Body exact(mesh, model), modal(mesh, model, {.rules = {Rule::modal}, .modes = still});
     ASSERT_LE(excess_of(exact, mesh.positions), 0) << round;
     ASSERT_LE(excess_of(modal, mesh.positions), 0) << round;
   }
@@ -456,7 +456,7 @@ float wrapped(const Rounding& rounding, const Vec3f& center, const Spheref& inne
                                   center);
 }
 
-TEST(WrappingRadius, pays_for_reading_centres_far_from_the_origin) {
+TEST(WrappingRadius, pays_for_reading_centers_far_from_the_origin) {
   Random random(9);
   for (int round = 0; round < 20000; ++round) {
     const Vec3 origin = random_direction(random) * random.uniform(1e8, 1e9);
@@ -478,7 +478,7 @@ TEST(WrappingRadius, pays_for_sums_that_swallow_a_distance) {
 // Modal bodies.
 
 // Steps of three quarters of a unit in the last place: below 2 each is rounded to a whole unit, above 2 to nothing. So
-// a corner goes away from its centre by as many units as there are modes, though in real numbers both go together.
+// a corner goes away from its center by as many units as there are modes, though in real numbers both go together.
 TEST(ModalAllowance, pays_for_sums_over_many_modes) {
   constexpr std::size_t mode_count = 2000;
   constexpr double size = 0x1p-33;
@@ -511,17 +511,17 @@ TEST(ModalAllowance, pays_for_weights_that_do_not_add_up) {
   mesh.facets = {{0, 1, 2}};
   const double most = (1 - slack) * (1 - 0x1p-19), least = (1 - slack) * 0x1p-20;
   const std::vector<CutPoint> cuts{{{0, 1, 2}, {most, least, least}}};
-  CoveredTree built = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
+  CoveredTree model = with_leaves(mesh, cuts, {{0, {0, 1, 3}, {}}, {0, {1, 2, 3}, {}}, {0, {2, 0, 3}, {}}}, {});
   // One leaf for all three patches, so that the cut corner lies inside.
   const Sphere ball{{away + 1, away + 0.7, away + 1}, 2};
   SphereTree tree;
   tree.branching = 2;
   tree.append_level({}, std::vector<Sphere>{ball});
-  built.tree = tree;
-  built.cover.region_begin = {0};
-  built.cover.region_end = {3};
+  model.tree = tree;
+  model.cover.region_begin = {0};
+  model.cover.region_end = {3};
   Modes modes{.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3, Vec3{0.25, 0.25, 0.25})};
-  Body modal(mesh, built, {.rules = {Rule::modal}, .modes = modes}), exact(mesh, built);
+  Body modal(mesh, model, {.rules = {Rule::modal}, .modes = modes}), exact(mesh, model);
   const std::vector<double> coordinates{1.0};
   std::vector<Vec3> positions(3);
   move_by_modes(modes, mesh.positions, coordinates, positions);

@@ -185,12 +185,12 @@ CoveredTree hand_made_tree(const Mesh& mesh, const HandMade& how) {
 }
 
 CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<const Sphere> leaves) {
-  CoveredTree built;
-  built.tree.branching = static_cast<std::uint32_t>(std::max<std::size_t>(2, leaves.size()));
-  built.tree.append_level({}, std::span(&root, 1));
+  CoveredTree model;
+  model.tree.branching = static_cast<std::uint32_t>(std::max<std::size_t>(2, leaves.size()));
+  model.tree.append_level({}, std::span(&root, 1));
   const std::uint32_t counts[]{static_cast<std::uint32_t>(leaves.size())};
-  built.tree.append_level(counts, leaves);
-  Cover& cover = built.cover;
+  model.tree.append_level(counts, leaves);
+  Cover& cover = model.cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());
   // More leaves than facets: a facet is named again as often as it takes. Only rules that do not read the cover are
@@ -210,15 +210,15 @@ CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<con
     }
     cover.region_end[1 + leaf] = static_cast<std::uint32_t>(cover.patch_count());
   }
-  return built;
+  return model;
 }
 
 const std::vector<Specimen>& specimens() {
   static const std::vector<Specimen> bodies = [] {
     std::vector<Specimen> made;
     const auto add = [&](const char* name, Mesh mesh, const HandMade& how) {
-      CoveredTree built = hand_made_tree(mesh, how);
-      made.push_back({name, std::move(mesh), std::move(built)});
+      CoveredTree model = hand_made_tree(mesh, how);
+      made.push_back({name, std::move(mesh), std::move(model)});
     };
     add("ball", icosphere(3), {.depth = 2});
     add("plate", grid_plate(16, 2.0, 1.0), {.depth = 2, .center_shift = 0.0});

@@ -19,7 +19,7 @@ struct HandMade {
   int branching = 8;
   std::size_t smallest_leaf = 2;  ///< nodes with no more patches are leaves, whatever their level
   bool cut_facets = false;        ///< some facets fall into two at an edge, some into three about a point inside
-  double center_shift = 0.2;      ///< centres lie off the middle of their region by up to this share of its size
+  double center_shift = 0.2;      ///< centers lie off the middle of their region by up to this share of its size
   std::uint64_t seed = 1;
 };
 /// Patches halved by their middles along the longest side until there are enough children; spheres contain their
@@ -32,7 +32,7 @@ CoveredTree root_with_leaves(const Mesh& mesh, const Sphere& root, std::span<con
 struct Specimen {
   std::string name;
   Mesh mesh;
-  CoveredTree built;
+  CoveredTree model;
 };
 /// Ball, flat plate, bumpy ball with cut facets, soup of facets with unused vertices and facets without area, one
 /// facet.

@@ -39,8 +39,8 @@ TEST(ChangedRanges, give_the_same_bits_as_full_updates) {
     for (const std::vector<Rule>& rules :
          {std::vector{Rule::exact}, std::vector{Rule::wrapped}, std::vector{Rule::wrapped, Rule::exact}}) {
       Random random(7);
-      Body full(b.mesh, b.built, {.rules = rules}), partial(b.mesh, b.built, {.rules = rules});
-      Body parallel(b.mesh, b.built, {.rules = rules});
+      Body full(b.mesh, b.model, {.rules = rules}), partial(b.mesh, b.model, {.rules = rules});
+      Body parallel(b.mesh, b.model, {.rules = rules});
       std::vector<Vec3> positions = b.mesh.positions;
       for (int frame = 0; frame < 40; ++frame) {
         const std::vector<VertexRange> ranges = move_some(positions, random);
@@ -106,8 +106,8 @@ TEST(ChangedRanges, and_full_updates_give_the_same_bits_with_vertices_between_th
 TEST(ChangedRanges, give_the_same_bits_where_the_farthest_comes_back_among_equals) {
   for (const test::NamedMesh& aligned : test::aligned_bodies()) {
     const Mesh& mesh = aligned.mesh;
-    const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
-    Body full(mesh, built), partial(mesh, built);
+    const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
+    Body full(mesh, model), partial(mesh, model);
     std::vector<Vec3> positions = mesh.positions;
     Random random(11);
     for (int frame = 0; frame < 60; ++frame) {
@@ -129,8 +129,8 @@ TEST(ChangedRanges, give_the_same_bits_where_leaves_own_much) {
   const CoveredTree built_as_made = build(as_made, {.method = Method::octree, .depth = 1});
   const std::vector<std::uint32_t> order = leaf_order(built_as_made);
   const Mesh mesh = renumbered(as_made, order);
-  const CoveredTree built = renumbered(built_as_made, mesh, order);
-  Body full(mesh, built), partial(mesh, built);
+  const CoveredTree model = renumbered(built_as_made, mesh, order);
+  Body full(mesh, model), partial(mesh, model);
   std::vector<Vec3> positions = mesh.positions;
   const auto count = static_cast<std::uint32_t>(positions.size());
   Random random(12);
@@ -183,7 +183,7 @@ TEST(ChangedRanges, cost_what_moved) {
 
 TEST(ChangedRanges, that_move_the_origins_vertex_update_everything) {
   const Specimen& b = specimens()[2];
-  Body full(b.mesh, b.built), partial(b.mesh, b.built);
+  Body full(b.mesh, b.model), partial(b.mesh, b.model);
   std::vector<Vec3> positions = b.mesh.positions;
   positions[0] += Vec3{0.3, 0, 0};
   const VertexRange range{0, 1};
@@ -197,8 +197,8 @@ TEST(ChangedRanges, that_move_the_origins_vertex_update_everything) {
 TEST(ChangedRanges, of_rules_that_read_their_children_update_everything) {
   for (const Rule rule : {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2}) {
     const Specimen& b = specimens()[2];
-    Body full(b.mesh, b.built, {.rules = {rule, Rule::exact}}),
-        partial(b.mesh, b.built, {.rules = {rule, Rule::exact}});
+    Body full(b.mesh, b.model, {.rules = {rule, Rule::exact}}),
+        partial(b.mesh, b.model, {.rules = {rule, Rule::exact}});
     Random random(3);
     std::vector<Vec3> positions = b.mesh.positions;
     const std::vector<VertexRange> ranges = move_some(positions, random);
@@ -210,7 +210,7 @@ TEST(ChangedRanges, of_rules_that_read_their_children_update_everything) {
 
 TEST(ChangedRanges, with_a_bad_vertex_keep_the_last_good_spheres_and_recover) {
   const Specimen& b = specimens()[2];
-  Body body(b.mesh, b.built), full(b.mesh, b.built);
+  Body body(b.mesh, b.model), full(b.mesh, b.model);
   const std::uint64_t rest = body.hash();
   std::vector<Vec3> positions = b.mesh.positions;
   const auto bad = static_cast<std::uint32_t>(positions.size() - 2);
@@ -231,7 +231,7 @@ TEST(ChangedRanges, with_a_bad_vertex_keep_the_last_good_spheres_and_recover) {
 
 TEST(ChangedRanges, outside_the_mesh_are_refused) {
   const Specimen& b = specimens()[0];
-  Body body(b.mesh, b.built);
+  Body body(b.mesh, b.model);
   const std::uint64_t before = body.hash();
   const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
   for (const VertexRange range : {VertexRange{0, count + 1}, VertexRange{5, 4}, VertexRange{count, 0xffffffffu}})

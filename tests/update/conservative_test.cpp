@@ -27,9 +27,9 @@ TEST(Conservative, rules_cover_every_level_of_every_body_in_every_motion) {
   std::size_t bare_without = 0;
   for (const Specimen& b : specimens())
     for (const auto& rules : rule_lists) {
-      Body body(b.mesh, b.built, {.rules = rules, .conservative = true});
+      Body body(b.mesh, b.model, {.rules = rules, .conservative = true});
       EXPECT_TRUE(certify(body.cover(), b.mesh.positions, spheres_of(body)).covered) << b.name << " at rest";
-      Body as_published(b.mesh, b.built, {.rules = rules});
+      Body as_published(b.mesh, b.model, {.rules = rules});
       for (const Motion& motion : motions()) {
         const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
         ASSERT_TRUE(body.update(positions));
@@ -41,15 +41,15 @@ TEST(Conservative, rules_cover_every_level_of_every_body_in_every_motion) {
   EXPECT_GT(bare_without, 20u) << "the option is needed";
 }
 
-TEST(Conservative, spheres_keep_their_centres_and_grow_to_the_farthest_owned_corner_only) {
+TEST(Conservative, spheres_keep_their_centers_and_grow_to_the_farthest_owned_corner_only) {
   for (const Specimen& b : specimens())
     for (const Rule rule : {Rule::traditional, Rule::approach1, Rule::approach2}) {
-      Body body(b.mesh, b.built, {.rules = {rule}, .conservative = true}), plain(b.mesh, b.built, {.rules = {rule}});
+      Body body(b.mesh, b.model, {.rules = {rule}, .conservative = true}), plain(b.mesh, b.model, {.rules = {rule}});
       const std::vector<Vec3> positions = test::noisy(b.mesh.positions, 0.2, 9);
       ASSERT_TRUE(body.update(positions));
       ASSERT_TRUE(plain.update(positions));
       const double size = bounding_box(b.mesh).diagonal();
-      for (std::uint32_t i = 0; i < b.built.tree.node_count(); ++i) {
+      for (std::uint32_t i = 0; i < b.model.tree.node_count(); ++i) {
         EXPECT_EQ(body.spheres()[i].center, plain.spheres()[i].center);
         double needed = 0;
         for (const std::uint32_t c : body.cover().region_corners(i))
@@ -63,14 +63,14 @@ TEST(Conservative, spheres_keep_their_centres_and_grow_to_the_farthest_owned_cor
 TEST(Conservative, bodies_return_to_rest_and_change_nothing_under_exact) {
   const Specimen& b = specimens()[2];
   for (const auto& rules : rule_lists) {
-    Body body(b.mesh, b.built, {.rules = rules, .conservative = true});
+    Body body(b.mesh, b.model, {.rules = rules, .conservative = true});
     const std::uint64_t rest = body.hash();
     ASSERT_TRUE(body.update(test::noisy(b.mesh.positions, 0.3, 2)));
     EXPECT_NE(body.hash(), rest);
     ASSERT_TRUE(body.update(b.mesh.positions));
     EXPECT_EQ(body.hash(), rest);
   }
-  EXPECT_EQ(Body(b.mesh, b.built, {.conservative = true}).hash(), Body(b.mesh, b.built).hash());
+  EXPECT_EQ(Body(b.mesh, b.model, {.conservative = true}).hash(), Body(b.mesh, b.model).hash());
 }
 
 }  // namespace

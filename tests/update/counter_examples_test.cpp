@@ -25,13 +25,13 @@ bool contains(const Sphere& s, const Vec3& p) {
   return distance(s.center, p) <= s.radius;
 }
 
-// All corners keep their distance from the centre, so the radius stays; yet points between them move out.
+// All corners keep their distance from the center, so the radius stays; yet points between them move out.
 TEST(CounterExamples, approach1_leaf_measures_stretch_only_towards_vertices) {
   const double L = 2.0, r = 1.0, s = 1.3;
   const Mesh mesh = square(L / std::sqrt(2.0));
   const Sphere leaf{{0, 0, 0}, r};
-  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 3}, std::span(&leaf, 1));
-  Body body(mesh, built, only(Rule::approach1));
+  const CoveredTree model = test::root_with_leaves(mesh, {{0, 0, 0}, 3}, std::span(&leaf, 1));
+  Body body(mesh, model, only(Rule::approach1));
   std::vector<Vec3> positions;
   for (const Vec3& p : mesh.positions) positions.push_back({s * p.x, std::sqrt(2 - s * s) * p.y, 0});
   ASSERT_TRUE(body.update(positions));
@@ -45,8 +45,8 @@ TEST(CounterExamples, approach1_leaf_measures_stretch_only_towards_vertices) {
 TEST(CounterExamples, approach2_leaf_loses_an_enclosed_vertex) {
   const Mesh mesh{{{-1, 0, 0}, {0.2, 0, 0}, {0.2, 0, 0}}, {{0, 1, 2}}};
   const Sphere leaf{{0, 0, 0}, 0.3};
-  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, std::span(&leaf, 1));
-  Body body(mesh, built, only(Rule::approach2));
+  const CoveredTree model = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, std::span(&leaf, 1));
+  Body body(mesh, model, only(Rule::approach2));
   const std::vector<Vec3> positions{{-1, 0, 0}, {0.6, 0, 0}, {0.6, 0, 0}};
   ASSERT_TRUE(body.update(positions));
   const Sphere now = body.sphere(1);
@@ -130,12 +130,12 @@ TEST_F(StretchedSquare, exact_covers) {
 // Boxes do not turn: a rigid rotation leaves surface bare under approach 2, and no surface under exact.
 TEST(CounterExamples, approach2_is_not_rotation_neutral) {
   const test::Specimen& b = test::specimens()[2];
-  Body body(b.mesh, b.built, only(Rule::approach2));
+  Body body(b.mesh, b.model, only(Rule::approach2));
   const std::vector<Vec3> positions = test::rotated(b.mesh.positions, {1, 1, 1}, 90);
   ASSERT_TRUE(body.update(positions));
   std::vector<Sphere> spheres;
   body.copy_spheres(spheres);
-  EXPECT_GT(certify(b.built.cover, positions, spheres).worst_excess, 0.01);
+  EXPECT_GT(certify(b.model.cover, positions, spheres).worst_excess, 0.01);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using test::nan;
 
 TEST(UpdateErrors, a_wrong_count_is_reported_and_changes_nothing) {
   const Specimen& b = specimens()[0];
-  Body body(b.mesh, b.built);
+  Body body(b.mesh, b.model);
   ASSERT_TRUE(body.update(test::noisy(b.mesh.positions, 0.1, 1)));
   const std::uint64_t last_good = body.hash();
   std::vector<Vec3> positions = b.mesh.positions;
@@ -51,7 +51,7 @@ TEST(UpdateErrors, an_index_map_that_leaves_its_nodes_is_refused) {
 // The caller's numbering of vertices counts, not that of the nodes.
 TEST(UpdateErrors, the_bad_vertex_of_an_indexed_view_is_a_vertex) {
   const Specimen& b = specimens()[0];
-  Body body(b.mesh, b.built);
+  Body body(b.mesh, b.model);
   std::vector<Vec3> nodes(1000, Vec3{nan, nan, nan});
   std::vector<std::uint32_t> index;
   for (std::uint32_t i = 0; i < b.mesh.vertex_count(); ++i) {
@@ -69,7 +69,7 @@ TEST(UpdateErrors, the_lowest_bad_vertex_is_reported_whatever_the_workers) {
   Workers three(3);
   for (const Specimen& b : specimens())
     for (const Rule rule : {Rule::exact, Rule::approach2}) {
-      Body body(b.mesh, b.built, {.rules = {rule}, .details = {}});
+      Body body(b.mesh, b.model, {.rules = {rule}, .details = {}});
       std::vector<Vec3> good = b.mesh.positions;
       for (Vec3& p : good) p = p * 1.25;
       ASSERT_TRUE(body.update(good));
@@ -97,7 +97,7 @@ TEST(UpdateErrors, the_lowest_bad_vertex_is_reported_whatever_the_workers) {
 
 TEST(UpdateErrors, float_positions_are_checked_as_well) {
   const Specimen& b = specimens()[2];
-  Body body(b.mesh, b.built);
+  Body body(b.mesh, b.model);
   std::vector<Vec3f> positions;
   for (const Vec3& p : b.mesh.positions) positions.emplace_back(p);
   ASSERT_TRUE(body.update(positions));
@@ -116,7 +116,7 @@ TEST(UpdateErrors, vertices_without_a_facet_are_not_read) {
   const Specimen& soup = specimens()[4];
   ASSERT_TRUE(std::isnan(soup.mesh.positions[0].x)) << "every other vertex of this body is unused";
   for (const Rule rule : position_rules()) {
-    Body body(soup.mesh, soup.built, {.rules = {rule}, .details = {}});
+    Body body(soup.mesh, soup.model, {.rules = {rule}, .details = {}});
     std::vector<Vec3> positions = soup.mesh.positions;
     const UpdateStatus status = body.update(positions);
     ASSERT_TRUE(status);
@@ -133,10 +133,10 @@ TEST(UpdateErrors, what_does_not_belong_together_is_refused) {
   const Specimen& b = specimens()[2];
   const auto refuse = [&](const auto& spoil, const char* what) {
     Mesh mesh = b.mesh;
-    CoveredTree built = b.built;
+    CoveredTree model = b.model;
     UpdateOptions options;
-    spoil(mesh, built, options);
-    EXPECT_THROW(Body(mesh, built, options), std::invalid_argument) << what;
+    spoil(mesh, model, options);
+    EXPECT_THROW(Body(mesh, model, options), std::invalid_argument) << what;
   };
   refuse([](Mesh&, CoveredTree&, UpdateOptions& o) { o.rules.clear(); }, "no rules");
   refuse([](Mesh&, CoveredTree&, UpdateOptions& o) { o.details.distance_floor = -0.1; }, "negative floor");
@@ -164,15 +164,15 @@ TEST(UpdateErrors, what_does_not_belong_together_is_refused) {
          "cut point off the mesh");
   refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] += 0.5; }, "weights not 1");
   refuse([](Mesh&, CoveredTree& t, UpdateOptions&) { t.cover.cut_points[2].weight[0] = nan; }, "weight not a number");
-  EXPECT_NO_THROW(Body(b.mesh, b.built));
+  EXPECT_NO_THROW(Body(b.mesh, b.model));
 }
 
 TEST(UpdateErrors, more_rules_than_levels_and_the_right_hash_are_fine) {
   Specimen b = specimens()[0];
-  b.built.report.mesh_hash = mesh_hash(b.mesh);
-  const Body body(b.mesh, b.built, {.rules = std::vector<Rule>(20, Rule::exact), .details = {}});
+  b.model.report.mesh_hash = mesh_hash(b.mesh);
+  const Body body(b.mesh, b.model, {.rules = std::vector<Rule>(20, Rule::exact), .details = {}});
   EXPECT_EQ(body.options().rules.size(), 20u);
-  EXPECT_EQ(body.hash(), Body(b.mesh, b.built).hash());
+  EXPECT_EQ(body.hash(), Body(b.mesh, b.model).hash());
 }
 
 }  // namespace

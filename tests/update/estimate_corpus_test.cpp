@@ -13,7 +13,7 @@ namespace {
 
 class EstimateCorpus : public testing::TestWithParam<const char*> {};
 
-TEST_P(EstimateCorpus, agrees_with_voxels_on_scanned_modelled_and_machined_bodies) {
+TEST_P(EstimateCorpus, agrees_with_voxels_on_scanned_modeled_and_machined_bodies) {
   const auto file = test::corpus_file(std::string(GetParam()) + ".off");
   if (file.empty()) GTEST_SKIP() << test::no_corpus;
   test::expect_estimates_near_voxels(GetParam(), read_mesh(file));

@@ -25,11 +25,11 @@ using test::specimens;
 constexpr std::array all_k{6, 14, 18, 26};
 
 // Least and largest projection of a node's region, over all its corners, in double.
-std::pair<double, double> extent(const CoveredTree& built, std::uint32_t node, const Vec3& direction,
+std::pair<double, double> extent(const CoveredTree& model, std::uint32_t node, const Vec3& direction,
                                  const Vec3& origin, const std::vector<Vec3>& positions) {
   double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-  for (const std::uint32_t c : built.cover.region_corners(node)) {
-    const double on = dot(direction, corner_position(built.cover, c, positions) - origin);
+  for (const std::uint32_t c : model.cover.region_corners(node)) {
+    const double on = dot(direction, corner_position(model.cover, c, positions) - origin);
     lower = std::min(lower, on), upper = std::max(upper, on);
   }
   return {lower, upper};
@@ -43,7 +43,7 @@ void expect_tight_cover(const KDopTree& dops, const Specimen& b, const std::vect
       largest = std::max({largest, max_norm(positions[v] - dops.origin()), max_norm(positions[v])});
   for (std::uint32_t node = 0; node < dops.node_count(); ++node)
     for (std::size_t i = 0; i < dops.directions().size(); ++i) {
-      const auto [lower, upper] = extent(b.built, node, dops.directions()[i], dops.origin(), positions);
+      const auto [lower, upper] = extent(b.model, node, dops.directions()[i], dops.origin(), positions);
       const double low = static_cast<double>(dops.lower(node)[i]), high = static_cast<double>(dops.upper(node)[i]);
       // No tolerance: rounding cannot lose a corner.
       ASSERT_LE(low, lower) << b.name << ", " << what << ", k " << dops.k() << ", node " << node << ", slab " << i;
@@ -56,7 +56,7 @@ void expect_tight_cover(const KDopTree& dops, const Specimen& b, const std::vect
 TEST(KDopTree, every_node_contains_what_it_owns_and_hardly_more) {
   for (const Specimen& b : specimens())
     for (const int k : all_k) {
-      KDopTree dops(b.mesh, b.built, k);
+      KDopTree dops(b.mesh, b.model, k);
       expect_tight_cover(dops, b, b.mesh.positions, "rest");
       for (const test::Motion& motion : motions()) {
         const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
@@ -72,7 +72,7 @@ TEST(KDopTree, being_far_away_small_or_large_loses_no_corner) {
     for (const double away : {0.0, 1e5, 1e9}) {
       Specimen moved = b;
       moved.mesh.positions = test::translated(test::scaled(b.mesh.positions, scale), {away * scale, -away * scale, 0});
-      KDopTree dops(moved.mesh, moved.built, 26);
+      KDopTree dops(moved.mesh, moved.model, 26);
       ASSERT_TRUE(dops.update(test::noisy(moved.mesh.positions, 0.1 * scale, 3)));
       expect_tight_cover(dops, moved, test::noisy(moved.mesh.positions, 0.1 * scale, 3), "far away");
     }
@@ -80,9 +80,9 @@ TEST(KDopTree, being_far_away_small_or_large_loses_no_corner) {
 
 TEST(KDopTree, inner_nodes_are_the_unions_of_their_children) {
   for (const Specimen& b : specimens()) {
-    KDopTree dops(b.mesh, b.built, 26);
+    KDopTree dops(b.mesh, b.model, 26);
     ASSERT_TRUE(dops.update(test::noisy(b.mesh.positions, 0.2, 1)));
-    const SphereTree& tree = b.built.tree;
+    const SphereTree& tree = b.model.tree;
     for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
       if (tree.is_leaf(node)) continue;
       for (std::size_t i = 0; i < 13; ++i) {
@@ -100,9 +100,9 @@ TEST(KDopTree, inner_nodes_are_the_unions_of_their_children) {
 
 TEST(KDopTree, more_slabs_cut_off_more_and_share_the_bounds_of_fewer) {
   const Specimen& b = specimens()[2];
-  KDopTree all(b.mesh, b.built, 26);
+  KDopTree all(b.mesh, b.model, 26);
   for (const int k : {6, 14, 18}) {
-    KDopTree some(b.mesh, b.built, k);
+    KDopTree some(b.mesh, b.model, k);
     for (std::uint32_t node = 0; node < some.node_count(); ++node)
       for (std::size_t i = 0; i < some.directions().size(); ++i) {
         const auto same = std::find(all.directions().begin(), all.directions().end(), some.directions()[i]);
@@ -116,7 +116,7 @@ TEST(KDopTree, bits_depend_on_positions_alone) {
   Workers three(3);
   for (const Specimen& b : specimens())
     for (const int k : all_k) {
-      KDopTree dops(b.mesh, b.built, k);
+      KDopTree dops(b.mesh, b.model, k);
       const std::uint64_t rest = dops.hash();
       const std::vector<Vec3> moved = test::noisy(b.mesh.positions, 0.3, 2);
       ASSERT_TRUE(dops.update(moved));
@@ -131,9 +131,9 @@ TEST(KDopTree, bits_depend_on_positions_alone) {
 
 TEST(KDopTree, bad_input_is_named_and_changes_nothing) {
   const Specimen& b = specimens()[0];
-  for (const int k : {0, 4, 8, 24, 27}) EXPECT_THROW(KDopTree(b.mesh, b.built, k), std::invalid_argument);
-  EXPECT_THROW(KDopTree(specimens()[1].mesh, b.built, 6), std::invalid_argument);
-  KDopTree dops(b.mesh, b.built, 14);
+  for (const int k : {0, 4, 8, 24, 27}) EXPECT_THROW(KDopTree(b.mesh, b.model, k), std::invalid_argument);
+  EXPECT_THROW(KDopTree(specimens()[1].mesh, b.model, 6), std::invalid_argument);
+  KDopTree dops(b.mesh, b.model, 14);
   ASSERT_TRUE(dops.update(test::noisy(b.mesh.positions, 0.1, 1)));
   const std::uint64_t last_good = dops.hash();
   std::vector<Vec3> positions = b.mesh.positions;

@@ -14,11 +14,11 @@
 namespace morula::test {
 
 void expect_estimates_near_voxels(const std::string& name, const Mesh& mesh) {
-  const CoveredTree built = build(mesh, {.method = Method::morula, .depth = 3, .quality = Quality::fast});
-  Body body(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::optimized, .depth = 3, .quality = Quality::fast});
+  Body body(mesh, model);
   LoosenessEstimator estimator(mesh);
   const LoosenessMeter meter(mesh);
-  std::vector<double> estimate(built.tree.level_count());
+  std::vector<double> estimate(model.tree.level_count());
   std::vector<Sphere> spheres;
   for (const Deformation& deformation :
        {Deformation(Rotate{0}), Deformation(Stretch{1.4}), Deformation(Stretch{2}), Deformation(Twist{180}),
@@ -31,7 +31,7 @@ void expect_estimates_near_voxels(const std::string& name, const Mesh& mesh) {
     estimator.estimate(body, estimate);
     for (std::size_t level = 0; level < estimate.size(); ++level) {
       const auto measured =
-          meter.measure(positions, level_set_spheres(built.tree, spheres, level), {.resolution = 256}).looseness;
+          meter.measure(positions, level_set_spheres(model.tree, spheres, level), {.resolution = 256}).looseness;
       ASSERT_TRUE(measured) << name;
       if (*measured <= 1.5) {
         EXPECT_NEAR(estimate[level], *measured, 0.15 * *measured)

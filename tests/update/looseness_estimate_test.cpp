@@ -28,14 +28,14 @@ INSTANTIATE_TEST_SUITE_P(Sample, EstimateOf, testing::Values("limb", "bar", "cap
 
 TEST(LoosenessEstimate, of_thousands_of_spheres_agrees_with_voxels) {
   const Mesh mesh = sample_body("blob", 40);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 5});
-  ASSERT_GT(level_set_spheres(built.tree, built.tree.spheres, 5).size(), 2000u);
-  const Body body(mesh, built);
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 5});
+  ASSERT_GT(level_set_spheres(model.tree, model.tree.spheres, 5).size(), 2000u);
+  const Body body(mesh, model);
   const std::vector<double> estimate = estimate_looseness(mesh, body, mesh.positions);
   const LoosenessMeter meter(mesh);
   for (std::size_t level = 1; level < estimate.size(); ++level) {
     const auto measured =
-        meter.measure(mesh.positions, level_set_spheres(built.tree, built.tree.spheres, level), {.resolution = 256});
+        meter.measure(mesh.positions, level_set_spheres(model.tree, model.tree.spheres, level), {.resolution = 256});
     ASSERT_TRUE(measured.looseness);
     EXPECT_NEAR(estimate[level], *measured.looseness, 0.15 * *measured.looseness) << "level " << level;
   }
@@ -120,14 +120,14 @@ TEST(LoosenessEstimate, has_the_exact_volume_of_a_box_in_every_pose) {
 
 TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
   const test::Specimen& b = test::specimens()[2];
-  const std::vector<double> expected = estimate_looseness(b.mesh, Body(b.mesh, b.built), b.mesh.positions);
+  const std::vector<double> expected = estimate_looseness(b.mesh, Body(b.mesh, b.model), b.mesh.positions);
 
-  Body far(b.mesh, b.built);
+  Body far(b.mesh, b.model);
   const auto there = test::translated(b.mesh.positions, {1e6, -2e6, 5e5});
   ASSERT_TRUE(far.update(there));
   const std::vector<double> moved = estimate_looseness(b.mesh, far, there);
 
-  Body narrow(b.mesh, b.built);
+  Body narrow(b.mesh, b.model);
   std::vector<Vec3f> floats;
   for (const Vec3& p : b.mesh.positions) floats.emplace_back(p);
   ASSERT_TRUE(narrow.update(floats));
@@ -135,7 +135,7 @@ TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
 
   Mesh turned = b.mesh;
   for (Facet& f : turned.facets) std::swap(f[1], f[2]);
-  const std::vector<double> inside_out = estimate_looseness(turned, Body(b.mesh, b.built), b.mesh.positions);
+  const std::vector<double> inside_out = estimate_looseness(turned, Body(b.mesh, b.model), b.mesh.positions);
 
   for (std::size_t level = 0; level < expected.size(); ++level) {
     EXPECT_GT(expected[level], 0);
@@ -147,7 +147,7 @@ TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
 
 TEST(LoosenessEstimate, gives_finite_figures_for_any_mesh_and_motion) {
   for (const test::Specimen& b : test::specimens()) {
-    Body body(b.mesh, b.built);
+    Body body(b.mesh, b.model);
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(body.update(positions));
@@ -161,15 +161,15 @@ TEST(LoosenessEstimate, gives_finite_figures_for_any_mesh_and_motion) {
 TEST(LoosenessEstimate, finds_coarse_levels_of_open_meshes_looser) {
   const test::Specimen& plate = test::specimens()[1];
   const std::vector<double> looseness =
-      estimate_looseness(plate.mesh, Body(plate.mesh, plate.built), plate.mesh.positions);
+      estimate_looseness(plate.mesh, Body(plate.mesh, plate.model), plate.mesh.positions);
   for (std::size_t level = 1; level < looseness.size(); ++level) EXPECT_LT(looseness[level], looseness[level - 1]);
   EXPECT_GT(looseness.back(), 0);
 }
 
 TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_between) {
   const Mesh mesh = sample_body("limb", 20);
-  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 2});
-  const Body body(mesh, built), other(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
+  const CoveredTree model = build(mesh, {.method = Method::grid, .depth = 2});
+  const Body body(mesh, model), other(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
   LoosenessEstimator estimator(mesh);
   std::vector<double> first(3), second(3), longer(5);
   estimator.estimate(body, first);
@@ -186,11 +186,11 @@ TEST(LoosenessEstimate, gives_the_same_bits_again_and_for_another_body_in_betwee
 TEST(LoosenessEstimate, in_steps_gives_the_bits_that_it_gives_at_once) {
   for (const std::size_t which : {1u, 2u}) {
     const test::Specimen& b = test::specimens()[which];
-    Body body(b.mesh, b.built);
+    Body body(b.mesh, b.model);
     const std::vector<Vec3> away = test::noisy(b.mesh.positions, 0.1, 3);
     ASSERT_TRUE(body.update(away));
     LoosenessEstimator at_once(b.mesh), in_steps(b.mesh);
-    std::vector<double> expected(b.built.tree.level_count() + 1), figures(expected.size());
+    std::vector<double> expected(b.model.tree.level_count() + 1), figures(expected.size());
     at_once.pose(away);
     at_once.estimate(body, expected);
     EXPECT_FALSE(in_steps.step(figures)) << "nothing is under way";

@@ -65,13 +65,13 @@ std::vector<Vec3> moved_backwards(const Mesh& mesh, const Modes& modes, const Co
 
 // [james2004] over the corners that the node owns, as it is written.
 Sphere reference(const Specimen& b, const Modes& modes, const Coordinates& q, std::uint32_t node) {
-  Sphere s{b.built.tree.spheres[node].center, 0};
-  const auto corners = b.built.cover.region_corners(node);
+  Sphere s{b.model.tree.spheres[node].center, 0};
+  const auto corners = b.model.cover.region_corners(node);
   for (const std::uint32_t c : corners)
-    s.radius = std::max(s.radius, distance(s.center, corner_position(b.built.cover, c, b.mesh.positions)));
+    s.radius = std::max(s.radius, distance(s.center, corner_position(b.model.cover, c, b.mesh.positions)));
   for (std::size_t j = 0; j < q.size(); ++j) {
     std::vector<Vec3> rows;
-    for (const std::uint32_t c : corners) rows.push_back(corner_position(b.built.cover, c, modes.mode(j)));
+    for (const std::uint32_t c : corners) rows.push_back(corner_position(b.model.cover, c, modes.mode(j)));
     const Vec3 shift = enclosing_sphere(rows).center;
     s.center += q[j] * shift;
     s.radius += std::abs(q[j]) * farthest_distance(shift, rows);
@@ -82,11 +82,11 @@ Sphere reference(const Specimen& b, const Modes& modes, const Coordinates& q, st
 TEST(Modal, spheres_are_those_of_the_formula) {
   for (const Specimen& b : specimens())
     for (const NamedModes& m : all_modes(b.mesh)) {
-      Body body(b.mesh, b.built, modal_options(m.modes, Bound::shift));
+      Body body(b.mesh, b.model, modal_options(m.modes, Bound::shift));
       for (const double scale : {0.0, 0.01, 1.0, 300.0}) {
         const Coordinates q = random_coordinates(m.modes.mode_count, scale, 3);
         ASSERT_TRUE(body.update_modal(q));
-        for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
+        for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
           const Sphere expected = reference(b, m.modes, q, node), actual = body.sphere(node);
           const double tolerance = 1e-5 * (1 + expected.radius + 30 * scale);
           EXPECT_LE(distance(actual.center, expected.center), tolerance) << b.name << ' ' << m.name << ' ' << node;
@@ -100,14 +100,14 @@ TEST(Modal, every_level_covers_at_any_coordinates) {
   for (const Specimen& b : specimens())
     for (const NamedModes& m : all_modes(b.mesh))
       for (const Bound bound : {Bound::shift, Bound::gradient}) {
-        Body body(b.mesh, b.built, modal_options(m.modes, bound));
+        Body body(b.mesh, b.model, modal_options(m.modes, bound));
         std::uint64_t seed = 1;
         for (const double scale : {0.0, 1e-9, 1e-3, 0.1, 1.0, 50.0, 1e6, 1e14})
           for (int k = 0; k < 4; ++k) {
             const Coordinates q = random_coordinates(m.modes.mode_count, scale, seed++);
             ASSERT_TRUE(body.update_modal(q));
             for (const auto& positions : {moved(b.mesh, m.modes, q), moved_backwards(b.mesh, m.modes, q)}) {
-              const Certificate proof = certify(b.built.cover, positions, spheres_of(body));
+              const Certificate proof = certify(b.model.cover, positions, spheres_of(body));
               EXPECT_TRUE(proof.covered) << b.name << ' ' << m.name << " by " << scale << ": " << proof.worst_excess;
             }
           }
@@ -120,15 +120,15 @@ TEST(Modal, bodies_far_from_the_origin_and_modes_of_any_size_are_covered) {
     for (const double unit : {1e-200, 1e-3, 1e4, 1e150}) {
       Mesh mesh = b.mesh;
       mesh.positions = test::translated(mesh.positions, {offset, -offset, 0.5 * offset});
-      const CoveredTree built = test::hand_made_tree(mesh, {.depth = 3, .cut_facets = true});
+      const CoveredTree model = test::hand_made_tree(mesh, {.depth = 3, .cut_facets = true});
       Modes modes = test::smooth_modes(b.mesh, 5);
       for (Vec3& u : modes.displacements) u *= unit;
-      Body body(mesh, built, modal_options(modes));
+      Body body(mesh, model, modal_options(modes));
       for (int k = 0; k < 5; ++k) {
         Coordinates q = random_coordinates(5, 0.5, 40 + static_cast<std::uint64_t>(k));
         for (double& x : q) x /= unit;
         ASSERT_TRUE(body.update_modal(q));
-        const Certificate proof = certify(built.cover, moved(mesh, modes, q), spheres_of(body));
+        const Certificate proof = certify(model.cover, moved(mesh, modes, q), spheres_of(body));
         EXPECT_TRUE(proof.covered) << offset << ' ' << unit << ": " << proof.worst_excess;
         // Nor is the size of the modes paid for in radii.
         EXPECT_LT(body.sphere(0).radius, 20);
@@ -139,19 +139,19 @@ TEST(Modal, bodies_far_from_the_origin_and_modes_of_any_size_are_covered) {
 TEST(Modal, gradients_are_never_looser_and_follow_turning) {
   for (const Specimen& b : specimens())
     for (const NamedModes& m : all_modes(b.mesh)) {
-      Body shift(b.mesh, b.built, modal_options(m.modes, Bound::shift));
-      Body gradient(b.mesh, b.built, modal_options(m.modes, Bound::gradient));
+      Body shift(b.mesh, b.model, modal_options(m.modes, Bound::shift));
+      Body gradient(b.mesh, b.model, modal_options(m.modes, Bound::gradient));
       for (int k = 0; k < 4; ++k) {
         const Coordinates q = random_coordinates(m.modes.mode_count, 0.7, 90 + static_cast<std::uint64_t>(k));
         shift.update_modal(q);
         gradient.update_modal(q);
-        for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node)
+        for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node)
           EXPECT_LE(gradient.sphere(node).radius, shift.sphere(node).radius * (1 + 1e-6) + 1e-9)
               << b.name << ' ' << node;
       }
     }
   const Specimen& ball = specimens()[0];
-  Body body(ball.mesh, ball.built, modal_options(test::linear_modes(ball.mesh)));
+  Body body(ball.mesh, ball.model, modal_options(test::linear_modes(ball.mesh)));
   const std::vector<Sphere> rest = spheres_of(body);
   for (const double degrees : {1.0, 37.0, 90.0, 180.0}) {
     const std::vector<Vec3> axes = test::rotated({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {1, 2, 3}, degrees);
@@ -169,7 +169,7 @@ TEST(Modal, at_rest_the_spheres_are_those_of_rest_bit_for_bit) {
     const Modes modes = test::smooth_modes(b.mesh, 3);
     for (const std::vector<Rule>& rules :
          {std::vector{Rule::modal}, std::vector{Rule::exact, Rule::modal}, std::vector{Rule::modal, Rule::approach1}}) {
-      Body body(b.mesh, b.built, modal_options(modes, Bound::gradient, rules));
+      Body body(b.mesh, b.model, modal_options(modes, Bound::gradient, rules));
       const std::uint64_t rest = body.hash();
       ASSERT_TRUE(body.update_modal(Coordinates{1.5, -20, 3e3}));
       EXPECT_NE(body.hash(), rest);
@@ -177,12 +177,12 @@ TEST(Modal, at_rest_the_spheres_are_those_of_rest_bit_for_bit) {
       EXPECT_EQ(body.hash(), rest) << b.name;
       ASSERT_TRUE(body.update_modal(Coordinates{-0.0, 0, -0.0}));
       EXPECT_EQ(body.hash(), rest) << b.name;
-      EXPECT_EQ(body.rest_tree().spheres[0].center.x, b.built.tree.spheres[0].center.x);
+      EXPECT_EQ(body.rest_tree().spheres[0].center.x, b.model.tree.spheres[0].center.x);
     }
-    Body modal(b.mesh, b.built, modal_options(modes));
-    for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
-      EXPECT_LE(distance(modal.sphere(node).center, b.built.tree.spheres[node].center), 1e-6);
-      EXPECT_LE(modal.sphere(node).radius, b.built.tree.spheres[node].radius * (1 + 1e-5) + 1e-5);
+    Body modal(b.mesh, b.model, modal_options(modes));
+    for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
+      EXPECT_LE(distance(modal.sphere(node).center, b.model.tree.spheres[node].center), 1e-6);
+      EXPECT_LE(modal.sphere(node).radius, b.model.tree.spheres[node].radius * (1 + 1e-5) + 1e-5);
     }
   }
 }
@@ -193,11 +193,11 @@ TEST(Modal, same_bits_for_any_number_of_workers) {
     const Coordinates q{0.3, -0.2, 0.7, 0.05, -1};
     for (const std::vector<Rule>& rules :
          {std::vector{Rule::modal}, std::vector{Rule::approach2, Rule::modal, Rule::exact}}) {
-      Body one(b.mesh, b.built, modal_options(modes, Bound::gradient, rules));
+      Body one(b.mesh, b.model, modal_options(modes, Bound::gradient, rules));
       ASSERT_TRUE(one.update_modal(q));
       for (const unsigned count : {2u, 3u, 8u}) {
         Workers workers(count);
-        Body other(b.mesh, b.built, modal_options(modes, Bound::gradient, rules), workers);
+        Body other(b.mesh, b.model, modal_options(modes, Bound::gradient, rules), workers);
         ASSERT_TRUE(other.update_modal(q, workers));
         EXPECT_EQ(other.hash(), one.hash()) << b.name << ", " << count;
       }
@@ -208,12 +208,12 @@ TEST(Modal, same_bits_for_any_number_of_workers) {
 TEST(Modal, no_vertex_is_read_when_all_levels_are_modal) {
   const Specimen& b = specimens()[2];
   const Modes modes = test::smooth_modes(b.mesh, 3);
-  Body modal(b.mesh, b.built, modal_options(modes));
+  Body modal(b.mesh, b.model, modal_options(modes));
   const UpdateStatus status = modal.update_modal(Coordinates{1, 2, 3});
   EXPECT_TRUE(status);
-  EXPECT_EQ(status.nodes_updated, b.built.tree.node_count());
+  EXPECT_EQ(status.nodes_updated, b.model.tree.node_count());
   EXPECT_EQ(status.vertices_read + status.cut_points_moved + status.points_tested, 0u);
-  Body mixed(b.mesh, b.built, modal_options(modes, Bound::gradient, {Rule::modal, Rule::exact}));
+  Body mixed(b.mesh, b.model, modal_options(modes, Bound::gradient, {Rule::modal, Rule::exact}));
   EXPECT_EQ(mixed.update_modal(Coordinates{1, 2, 3}).vertices_read, b.mesh.vertex_count());
 }
 
@@ -221,43 +221,43 @@ TEST(Modal, levels_mix_and_each_does_what_it_does_alone) {
   for (const Specimen& b : specimens()) {
     const Modes modes = test::smooth_modes(b.mesh, 4);
     const Coordinates q{0.4, -0.3, 0.2, 0.9};
-    Body modal(b.mesh, b.built, modal_options(modes));
-    Body exact(b.mesh, b.built, {.rules = {Rule::exact}});
-    Body exact_of_modes(b.mesh, b.built, modal_options(modes, Bound::gradient, {Rule::exact}));
-    Body mixed(b.mesh, b.built, modal_options(modes, Bound::gradient, {Rule::exact, Rule::modal}));
+    Body modal(b.mesh, b.model, modal_options(modes));
+    Body exact(b.mesh, b.model, {.rules = {Rule::exact}});
+    Body exact_of_modes(b.mesh, b.model, modal_options(modes, Bound::gradient, {Rule::exact}));
+    Body mixed(b.mesh, b.model, modal_options(modes, Bound::gradient, {Rule::exact, Rule::modal}));
     const std::vector<Vec3> positions = moved(b.mesh, modes, q);
     ASSERT_TRUE(modal.update_modal(q) && mixed.update_modal(q) && exact_of_modes.update_modal(q));
     ASSERT_TRUE(exact.update(positions));
     EXPECT_EQ(exact_of_modes.hash(), exact.hash()) << b.name;
     EXPECT_EQ(mixed.origin(), modal.origin()) << b.name;
     EXPECT_EQ(mixed.spheres()[0], exact.spheres()[0]) << b.name;
-    for (std::uint32_t node = 1; node < b.built.tree.node_count(); ++node)
+    for (std::uint32_t node = 1; node < b.model.tree.node_count(); ++node)
       EXPECT_EQ(mixed.spheres()[node], modal.spheres()[node]) << b.name << ' ' << node;
-    EXPECT_TRUE(certify(b.built.cover, positions, spheres_of(mixed)).covered) << b.name;
+    EXPECT_TRUE(certify(b.model.cover, positions, spheres_of(mixed)).covered) << b.name;
     ASSERT_TRUE(exact_of_modes.update(b.mesh.positions)) << "positions are as good, without modal levels";
   }
 }
 
 TEST(Modal, one_sphere_can_be_asked_for_alone) {
   const Specimen& b = specimens()[2];
-  Body body(b.mesh, b.built, modal_options(test::smooth_modes(b.mesh, 4)));
+  Body body(b.mesh, b.model, modal_options(test::smooth_modes(b.mesh, 4)));
   const std::uint64_t rest = body.hash();
   const Coordinates q{0.4, -0.3, 0, 0.9};
   std::vector<Sphere> lazy;
-  for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) lazy.push_back(body.modal_sphere(node, q));
+  for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) lazy.push_back(body.modal_sphere(node, q));
   EXPECT_EQ(body.hash(), rest);
   ASSERT_TRUE(body.update_modal(q));
   EXPECT_EQ(spheres_of(body), lazy);
   for (const Coordinates& bad : {Coordinates{1, 2, 3}, Coordinates{1, 2, 3, nan}, Coordinates{1, 2, 3, 1e30}})
     EXPECT_EQ(body.modal_sphere(3, bad).radius, infinity);
-  EXPECT_EQ(Body(b.mesh, b.built).modal_sphere(3, q).radius, infinity);
+  EXPECT_EQ(Body(b.mesh, b.model).modal_sphere(3, q).radius, infinity);
 }
 
 TEST(Modal, bad_coordinates_are_reported_and_change_nothing) {
   const Specimen& b = specimens()[2];
   const Modes modes = test::smooth_modes(b.mesh, 3);
   for (const std::vector<Rule>& rules : {std::vector{Rule::modal}, std::vector{Rule::exact, Rule::modal}}) {
-    Body body(b.mesh, b.built, modal_options(modes, Bound::gradient, rules));
+    Body body(b.mesh, b.model, modal_options(modes, Bound::gradient, rules));
     ASSERT_TRUE(body.update_modal(Coordinates{1, 2, 3}));
     const std::uint64_t last_good = body.hash();
     const auto refuse = [&](const Coordinates& q, UpdateStatus::Code code, std::size_t first) {
@@ -280,7 +280,7 @@ TEST(Modal, bad_coordinates_are_reported_and_change_nothing) {
     ASSERT_TRUE(body.update_modal(Coordinates{1, 2, 3}));
     EXPECT_EQ(body.hash(), last_good);
   }
-  Body without(b.mesh, b.built);
+  Body without(b.mesh, b.model);
   EXPECT_EQ(without.update_modal(Coordinates{1, 2, 3}).code, UpdateStatus::Code::no_modes);
 }
 
@@ -290,7 +290,7 @@ TEST(Modal, modes_that_do_not_fit_are_refused_by_name) {
     UpdateOptions options = modal_options(test::smooth_modes(b.mesh, 3));
     spoil(options);
     try {
-      Body(b.mesh, b.built, options);
+      Body(b.mesh, b.model, options);
       ADD_FAILURE() << fragment;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(fragment), std::string::npos) << error.what();

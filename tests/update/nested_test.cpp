@@ -56,8 +56,8 @@ bool all_wrapped(const Body& body) {
 void expect_nested(const std::string& name, const Body& body) {
   EXPECT_LE(worst_excess(body), 0) << name;
   EXPECT_TRUE(certify_promised_nesting(body).nested) << name;
-  EXPECT_EQ(body.pose().nested, all_wrapped(body)) << name;
-  EXPECT_EQ(body.current_tree().nested, body.pose().nested) << name;
+  EXPECT_EQ(body.sphere_state().nested, all_wrapped(body)) << name;
+  EXPECT_EQ(body.current_tree().nested, body.sphere_state().nested) << name;
   const auto faults = validate(body.current_tree());
   EXPECT_TRUE(faults.empty()) << name << ": " << faults.front();
 }
@@ -80,9 +80,9 @@ const std::vector<UpdateOptions>& options_that_wrap() {
 TEST(Nested, spheres_of_the_rule_wrapped_contain_their_childrens_in_every_motion) {
   for (const test::Specimen& b : test::specimens())
     for (const UpdateOptions& options : options_that_wrap()) {
-      Body body(b.mesh, b.built, options);
-      const std::string rules = describe_rules(options.rules, b.built.tree.level_count());
-      EXPECT_TRUE(any_promises_nesting(body) || b.built.tree.level_count() == 1);
+      Body body(b.mesh, b.model, options);
+      const std::string rules = describe_rules(options.rules, b.model.tree.level_count());
+      EXPECT_TRUE(any_promises_nesting(body) || b.model.tree.level_count() == 1);
       expect_nested(b.name + ", " + rules + " at rest", body);
       const std::uint64_t rest = body.hash();
       for (const test::Motion& motion : test::motions()) {
@@ -100,8 +100,8 @@ TEST(Nested, spheres_of_the_rule_wrapped_contain_their_childrens_in_every_motion
 
 TEST(Nested, bodies_hold_far_away_at_any_size_and_on_aligned_meshes) {
   for (const test::NamedMesh& named : test::aligned_bodies()) {
-    const CoveredTree built = build(named.mesh, {.method = Method::octree, .branching = 4, .depth = 2, .nested = true});
-    Body body(named.mesh, built, {.rules = {Rule::wrapped}});
+    const CoveredTree model = build(named.mesh, {.method = Method::octree, .branching = 4, .depth = 2, .nested = true});
+    Body body(named.mesh, model, {.rules = {Rule::wrapped}});
     expect_nested(named.name, body);
     for (const double scale : {1e-25, 1e-9, 1.0, 1e9, 1e16})
       for (const double offset : {0.0, 1e3, 1e7, 1e12}) {
@@ -119,8 +119,8 @@ TEST(Nested, parents_of_spheres_whose_radii_stop_contain_them) {
   const Mesh mesh = test::icosphere(1);
   std::vector<Sphere> leaves;
   for (const double x : {-1.0, 1.0}) leaves.push_back({farthest_corner(mesh, {x, 0, 0}) * 0.999, 0.9});
-  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, leaves);
-  Body body(mesh, built, {.rules = {Rule::wrapped, Rule::approach1}});
+  const CoveredTree model = test::root_with_leaves(mesh, {{0, 0, 0}, 2}, leaves);
+  Body body(mesh, model, {.rules = {Rule::wrapped, Rule::approach1}});
   for (const std::uint64_t seed : {1, 2, 3}) {
     ASSERT_TRUE(body.update(test::noisy(test::scaled(mesh.positions, 0x1p52), 0x1p55, seed)));
     expect_nested("large", body);
@@ -130,7 +130,7 @@ TEST(Nested, parents_of_spheres_whose_radii_stop_contain_them) {
   }
 }
 
-// A convex function of the centre, made least by steps in all directions that shrink where none helps.
+// A convex function of the center, made least by steps in all directions that shrink where none helps.
 double smallest_reach(const Body& body, std::uint32_t parent) {
   const SphereTree& tree = body.rest_tree();
   static const std::vector<Vec3> directions = fibonacci_directions(100);
@@ -152,18 +152,18 @@ double smallest_reach(const Body& body, std::uint32_t parent) {
   return best;
 }
 
-TEST(Nested, centres_that_are_pulled_reach_their_children_with_little_more_than_the_least) {
+TEST(Nested, centers_that_are_pulled_reach_their_children_with_little_more_than_the_least) {
   for (const test::Specimen& b : test::specimens()) {
-    Body carried(b.mesh, b.built, {.rules = {Rule::wrapped, Rule::exact}});
+    Body carried(b.mesh, b.model, {.rules = {Rule::wrapped, Rule::exact}});
     Body pulled(
-        b.mesh, b.built,
+        b.mesh, b.model,
         {.rules = {Rule::wrapped, Rule::exact}, .details = {.wrapped_center = RuleOptions::WrappedCenter::smallest}});
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(carried.update(positions));
       ASSERT_TRUE(pulled.update(positions));
       EXPECT_LE(pulled.sphere(0).radius, carried.sphere(0).radius * (1 + 1e-6)) << b.name << ", " << motion.name;
-      if (b.built.tree.child_count[0] > 0) {
+      if (b.model.tree.child_count[0] > 0) {
         EXPECT_LE(pulled.sphere(0).radius, 1.05 * smallest_reach(pulled, 0)) << b.name << ", " << motion.name;
       }
     }
@@ -172,19 +172,19 @@ TEST(Nested, centres_that_are_pulled_reach_their_children_with_little_more_than_
 
 TEST(Nested, the_certificate_finds_a_body_that_is_not) {
   const Mesh mesh = test::icosphere(2);
-  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 2});
-  Body body(mesh, built, {.rules = {Rule::exact}});
+  const CoveredTree model = test::hand_made_tree(mesh, {.depth = 2});
+  Body body(mesh, model, {.rules = {Rule::exact}});
   EXPECT_FALSE(any_promises_nesting(body));
-  EXPECT_FALSE(body.pose().nested);
-  EXPECT_FALSE(certify_nesting(built.tree, test::spheres_of(body)).nested);
+  EXPECT_FALSE(body.sphere_state().nested);
+  EXPECT_FALSE(certify_nesting(model.tree, test::spheres_of(body)).nested);
 }
 
 TEST(Nested, spheres_at_rest_are_no_larger_than_the_trees) {
   const Mesh mesh = test::icosphere(3);
-  const CoveredTree built = build(mesh, {.method = Method::grid, .depth = 2, .nested = true});
-  const Body body(mesh, built, {.rules = {Rule::wrapped}});
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node)
-    EXPECT_LE(body.sphere(node).radius, built.tree.spheres[node].radius + 1e-5);
+  const CoveredTree model = build(mesh, {.method = Method::grid, .depth = 2, .nested = true});
+  const Body body(mesh, model, {.rules = {Rule::wrapped}});
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node)
+    EXPECT_LE(body.sphere(node).radius, model.tree.spheres[node].radius + 1e-5);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 class PlainRules {
  public:
   PlainRules(const RestFacts& facts, const RuleOptions& options)
-      : facts_(facts), mesh_(facts.mesh), tree_(facts.built.tree), options_(options) {}
+      : facts_(facts), mesh_(facts.mesh), tree_(facts.model.tree), options_(options) {}
 
   Sphere traditional(std::uint32_t node, bool by_area, const std::vector<Vec3>& now) const {
     const Sphere& rest = tree_.spheres[node];
@@ -129,8 +129,8 @@ class PlainRules {
 }  // namespace
 
 RestFacts::RestFacts(const Mesh& rest_mesh, const CoveredTree& rest_built)
-    : mesh(rest_mesh), built(rest_built), vertex_area(mesh.vertex_count()) {
-  const SphereTree& tree = built.tree;
+    : mesh(rest_mesh), model(rest_built), vertex_area(mesh.vertex_count()) {
+  const SphereTree& tree = model.tree;
   children.resize(tree.node_count());
   for (std::uint32_t i = 1; i < tree.node_count(); ++i) children[tree.parent[i]].push_back(i);
   for (const Sphere& ball : tree.spheres) {
@@ -156,7 +156,7 @@ RestFacts::RestFacts(const Mesh& rest_mesh, const CoveredTree& rest_built)
 Reference reference_update(const RestFacts& facts, const UpdateOptions& options, const std::vector<Vec3>& positions,
                            std::span<const Sphere> body_rest, std::span<const Sphere> body_now) {
   const Mesh& mesh = facts.mesh;
-  const SphereTree& tree = facts.built.tree;
+  const SphereTree& tree = facts.model.tree;
   const PlainRules plain(facts, options.details);
   Reference result{{tree.spheres.begin(), tree.spheres.end()}, tree.spheres};
   for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
@@ -192,11 +192,11 @@ Reference reference_update(const RestFacts& facts, const UpdateOptions& options,
   return result;
 }
 
-double owned_reach(const CoveredTree& built, std::uint32_t node, const Vec3& center,
+double owned_reach(const CoveredTree& model, std::uint32_t node, const Vec3& center,
                    const std::vector<Vec3>& positions) {
   double reach = 0;
-  for (const std::uint32_t c : built.cover.region_corners(node))
-    reach = std::max(reach, distance(center, corner_position(built.cover, c, positions)));
+  for (const std::uint32_t c : model.cover.region_corners(node))
+    reach = std::max(reach, distance(center, corner_position(model.cover, c, positions)));
   return reach;
 }
 

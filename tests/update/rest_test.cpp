@@ -44,7 +44,7 @@ std::vector<UpdateOptions> all_options() {
 TEST(Rest, every_rule_starts_at_rest_and_returns_to_it_bit_for_bit) {
   for (const Specimen& b : specimens())
     for (const UpdateOptions& options : all_options()) {
-      Body body(b.mesh, b.built, options);
+      Body body(b.mesh, b.model, options);
       const std::uint64_t start = body.hash();
       const Vec3 origin = body.origin();
       for (const test::Motion& motion : motions()) {
@@ -61,7 +61,7 @@ TEST(Rest, every_rule_starts_at_rest_and_returns_to_it_bit_for_bit) {
 TEST(Rest, spheres_depend_on_positions_alone) {
   for (const Specimen& b : specimens())
     for (const UpdateOptions& options : all_options()) {
-      Body straight(b.mesh, b.built, options), detour(b.mesh, b.built, options);
+      Body straight(b.mesh, b.model, options), detour(b.mesh, b.model, options);
       const std::vector<Vec3> goal = motions()[5].apply(b.mesh.positions);
       for (const test::Motion& motion : motions()) ASSERT_TRUE(detour.update(motion.apply(b.mesh.positions)));
       ASSERT_TRUE(straight.update(goal));
@@ -73,10 +73,10 @@ TEST(Rest, spheres_depend_on_positions_alone) {
 TEST(Rest, approaches_start_with_the_spheres_of_the_tree_rounded_up) {
   for (const Specimen& b : specimens())
     for (const Rule rule : {Rule::approach1, Rule::approach2}) {
-      const Body body(b.mesh, b.built, {.rules = {rule}, .details = {}});
+      const Body body(b.mesh, b.model, {.rules = {rule}, .details = {}});
       const double size = bounding_box(b.mesh).diagonal();
-      for (std::uint32_t i = 0; i < b.built.tree.node_count(); ++i) {
-        const Sphere &rest = b.built.tree.spheres[i], now = body.sphere(i);
+      for (std::uint32_t i = 0; i < b.model.tree.node_count(); ++i) {
+        const Sphere &rest = b.model.tree.spheres[i], now = body.sphere(i);
         EXPECT_LE(distance(now.center, rest.center) + rest.radius, now.radius * (1 + 1e-12))
             << b.name << ", node " << i;
         EXPECT_LE(now.radius, rest.radius + 1e-6 * size) << b.name << ", node " << i;
@@ -86,11 +86,11 @@ TEST(Rest, approaches_start_with_the_spheres_of_the_tree_rounded_up) {
 
 TEST(Rest, exact_starts_within_the_spheres_of_the_tree) {
   for (const Specimen& b : specimens()) {
-    const Body body(b.mesh, b.built);
+    const Body body(b.mesh, b.model);
     const double size = bounding_box(b.mesh).diagonal();
-    for (std::uint32_t i = 0; i < b.built.tree.node_count(); ++i) {
-      EXPECT_LE(distance(body.sphere(i).center, b.built.tree.spheres[i].center), 1e-6 * size);
-      EXPECT_LE(body.sphere(i).radius, b.built.tree.spheres[i].radius + 1e-5 * size);
+    for (std::uint32_t i = 0; i < b.model.tree.node_count(); ++i) {
+      EXPECT_LE(distance(body.sphere(i).center, b.model.tree.spheres[i].center), 1e-6 * size);
+      EXPECT_LE(body.sphere(i).radius, b.model.tree.spheres[i].radius + 1e-5 * size);
     }
   }
 }
@@ -99,9 +99,9 @@ TEST(Rest, exact_starts_within_the_spheres_of_the_tree) {
 TEST(Rest, pure_translation_is_neutral) {
   Mesh mesh = specimens()[0].mesh;
   for (Vec3& p : mesh.positions) p = {std::round(64 * p.x), std::round(64 * p.y), std::round(64 * p.z)};
-  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 2, .cut_facets = true});
+  const CoveredTree model = test::hand_made_tree(mesh, {.depth = 2, .cut_facets = true});
   for (const UpdateOptions& options : all_options()) {
-    Body body(mesh, built, options);
+    Body body(mesh, model, options);
     const std::vector<Spheref> rest(body.spheres().begin(), body.spheres().end());
     const Vec3 origin = body.origin(), offset{1024, -77, 4096};
     ASSERT_TRUE(body.update(test::translated(mesh.positions, offset)));
@@ -117,9 +117,9 @@ TEST(Rest, same_bits_for_any_number_of_workers) {
   Workers two(2), three(3), eight(8);
   for (const Specimen& b : specimens())
     for (const UpdateOptions& options : all_options()) {
-      Body alone(b.mesh, b.built, options);
+      Body alone(b.mesh, b.model, options);
       for (Workers* workers : {&two, &three, &eight}) {
-        Body together(b.mesh, b.built, options, *workers);
+        Body together(b.mesh, b.model, options, *workers);
         EXPECT_EQ(together.hash(), alone.hash()) << b.name;
         for (const test::Motion& motion : motions()) {
           const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
@@ -144,10 +144,10 @@ TEST(Rest, large_bodies_have_the_same_bits_for_any_number_of_workers) {
       mesh.facets.push_back({a, b, b + 1});
       mesh.facets.push_back({a, b + 1, a + 1});
     }
-  const CoveredTree built = test::hand_made_tree(mesh, {.depth = 4, .cut_facets = true});
-  Body alone(mesh, built);
+  const CoveredTree model = test::hand_made_tree(mesh, {.depth = 4, .cut_facets = true});
+  Body alone(mesh, model);
   Workers eight(8);
-  Body together(mesh, built, {}, eight);
+  Body together(mesh, model, {}, eight);
   EXPECT_GT(alone.update(mesh.positions).cut_points_moved, 8192u);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const std::vector<Vec3> positions = test::noisy(mesh.positions, 0.1, seed);
@@ -201,7 +201,7 @@ TEST(Rest, any_layout_of_the_same_numbers_gives_the_same_spheres) {
         PositionView::indexed(strided_double_nodes, index),
     };
     for (const UpdateOptions& options : all_options()) {
-      Body body(b.mesh, b.built, options);
+      Body body(b.mesh, b.model, options);
       ASSERT_TRUE(body.update(views[0]));
       const std::uint64_t expected = body.hash();
       const double excess = certify(body.cover(), views[0], copied(body)).worst_excess;
@@ -217,7 +217,7 @@ TEST(Rest, any_layout_of_the_same_numbers_gives_the_same_spheres) {
 
 TEST(Rest, reading_agrees_in_every_form) {
   const Specimen& b = specimens()[2];
-  Body body(b.mesh, b.built);
+  Body body(b.mesh, b.model);
   const std::uint64_t rest_hash = body.hash();
   ASSERT_TRUE(body.update(test::translated(b.mesh.positions, {100, 0, 0})));
   EXPECT_NE(body.hash(), rest_hash) << "the origin counts";
@@ -225,10 +225,10 @@ TEST(Rest, reading_agrees_in_every_form) {
   body.copy_spheres(spheres);
   const SphereTree tree = body.current_tree();
   EXPECT_EQ(tree.spheres, spheres);
-  EXPECT_EQ(tree.first_child, b.built.tree.first_child);
-  EXPECT_EQ(body.rest_tree().spheres, b.built.tree.spheres);
+  EXPECT_EQ(tree.first_child, b.model.tree.first_child);
+  EXPECT_EQ(body.rest_tree().spheres, b.model.tree.spheres);
   EXPECT_EQ(body.vertex_count(), b.mesh.vertex_count());
-  EXPECT_EQ(body.cover().corners, b.built.cover.corners);
+  EXPECT_EQ(body.cover().corners, b.model.cover.corners);
   ASSERT_EQ(body.spheres().size(), spheres.size());
   for (std::uint32_t i = 0; i < spheres.size(); ++i) {
     EXPECT_EQ(body.sphere(i), spheres[i]);
@@ -239,11 +239,11 @@ TEST(Rest, reading_agrees_in_every_form) {
 
 TEST(Rest, a_body_moves_as_a_value) {
   const Specimen& b = specimens()[0];
-  Body first(b.mesh, b.built);
+  Body first(b.mesh, b.model);
   const std::uint64_t hash = first.hash();
   Body second = std::move(first);
   EXPECT_EQ(second.hash(), hash);
-  Body third(b.mesh, b.built, {.rules = {Rule::approach2}, .details = {}});
+  Body third(b.mesh, b.model, {.rules = {Rule::approach2}, .details = {}});
   third = std::move(second);
   EXPECT_EQ(third.hash(), hash);
   EXPECT_TRUE(third.update(b.mesh.positions));
@@ -251,17 +251,17 @@ TEST(Rest, a_body_moves_as_a_value) {
 
 TEST(Body, copies_are_independent_and_share_the_model) {
   const Mesh mesh = sample_body("limb");
-  const auto built = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 3}));
-  Body body(mesh, built);
-  EXPECT_EQ(&body.cover(), &built->cover) << "no copy";
+  const auto model = std::make_shared<const CoveredTree>(build(mesh, {.method = Method::octree, .depth = 3}));
+  Body body(mesh, model);
+  EXPECT_EQ(&body.cover(), &model->cover) << "no copy";
   const std::vector<Vec3> bent = deform(mesh, {Bend{90}}, 1.0), twisted = deform(mesh, {Twist{90}}, 1.0);
   ASSERT_TRUE(body.update(bent));
 
   Body copy = body;
-  EXPECT_EQ(&copy.cover(), &built->cover);
+  EXPECT_EQ(&copy.cover(), &model->cover);
   EXPECT_EQ(copy.hash(), body.hash()) << "in the same pose";
   ASSERT_TRUE(copy.update(twisted));
-  Body alone(mesh, *built);
+  Body alone(mesh, *model);
   ASSERT_TRUE(alone.update(twisted));
   EXPECT_EQ(copy.hash(), alone.hash());
   ASSERT_TRUE(alone.update(bent));

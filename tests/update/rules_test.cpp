@@ -38,7 +38,7 @@ void expect_near(const std::vector<Sphere>& actual, const std::vector<Sphere>& e
 const std::vector<test::RestFacts>& rest_facts() {
   static const std::vector<test::RestFacts> facts = [] {
     std::vector<test::RestFacts> found;
-    for (const Specimen& b : specimens()) found.emplace_back(b.mesh, b.built);
+    for (const Specimen& b : specimens()) found.emplace_back(b.mesh, b.model);
     return found;
   }();
   return facts;
@@ -46,7 +46,7 @@ const std::vector<test::RestFacts>& rest_facts() {
 
 void expect_like_reference(std::size_t specimen, const UpdateOptions& options, const std::string& rule_name) {
   const Specimen& b = specimens()[specimen];
-  Body body(b.mesh, b.built, options);
+  Body body(b.mesh, b.model, options);
   const std::vector<Sphere> rest = spheres_of(body);
   for (const test::Motion& motion : motions()) {
     const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
@@ -111,14 +111,14 @@ TEST(Rules, levels_mix) {
 
 TEST(Rules, exact_radii_are_the_farthest_owned_corners) {
   for (const Specimen& b : specimens()) {
-    Body body(b.mesh, b.built);
+    Body body(b.mesh, b.model);
     for (const test::Motion& motion : motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(body.update(positions));
       const double tolerance = 1e-5 * size_of(positions, b.mesh);
-      for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
+      for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
         const Sphere s = body.sphere(node);
-        const double reach = test::owned_reach(b.built, node, s.center, positions);
+        const double reach = test::owned_reach(b.model, node, s.center, positions);
         EXPECT_GE(s.radius, reach) << b.name << ", " << motion.name << ", node " << node;
         EXPECT_LE(s.radius, reach + tolerance) << b.name << ", " << motion.name << ", node " << node;
       }
@@ -131,16 +131,16 @@ TEST(Rules, robust_distances_keep_enclosed_vertices_enclosed) {
   const Specimen& b = specimens()[2];
   UpdateOptions options{.rules = {Rule::approach1}, .details = {}};
   options.details.distance_floor = 0.25;
-  Body robust(b.mesh, b.built, options);
+  Body robust(b.mesh, b.model, options);
   options.details.distance_floor = 0;
-  Body paper(b.mesh, b.built, options);
+  Body paper(b.mesh, b.model, options);
   const std::vector<Vec3> positions = test::noisy(b.mesh.positions, 0.05, 11);
   robust.update(positions);
   paper.update(positions);
   std::size_t smaller = 0;
-  for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
-    if (!b.built.tree.is_leaf(node)) continue;
-    const Sphere& rest = b.built.tree.spheres[node];
+  for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
+    if (!b.model.tree.is_leaf(node)) continue;
+    const Sphere& rest = b.model.tree.spheres[node];
     const Sphere now = robust.sphere(node);
     EXPECT_LE(now.radius, paper.sphere(node).radius * (1 + 1e-6));
     smaller += now.radius < 0.9 * paper.sphere(node).radius;
@@ -160,9 +160,9 @@ TEST(Rules, void_spheres_follow_the_nearest_linked_facet_with_their_radius) {
       {{1, 1, 3.0}, 0.5},   // touches nothing: moves as its parent does
       {{9, 9, 9}, 0.5},     // one vertex
   };
-  const CoveredTree built = test::root_with_leaves(mesh, {{0, 0, 0}, 0.5}, leaves);
+  const CoveredTree model = test::root_with_leaves(mesh, {{0, 0, 0}, 0.5}, leaves);
   for (const Rule rule : {Rule::traditional, Rule::weighted}) {
-    Body body(mesh, built, {.rules = {rule}, .details = {}});
+    Body body(mesh, model, {.rules = {rule}, .details = {}});
     EXPECT_EQ(body.bind_report().void_spheres, 2u);
     std::vector<Vec3> positions = mesh.positions;
     positions[0] += Vec3{0.3, 0, 0};
@@ -181,9 +181,9 @@ TEST(Rules, void_spheres_follow_the_nearest_linked_facet_with_their_radius) {
 TEST(Rules, leaves_that_touch_nothing_are_linked_to_the_nearest_facet) {
   const Mesh mesh{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {9, 9, 9}, {10, 9, 9}, {9, 10, 9}}, {{0, 1, 2}, {3, 4, 5}}};
   const std::vector<Sphere> leaves{{{1, 1, 3.0}, 0.5}, {{8, 8, 8}, 0.5}, {{9, 9, 9}, 0.5}};
-  const CoveredTree built = test::root_with_leaves(mesh, {{5, 5, 5}, 10}, leaves);
+  const CoveredTree model = test::root_with_leaves(mesh, {{5, 5, 5}, 10}, leaves);
   for (const Rule rule : {Rule::approach1, Rule::approach2}) {
-    Body body(mesh, built, {.rules = {rule}, .details = {}});
+    Body body(mesh, model, {.rules = {rule}, .details = {}});
     EXPECT_EQ(body.bind_report().unlinked_spheres, 2u);
     std::vector<Vec3> positions = mesh.positions;
     for (int v = 0; v < 3; ++v) positions[v] += Vec3{0, 0, 1};
@@ -196,10 +196,10 @@ TEST(Rules, leaves_that_touch_nothing_are_linked_to_the_nearest_facet) {
 TEST(Rules, counters_are_those_of_the_work_and_the_same_every_time) {
   const Specimen& b = specimens()[2];
   for (const Rule rule : position_rules()) {
-    Body body(b.mesh, b.built, {.rules = {rule}, .details = {}});
+    Body body(b.mesh, b.model, {.rules = {rule}, .details = {}});
     const UpdateStatus first = body.update(b.mesh.positions);
     const UpdateStatus second = body.update(test::noisy(b.mesh.positions, 0.1, 3));
-    EXPECT_EQ(first.nodes_updated, b.built.tree.node_count());
+    EXPECT_EQ(first.nodes_updated, b.model.tree.node_count());
     EXPECT_EQ(first.vertices_read, b.mesh.vertex_count());
     EXPECT_EQ(first.cut_points_moved > 0, rule == Rule::exact || rule == Rule::wrapped);
     EXPECT_GT(first.points_tested, 0u);
@@ -207,7 +207,7 @@ TEST(Rules, counters_are_those_of_the_work_and_the_same_every_time) {
     EXPECT_EQ(first.vertices_read, second.vertices_read);
     EXPECT_EQ(first.cut_points_moved, second.cut_points_moved);
   }
-  Body exact(b.mesh, b.built);
+  Body exact(b.mesh, b.model);
   EXPECT_GE(exact.bind_report().corners_owned, b.mesh.vertex_count());
   EXPECT_GE(exact.update(b.mesh.positions).points_tested, 2 * exact.bind_report().corners_owned);
 }

@@ -124,13 +124,13 @@ TEST(Skinned, a_sphere_is_moved_by_mean_weights_and_grows_by_the_largest_stretch
   const Specimen& b = specimens().back();
   ASSERT_EQ(b.mesh.facet_count(), 1u);
   ASSERT_EQ(b.mesh.vertex_count(), 3u);
-  ASSERT_EQ(b.built.cover.cut_points.size(), 0u);
-  Body body(b.mesh, b.built, with_skin({3, {0, 1, 2, 3}, {0, 1, 2}, {1, 1, 1}}));
+  ASSERT_EQ(b.model.cover.cut_points.size(), 0u);
+  Body body(b.mesh, b.model, with_skin({3, {0, 1, 2, 3}, {0, 1, 2}, {1, 1, 1}}));
   Transforms transforms(3);
   transforms[0].columns = {Vec3{4, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  // x is stretched fourfold
   transforms[1].translation = {0, 6, 0};
   ASSERT_TRUE(body.update_skinned(transforms));
-  const Sphere rest = b.built.tree.spheres[0], now = body.sphere(0);
+  const Sphere rest = b.model.tree.spheres[0], now = body.sphere(0);
   // Mean of the three: x doubled, y shifted by two.
   EXPECT_NEAR(now.center.x, 2 * rest.center.x, 1e-6);
   EXPECT_NEAR(now.center.y, rest.center.y + 2, 1e-6);
@@ -141,10 +141,10 @@ TEST(Skinned, a_sphere_is_moved_by_mean_weights_and_grows_by_the_largest_stretch
 
 TEST(Skinned, identity_is_rest_bit_for_bit_and_rest_is_the_tree) {
   for (const Specimen& b : specimens()) {
-    Body body(b.mesh, b.built, with_skin(some_skin(b.mesh, 4)));
+    Body body(b.mesh, b.model, with_skin(some_skin(b.mesh, 4)));
     const std::uint64_t rest = body.hash();
-    for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
-      const Sphere& own = b.built.tree.spheres[node];
+    for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
+      const Sphere& own = b.model.tree.spheres[node];
       EXPECT_LE(distance(body.sphere(node).center, own.center), 1e-6 * (1 + length(own.center))) << b.name;
       EXPECT_GE(body.sphere(node).radius, own.radius) << b.name << ' ' << node;
       EXPECT_LE(body.sphere(node).radius, own.radius * (1 + 1e-6) + 1e-6) << b.name << ' ' << node;
@@ -159,7 +159,7 @@ TEST(Skinned, identity_is_rest_bit_for_bit_and_rest_is_the_tree) {
 TEST(Skinned, bones_that_move_as_one_move_the_spheres_rigidly_and_keep_cover) {
   for (const Specimen& b : specimens()) {
     const Skin skin = some_skin(b.mesh, 4);
-    Body body(b.mesh, b.built, with_skin(skin));
+    Body body(b.mesh, b.model, with_skin(skin));
     std::vector<Sphere> rest;
     body.copy_spheres(rest);
     for (const double angle : {0.1, 1.5, 3.0}) {
@@ -186,7 +186,7 @@ TEST(Skinned, same_bits_for_any_number_of_workers_and_any_path) {
       std::uint64_t expected = 0;
       for (const unsigned threads : {1u, 2u, 5u}) {
         Workers workers(threads);
-        Body body(b.mesh, b.built, options, workers);
+        Body body(b.mesh, b.model, options, workers);
         if (threads == 2) {
           ASSERT_TRUE(body.update_skinned(some_transforms(6, 2, 5), workers));
         }
@@ -207,9 +207,9 @@ TEST(Skinned, levels_mix_with_those_that_follow_positions) {
     const Transforms transforms = some_transforms(5, 0.7, 11);
     std::vector<Vec3> positions(b.mesh.vertex_count());
     move_by_skin(skin, b.mesh.positions, transforms, positions);
-    Body mixed(b.mesh, b.built, with_skin(skin, {Rule::exact, Rule::skinned}));
-    Body skinned(b.mesh, b.built, with_skin(skin)), exact(b.mesh, b.built);
-    Body by_skin(b.mesh, b.built, with_skin(skin, {Rule::exact}));
+    Body mixed(b.mesh, b.model, with_skin(skin, {Rule::exact, Rule::skinned}));
+    Body skinned(b.mesh, b.model, with_skin(skin)), exact(b.mesh, b.model);
+    Body by_skin(b.mesh, b.model, with_skin(skin, {Rule::exact}));
     ASSERT_TRUE(mixed.update_skinned(transforms));
     ASSERT_TRUE(skinned.update_skinned(transforms));
     ASSERT_TRUE(exact.update(positions));
@@ -218,7 +218,7 @@ TEST(Skinned, levels_mix_with_those_that_follow_positions) {
     EXPECT_EQ(mixed.origin(), exact.origin()) << b.name;
     EXPECT_EQ(skinned.origin(), exact.origin()) << b.name;
     EXPECT_EQ(mixed.spheres()[0], exact.spheres()[0]) << b.name;
-    for (std::uint32_t node = b.built.tree.level_begin[1]; node < b.built.tree.node_count(); ++node)
+    for (std::uint32_t node = b.model.tree.level_begin[1]; node < b.model.tree.node_count(); ++node)
       EXPECT_EQ(mixed.spheres()[node], skinned.spheres()[node]) << b.name << ' ' << node;
   }
 }
@@ -236,12 +236,12 @@ TEST(Skinned, promises_no_cover_unless_it_is_made_to) {
     options.conservative = conservative;
     EXPECT_EQ(covers(options), conservative);
     EXPECT_EQ(covers(options, Rule::skinned), conservative);
-    Body body(b.mesh, b.built, options);
-    EXPECT_EQ(body.pose().covers, conservative);
+    Body body(b.mesh, b.model, options);
+    EXPECT_EQ(body.sphere_state().covers, conservative);
     const UpdateStatus status = body.update_skinned(transforms);
     ASSERT_TRUE(status);
     EXPECT_EQ(status.vertices_read > 0, conservative);
-    EXPECT_EQ(certify(b.built.cover, positions, test::spheres_of(body)).covered, conservative);
+    EXPECT_EQ(certify(b.model.cover, positions, test::spheres_of(body)).covered, conservative);
   }
   EXPECT_FALSE(covers(with_skin(skin, {Rule::wrapped, Rule::skinned})));
   EXPECT_FALSE(covers(with_skin(skin, {Rule::wrapped, Rule::skinned}), Rule::wrapped));
@@ -249,7 +249,7 @@ TEST(Skinned, promises_no_cover_unless_it_is_made_to) {
 
 TEST(Skinned, bad_input_is_named_and_changes_nothing) {
   const Specimen& b = specimens()[0];
-  Body body(b.mesh, b.built, with_skin(some_skin(b.mesh, 3)));
+  Body body(b.mesh, b.model, with_skin(some_skin(b.mesh, 3)));
   const Transforms good = some_transforms(3, 1, 4);
   ASSERT_TRUE(body.update_skinned(good));
   const std::uint64_t last_good = body.hash();
@@ -275,7 +275,7 @@ TEST(Skinned, bad_input_is_named_and_changes_nothing) {
   EXPECT_EQ(body.hash(), last_good);
   ASSERT_TRUE(body.update_skinned(good));
   EXPECT_EQ(body.hash(), last_good);
-  Body plain(b.mesh, b.built);
+  Body plain(b.mesh, b.model);
   EXPECT_EQ(plain.update_skinned(good).code, Code::no_skin);
 }
 
@@ -285,7 +285,7 @@ TEST(Skinned, skins_that_do_not_fit_are_refused) {
     UpdateOptions options = with_skin(some_skin(b.mesh, 3));
     spoil(options);
     try {
-      Body body(b.mesh, b.built, options);
+      Body body(b.mesh, b.model, options);
       ADD_FAILURE() << word;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
@@ -305,7 +305,7 @@ TEST(Skinned, skins_that_do_not_fit_are_refused) {
         o.rules = {Rule::modal, Rule::skinned};
       },
       "modal and skinned");
-  EXPECT_THROW(Body(b.mesh, b.built, {.rules = {Rule::exact, static_cast<Rule>(rule_table.size())}}),
+  EXPECT_THROW(Body(b.mesh, b.model, {.rules = {Rule::exact, static_cast<Rule>(rule_table.size())}}),
                std::invalid_argument);
 }
 
@@ -318,7 +318,7 @@ TEST(Skinned, no_update_allocates_good_or_bad) {
     bad[3].columns[1].x = nan;
     for (const std::vector<Rule>& rules :
          {std::vector{Rule::skinned}, std::vector{Rule::exact, Rule::skinned}, std::vector{Rule::exact}}) {
-      Body body(b.mesh, b.built, with_skin(skin, rules));
+      Body body(b.mesh, b.model, with_skin(skin, rules));
       for (Workers* workers : {&serial_workers(), &three}) {
         const std::size_t before = allocations;
         const bool ok = static_cast<bool>(body.update_skinned(good, *workers));

@@ -72,11 +72,11 @@ export const compare = (a, b) => judged([a, b], (data) => {
 export const specks = (png) => judged([png], ([data], width) => {
   const at = (pixel) => data.subarray(4 * pixel, 4 * pixel + 3);
   const light = (pixel) => at(pixel).reduce((sum, value) => sum + value);
-  const isColoured = (pixel) => Math.max(...at(pixel)) - Math.min(...at(pixel)) > 30;
+  const isColored = (pixel) => Math.max(...at(pixel)) - Math.min(...at(pixel)) > 30;
   const steps = [-1, 1, -width, width];
   let found = 0;
   for (let pixel = 2 * width; pixel < data.length / 4 - 2 * width; ++pixel)
-    if (steps.every((step) => isColoured(pixel + 2 * step) && light(pixel + step) - light(pixel) > 12)) ++found;
+    if (steps.every((step) => isColored(pixel + 2 * step) && light(pixel + step) - light(pixel) > 12)) ++found;
   return found;
 });
 export async function opened(name, options, test) {
@@ -92,7 +92,7 @@ export async function onShared(test) {
   shared ??= await open(browser, at('limb.html'), small);
   const { page, complaints } = shared;
   await page.selectOption('#choose-rule', 'exact');
-  await page.click('#colouring [data-value=level]');
+  await page.click('#coloring [data-value=level]');
   await page.keyboard.press('Escape');
   await slide(page, 'frame', 0);
   await slide(page, 'level', 3);

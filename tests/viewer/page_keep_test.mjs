@@ -11,21 +11,21 @@ import { readAddress, writeAddress } from '../../viewer/src/address.js';
 writeLimb(12);
 
 await claim('addresses_read_back_and_nonsense_is_passed_over', async () => {
-  const first = { scene: 0, frame: 0, level: 2, colour: 'branch', opacity: 0.5, body: true, sectionAxis: '', picked: -1 };
-  const now = { ...first, frame: 7, level: 3, colour: 'growth', opacity: 0.25, body: false, sectionAxis: 'x', picked: 12 };
+  const first = { scene: 0, frame: 0, level: 2, color: 'branch', opacity: 0.5, body: true, sectionAxis: '', picked: -1 };
+  const now = { ...first, frame: 7, level: 3, color: 'growth', opacity: 0.25, body: false, sectionAxis: 'x', picked: 12 };
   equal(writeAddress(first, first, ''), '', 'nothing changed');
   const { values, camera } = readAddress(writeAddress(now, first, '1,2,3,0,0,0,y'));
-  for (const name of ['frame', 'level', 'colour', 'opacity', 'body', 'sectionAxis', 'picked']) equal(values[name], now[name], name);
+  for (const name of ['frame', 'level', 'color', 'opacity', 'body', 'sectionAxis', 'picked']) equal(values[name], now[name], name);
   equal(camera, '1,2,3,0,0,0,y', 'camera');
   equal(readAddress('#figure-fig2a'), null, 'a link into the report');
-  const odd = readAddress('#frame=-1&level=1.5&colour=%3Cb%3E&opacity=7&body=yes&picked=1e99&frame2=3&sectionAt=').values;
+  const odd = readAddress('#frame=-1&level=1.5&color=%3Cb%3E&opacity=7&body=yes&picked=1e99&frame2=3&sectionAt=').values;
   equal(Object.keys(odd).length, 0, 'values that are none');
 });
 
 await claim('the_page_begins_with_the_second_level_by_branch', () =>
   opened('limb.html', {}, async (page) => {
     equal(await page.locator('#level').inputValue(), '2', 'level');
-    equal(await page.getAttribute('#colouring [data-value=branch]', 'aria-pressed'), 'true', 'colour');
+    equal(await page.getAttribute('#coloring [data-value=branch]', 'aria-pressed'), 'true', 'color');
     check(!page.url().includes('#'), 'the address says nothing of it');
   }));
 
@@ -36,7 +36,7 @@ await claim('a_copied_address_shows_the_same', async () => {
     await page.selectOption('#choose-rule', 'approach2');
     await slide(page, 'frame', 5);
     await slide(page, 'level', 1);
-    await page.click('#colouring [data-value=growth]');
+    await page.click('#coloring [data-value=growth]');
     await page.keyboard.press('z');
     const box = await page.locator('#stage canvas').boundingBox();
     await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
@@ -46,7 +46,7 @@ await claim('a_copied_address_shows_the_same', async () => {
     await settled(page);
     await page.waitForTimeout(500);
     address = new URL(page.url()).hash;
-    for (const part of ['scene=1', 'frame=5', 'level=1', 'colour=growth', 'sectionAxis=z', 'camera=']) {
+    for (const part of ['scene=1', 'frame=5', 'level=1', 'color=growth', 'sectionAxis=z', 'camera=']) {
       check(address.includes(part), `${address} has ${part}`);
     }
     seen = await picture(page);
@@ -97,7 +97,7 @@ await claim('what_is_shown_is_saved_as_files', () =>
 
 await claim('two_bodies_show_where_they_touch', async () => {
   morula('sample capsule -o tool.obj --resolution 10');
-  morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --place-b 0,0.9,0 --page touch.html -o contacts.csv');
+  morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --translate-b 0,0.9,0 --page touch.html -o contacts.csv');
   const rows = readFileSync(at('contacts.csv'), 'utf8').trim().split('\n').map((line) => line.split(','));
   const column = (name) => rows[0].indexOf(name);
   const frames = [...new Set(rows.slice(1).map((row) => row[column('frame_a')]))];

@@ -22,14 +22,14 @@ await claim('sliders_change_what_is_drawn_and_back_again_draws_the_same', () =>
     }
   }));
 
-await claim('every_colouring_draws_something_else', () =>
+await claim('every_coloring_draws_something_else', () =>
   onShared(async (page) => {
     await slide(page, 'frame', 6);
     const seen = [];
-    for (const colour of ['level', 'branch', 'empty', 'growth']) {
-      await page.click(`#colouring [data-value=${colour}]`);
+    for (const color of ['level', 'branch', 'empty', 'growth']) {
+      await page.click(`#coloring [data-value=${color}]`);
       const now = await picture(page);
-      for (const other of seen) check((await compare(other, now)).changed > 0.01, `${colour} looks like another`);
+      for (const other of seen) check((await compare(other, now)).changed > 0.01, `${color} looks like another`);
       seen.push(now);
     }
   }));
@@ -50,7 +50,7 @@ await claim('bare_surface_is_red_and_only_bare_surface', () =>
     await page.check('#show-bare');
   }));
 
-// Where two spheres have the same depth, one of them colours the pixel.
+// Where two spheres have the same depth, one of them colors the pixel.
 await claim('seams_between_spheres_have_no_specks', () =>
   onShared(async (page) => {
     for (const frame of [0, 6]) {

@@ -36,7 +36,7 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     equal(await page.locator('.claim').count(), study.claims.length, 'claims');
     equal(await words(page, '.claim:first-of-type .verdict'), 'holds', 'verdict');
     equal(await words(page, '#claim-bare .verdict'), 'better', 'a rule that is better than claimed');
-    equal(await page.getAttribute('#claim-bare', 'data-verdict'), 'better', 'and its colour');
+    equal(await page.getAttribute('#claim-bare', 'data-verdict'), 'better', 'and its color');
     const box = await page.locator('#figure-fig2a .u-over').boundingBox();
     await page.locator('#figure-fig2a').scrollIntoViewIfNeeded();
     const now = (await page.locator('#figure-fig2a .u-over').boundingBox()) ?? box;
@@ -91,7 +91,7 @@ await claim('screenshots_are_written', async () => {
     await opened('limb.html', { width: 1280, height: 800, dark }, async (page) => {
       await page.selectOption('#choose-rule', dark ? 'approach2' : 'exact');
       await slide(page, 'frame', 6);
-      await page.click('#colouring [data-value=branch]');
+      await page.click('#coloring [data-value=branch]');
       await settled(page);
       await page.screenshot({ path: at(dark ? 'wide-dark.png' : 'wide-light.png') });
     });

@@ -25,7 +25,7 @@ await claim('a_slider_for_every_joint_moves_the_robot', () =>
     await page.locator('#picked footer button').nth(1).click();
     equal(await words(page, '#picked-link'), 'forearm', 'link');
     const [x, y, z] = whereLinksAre('arm', { lift: 1.0, bend: 1.55 })('forearm', spheres.get('forearm')[0].slice(0, 3));
-    equal(await words(page, '#picked-centre'), [x, y, z].map(figure).join('  '), 'centre');
+    equal(await words(page, '#picked-center'), [x, y, z].map(figure).join('  '), 'center');
     await page.click('#joints-rest');
     await page.keyboard.press('Escape');
     equal((await compare(before, await picture(page))).changed, 0, 'pixels that stay changed');

@@ -75,7 +75,7 @@ await claim('the_keyboard_does_all', () =>
 
 await claim('curves_lead_to_the_frame', () =>
   onShared(async (page) => {
-    await page.click('#measure [data-value=bare_area]');
+    await page.click('#measure [data-value=uncovered_area]');
     const box = await page.locator('#curves .u-over').boundingBox();
     await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
     equal(await page.locator('#frame').inputValue(), '6', 'frame in the middle');

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is shown, in the page's address: '#frame=3&level=1&colour=growth&camera=…'. A copied address shows the same.
+// What is shown, in the page's address: '#frame=3&level=1&color=growth&camera=…'. A copied address shows the same.
 // Only what the reader changed is there. Links to places of a report have no '=' and are left alone.
 const kinds = {
   scene: 'count', frame: 'count', level: 'count', picked: 'count',
-  colour: ['level', 'branch', 'empty', 'growth'],
-  measure: ['looseness', 'bare_area', 'gap', 'growth'],
+  color: ['level', 'branch', 'empty', 'growth'],
+  measure: ['looseness', 'uncovered_area', 'gap', 'growth'],
   body: 'flag', spheres: 'flag', bare: 'flag', facets: 'flag', contacts: 'flag',
   opacity: 'share', sectionAxis: ['', 'x', 'y', 'z'], sectionAt: 'share', sectionFlip: 'flag',
   joints: 'list',

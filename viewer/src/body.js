@@ -42,7 +42,7 @@ export class BodyView {
   constructor() {
     this.group = new Group();
     this.bareness = {
-      bareOn: { value: 0 }, bareFrom: { value: 0 }, bareColour: { value: null },
+      bareOn: { value: 0 }, bareFrom: { value: 0 }, bareColor: { value: null },
       gridFirst: { value: numbersTexture(1, 1) }, gridItems: { value: numbersTexture(1, 4) },
       gridLow: { value: new Vector3() }, gridEdge: { value: 1 }, gridSize: { value: [1, 1, 1] },
     };
@@ -53,7 +53,7 @@ export class BodyView {
         .replace('#include <common>', '#include <common>\nvarying vec3 vPlace;')
         .replace('#include <begin_vertex>', '#include <begin_vertex>\nvPlace = position;');
       shader.fragmentShader = shader.fragmentShader
-        .replace('#include <common>', `#include <common>\nuniform float bareOn, bareFrom;\nuniform vec3 bareColour;\nvarying vec3 vPlace;\n${distanceOutsideShader}`)
+        .replace('#include <common>', `#include <common>\nuniform float bareOn, bareFrom;\nuniform vec3 bareColor;\nvarying vec3 vPlace;\n${distanceOutsideShader}`)
         .replace(
           '#include <color_fragment>',
           `#include <color_fragment>
@@ -63,9 +63,9 @@ export class BodyView {
             float pixel = min(fwidth(outside), length(fwidth(vPlace))) + 1e-20;
             bareShare = smoothstep(0.0, pixel, outside);  // from the spheres on, not half a pixel inside them
           }
-          diffuseColor.rgb = mix(diffuseColor.rgb, bareColour, bareShare);`,
+          diffuseColor.rgb = mix(diffuseColor.rgb, bareColor, bareShare);`,
         )
-        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * bareShare * bareColour;');
+        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * bareShare * bareColor;');
     };
     this.inside = new MeshBasicMaterial({ side: BackSide });
     this.lines = new MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.16, color: 0x000000, depthWrite: false });
@@ -110,7 +110,7 @@ export class BodyView {
 
   theme(body, bare, cut) {
     this.material.color.copy(body);
-    this.bareness.bareColour.value = bare;
+    this.bareness.bareColor.value = bare;
     this.inside.color.copy(cut);
     this.cap.material.color.copy(cut);
     this.lines.color.copy(cut).multiplyScalar(0.2);

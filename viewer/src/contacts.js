@@ -18,9 +18,9 @@ export class ContactsView {
       this.group.add(part);
     }
   }
-  theme(colour) {
-    this.dot.color.copy(colour);
-    this.line.color.copy(colour);
+  theme(color) {
+    this.dot.color.copy(color);
+    this.line.color.copy(color);
   }
   /** contacts: seven numbers each, or null. reach: the shortest line that can be seen, mesh units. */
   pose(contacts, reach) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Curves over frames or anything else, drawn by uPlot in the colours of the page.
+// Curves over frames or anything else, drawn by uPlot in the colors of the page.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { figure } from './numbers.js';
@@ -29,7 +29,7 @@ function aligned(series) {
 
 export class Curves {
   /**
-   * content: {series: [{name, x, y, colour, strong, role}], xLabel, yLabel, log, frames: whether x is the frame,
+   * content: {series: [{name, x, y, color, strong, role}], xLabel, yLabel, log, frames: whether x is the frame,
    * names: of x = 0, 1, 2 …, when these are kinds and not numbers}.
    * onframe(frame): the reader pressed or dragged there.
    */
@@ -87,11 +87,11 @@ export class Curves {
           {},
           ...content.series.map((s) => ({
             label: s.name,
-            stroke: s.colour,
+            stroke: s.color,
             width: s.strong ? 2.4 : 1.3,
             alpha: s.strong === false ? 0.65 : 1,
             dash: dashes[s.role],
-            points: { show: names !== undefined || s.x.length === 1, size: 6, fill: s.colour },
+            points: { show: names !== undefined || s.x.length === 1, size: 6, fill: s.color },
             spanGaps: false,
           })),
         ],
@@ -137,7 +137,7 @@ export class Curves {
     this.content.series.forEach((s, i) => {
       const y = at < 0 ? null : plot.data[i + 1][at];
       if (y === null || y === undefined || s.strong === false) return;
-      ctx.fillStyle = s.colour;
+      ctx.fillStyle = s.color;
       ctx.beginPath();
       ctx.arc(x, plot.valToPos(y, 'y', true), 3.6 * scale, 0, 2 * Math.PI);
       ctx.fill();

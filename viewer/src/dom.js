@@ -22,5 +22,5 @@ export function drawn(tag, attributes = {}, ...children) {
   return made;
 }
 export const byId = (id) => document.getElementById(id);
-/** A colour or length of the style sheet, as it is now. */
+/** A color or length of the style sheet, as it is now. */
 export const styleValue = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

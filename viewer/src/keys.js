@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The keyboard, and the list of its keys.
 import { byId, element } from './dom.js';
-import { colourings } from './panel.js';
+import { colorings } from './panel.js';
 
 const keys = [
   ['Space', 'play, pause'],
   ['← →', 'frame before, after'],
   ['Home End', 'first, last frame'],
   ['[ ]', 'coarser, finer level'],
-  ['c', 'next colouring'],
+  ['c', 'next coloring'],
   ['m s', 'mesh, spheres'],
   ['b w', 'bare surface in red, facets'],
   ['x y z', 'section plane across an axis'],
@@ -44,8 +44,8 @@ export function bindKeys(state, actions) {
     '[': step('level', -1),
     ']': step('level', 1),
     c: () => {
-      const usable = colourings.map(([value]) => value).filter(actions.hasColour);
-      state.set({ colour: usable[(usable.indexOf(state.get('colour')) + 1) % usable.length] });
+      const usable = colorings.map(([value]) => value).filter(actions.hasColor);
+      state.set({ color: usable[(usable.indexOf(state.get('color')) + 1) % usable.length] });
     },
     m: flip('body'),
     s: flip('spheres'),

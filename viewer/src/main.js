@@ -12,14 +12,14 @@ import { drawPicked } from './picked.js';
 import { bindKeys } from './keys.js';
 import { bindTheme } from './theme.js';
 import { byId, element } from './dom.js';
-import { kindColour, levelColours, mapped, rgb } from './colours.js';
+import { kindColor, levelColors, mapped, rgb } from './colors.js';
 import { counted } from './numbers.js';
 import { readAddress, writeAddress } from './address.js';
 import { canFilm, saveFilm, saveModel, savePicture } from './save.js';
 
 const text = (id) => byId(id)?.textContent ?? null;
 const framesPerSecond = 14;
-const levelTints = levelColours.map(rgb);
+const levelTints = levelColors.map(rgb);
 
 function fail(error) {
   const known = error instanceof PageError;
@@ -33,12 +33,12 @@ function fail(error) {
   );
 }
 
-/** Colour of a node, as the reader chose. */
-function colouring(scene, state) {
+/** Color of a node, as the reader chose. */
+function coloring(scene, state) {
   const level = state.get('level');
   const frame = state.get('frame');
-  const by = state.get('colour');
-  if (by === 'branch') return (node) => kindColour(scene.branchOf[node]);
+  const by = state.get('color');
+  if (by === 'branch') return (node) => kindColor(scene.branchOf[node]);
   if (by === 'growth' || (by === 'empty' && scene.emptyShare)) {
     const [low, high] = scene.range(by, level);
     return (node) => mapped(high > low ? (scene[by](frame, node) - low) / (high - low) : 0.5);
@@ -75,7 +75,7 @@ function start() {
   byId('made-by').textContent = `morula ${manifest.morula}`;
 
   const state = new State({
-    scene: -1, frame: 0, level: -1, colour: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
+    scene: -1, frame: 0, level: -1, color: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
     body: true, spheres: true, bare: true, facets: false, contacts: true, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [],
   });
@@ -127,7 +127,7 @@ function start() {
     if (stage) {
       if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
       if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare') && !scene.entry.inside);
-      if (has('scene', 'frame', 'level', 'colour')) stage.spheres.pose(state.get('frame'), state.get('level'), colouring(scene, state));
+      if (has('scene', 'frame', 'level', 'color')) stage.spheres.pose(state.get('frame'), state.get('level'), coloring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
       if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);
       if (has('contacts')) stage.contacts.group.visible = state.get('contacts');
@@ -161,7 +161,7 @@ function start() {
     for (const [name, most] of [['frame', scene.frameCount], ['level', scene.levelCount], ['picked', scene.nodeCount]]) {
       if (rest[name] >= most) rest[name] = most - 1;
     }
-    if (rest.colour === 'empty' && scene.emptyShare === null) delete rest.colour;
+    if (rest.color === 'empty' && scene.emptyShare === null) delete rest.color;
     if (rest.joints?.length !== scene.joints?.own.length) delete rest.joints;
     else if (rest.joints) rest.joints = rest.joints.map((value, k) => scene.joints.within(k, value));
     state.set(rest);
@@ -180,7 +180,7 @@ function start() {
     theme: toggleTheme,
     fit: () => stage?.fit(),
     turnUp: () => stage?.fit(ups[stage.up]),
-    hasColour: (colour) => (colour !== 'empty' || scene.emptyShare !== null) && (colour !== 'growth' || scene.joints === null),
+    hasColor: (color) => (color !== 'empty' || scene.emptyShare !== null) && (color !== 'growth' || scene.joints === null),
     step: (name, by) => {
       const most = (name === 'frame' ? scene.frameCount : scene.levelCount) - 1;
       state.set({ [name]: Math.min(Math.max(state.get(name) + by, 0), most), ...(name === 'frame' ? { playing: false } : {}) });
@@ -216,7 +216,7 @@ function start() {
     state.set(before);
   });
   save('save-gltf', () =>
-    saveModel(scene, state.get('frame'), scene.levelSets[state.get('level')], colouring(scene, state), name));
+    saveModel(scene, state.get('frame'), scene.levelSets[state.get('level')], coloring(scene, state), name));
   byId('save-webm').hidden = !canFilm();
 
   let lastStep = 0;

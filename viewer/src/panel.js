@@ -3,18 +3,18 @@
 // The controls beside the picture: what is shown, how, and the figures of the frame.
 import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
-import { css, kindColour, levelColours, mapGradient } from './colours.js';
+import { css, kindColor, levelColors, mapGradient } from './colors.js';
 import { counted, figure, percent } from './numbers.js';
 
-export const colourings = [
-  ['level', 'Level', 'Every sphere in the colour of its level'],
-  ['branch', 'Branch', 'Spheres below the same child of the root share a colour'],
+export const colorings = [
+  ['level', 'Level', 'Every sphere in the color of its level'],
+  ['branch', 'Branch', 'Spheres below the same child of the root share a color'],
   ['empty', 'Looseness', 'The share of a sphere that is outside the body'],
   ['growth', 'Growth', 'Radius over radius at rest'],
 ];
 const measures = [
   ['looseness', 'Looseness'],
-  ['bare_area', 'Bare area'],
+  ['uncovered_area', 'Bare area'],
   ['gap', 'Gap'],
   ['growth', 'Growth'],
 ];
@@ -38,7 +38,7 @@ export class Panel {
     Object.assign(this, { sceneList, state });
     this.curves = new Curves(byId('curves'), 168, (frame) => state.set({ frame, playing: false }));
     this.makeChoices();
-    this.colourButtons = segments(byId('colouring'), colourings, state, 'colour');
+    this.colorButtons = segments(byId('coloring'), colorings, state, 'color');
     this.measureButtons = segments(byId('measure'), measures, state, 'measure');
     segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
     for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-bare', 'bare'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['section-flip', 'sectionFlip']]) {
@@ -103,7 +103,7 @@ export class Panel {
     byId('contacts-box').hidden = !scene.contacts;
     document.body.dataset.moves = String(scene.frameCount > 1 || (scene.joints?.own.length ?? 0) > 0);
     document.body.dataset.joints = String(scene.joints !== null);
-    for (const button of this.colourButtons) {
+    for (const button of this.colorButtons) {
       if (button.dataset.value === 'empty') button.disabled = scene.emptyShare === null;
       if (button.dataset.value === 'growth') button.disabled = scene.joints !== null;
     }
@@ -122,20 +122,20 @@ export class Panel {
       name: `level ${level}`,
       x,
       y: measure === 'growth' ? scene.largestGrowth(level) : x.map((frame) => scene.measured(measure, level, frame)),
-      colour: levelColours[level % levelColours.length],
+      color: levelColors[level % levelColors.length],
       strong: level === this.state.get('level'),
     }));
   }
 
   drawCurves() {
     const measure = this.state.get('measure');
-    const shares = measure === 'bare_area';
+    const shares = measure === 'uncovered_area';
     const series = this.series(measure).map((s) => (shares ? { ...s, y: s.y.map((y) => (y === null ? null : 100 * y)) } : s));
     // The chosen level last, so that it lies on top.
     series.sort((a, b) => Number(a.strong) - Number(b.strong));
     byId('curves-note').textContent = {
       looseness: 'Volume in the spheres and outside the body, in body volumes',
-      bare_area: 'Share of the surface outside all spheres, in per cent',
+      uncovered_area: 'Share of the surface outside all spheres, in per cent',
       gap: 'Largest distance of a surface point from the spheres, mesh units',
       growth: 'Largest radius over radius at rest',
     }[measure];
@@ -156,11 +156,11 @@ export class Panel {
       const cells = measured
         ? [
             element('td', {}, figure(scene.measured('looseness', level, frame))),
-            element('td', { class: scene.measured('bare_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('bare_area', level, frame))),
+            element('td', { class: scene.measured('uncovered_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('uncovered_area', level, frame))),
             element('td', {}, figure(scene.measured('gap', level, frame))),
           ]
         : [element('td', {}, figure(nodes.reduce((most, node) => Math.max(most, scene.growth(frame, node)), 0)))];
-      const dot = element('i', { class: 'dot', style: `background:${levelColours[level % levelColours.length]}` });
+      const dot = element('i', { class: 'dot', style: `background:${levelColors[level % levelColors.length]}` });
       return element(
         'tr',
         { class: level === state.get('level') ? 'chosen' : null, onclick: () => state.set({ level }) },
@@ -175,13 +175,13 @@ export class Panel {
     );
   }
 
-  /** Of a body of parts: their spheres, in the colours of the picture. */
+  /** Of a body of parts: their spheres, in the colors of the picture. */
   drawParts() {
     const { scene } = this;
     const heads = [...scene.levelSets[Math.min(1, scene.levelCount - 1)]];
     const rows = heads.map((node) => {
       const part = scene.joints.parts[scene.partOf[node]];
-      const dot = element('i', { class: 'dot', style: `background:${css(kindColour(scene.branchOf[node]))}` });
+      const dot = element('i', { class: 'dot', style: `background:${css(kindColor(scene.branchOf[node]))}` });
       return element('tr', { onclick: () => this.state.set({ picked: node }) },
         element('th', { scope: 'row' }, dot, part.name),
         element('td', {}, Math.max(1, scene.entry.child_count[node]).toLocaleString('en')),
@@ -196,15 +196,15 @@ export class Panel {
   drawLegend() {
     const { scene, state } = this;
     const level = state.get('level');
-    const colour = state.get('colour');
+    const color = state.get('color');
     const legend = byId('legend');
     const parts = [];
     if (state.get('spheres')) {
-      if (colour === 'growth' || colour === 'empty') {
-        const [low, high] = scene.range(colour, level);
+      if (color === 'growth' || color === 'empty') {
+        const [low, high] = scene.range(color, level);
         parts.push(
           element('div', { class: 'scale' },
-            element('span', { class: 'scale-name' }, colour === 'growth' ? 'radius / radius at rest' : 'share of the sphere outside the body'),
+            element('span', { class: 'scale-name' }, color === 'growth' ? 'radius / radius at rest' : 'share of the sphere outside the body'),
             element('span', { class: 'scale-bar', style: `background:${mapGradient()}` }),
             element('span', { class: 'scale-ends' }, element('span', {}, figure(low)), element('span', {}, figure(high)))),
         );
@@ -213,14 +213,14 @@ export class Panel {
         const text = (l) => (l === level ? `level ${l}` : `level ${l}, leaves`);
         parts.push(
           element('div', { class: 'kinds' },
-            ...(colour === 'level'
-              ? levels.map((l) => element('span', { class: 'kind' }, element('i', { class: 'dot', style: `background:${levelColours[l % levelColours.length]}` }), text(l)))
-              : [element('span', { class: 'kind' }, scene.joints ? 'one colour for every link' : 'one colour for every child of the root')])),
+            ...(color === 'level'
+              ? levels.map((l) => element('span', { class: 'kind' }, element('i', { class: 'dot', style: `background:${levelColors[l % levelColors.length]}` }), text(l)))
+              : [element('span', { class: 'kind' }, scene.joints ? 'one color for every link' : 'one color for every child of the root')])),
         );
       }
     }
     if (state.get('bare') && state.get('body') && !scene.entry.inside) {
-      const share = scene.measured('bare_area', level, state.get('frame'));
+      const share = scene.measured('uncovered_area', level, state.get('frame'));
       const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
     }
@@ -257,7 +257,7 @@ export class Panel {
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
     if (scene.joints ? has('scene') : has('scene', 'level', 'frame')) this.drawFigures();
-    if (has('scene', 'level', 'frame', 'colour', 'spheres', 'bare', 'body', 'contacts')) this.drawLegend();
+    if (has('scene', 'level', 'frame', 'color', 'spheres', 'bare', 'body', 'contacts')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {
       byId('play').setAttribute('aria-label', state.get('playing') ? 'Pause' : 'Play');

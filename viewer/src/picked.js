@@ -35,7 +35,7 @@ export function drawPicked(scene, state) {
       element('span', { class: 'muted' }, `level ${scene.levelOf[node]}${children === 0 ? ', leaf' : ''}`),
       element('button', { type: 'button', class: 'icon', 'aria-label': 'Close', onclick: () => state.set({ picked: -1 }) }, '×')),
     element('dl', {},
-      row('Centre', [place(x, 0), place(y, 1), place(z, 2)].join('  '), 'picked-centre'),
+      row('Center', [place(x, 0), place(y, 1), place(z, 2)].join('  '), 'picked-center'),
       row('Radius', figure(r), 'picked-radius'),
       scene.joints ? row('Link', scene.joints.parts[scene.partOf[node]]?.name ?? 'all', 'picked-link') : null,
       scene.joints ? null : row('Radius at rest', figure(scene.rest[4 * node + 3])),

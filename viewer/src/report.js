@@ -3,7 +3,7 @@
 // A study: its claims with their verdicts, then figures, tables and pictures; curves over frames follow the body's.
 import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
-import { css, kindColour } from './colours.js';
+import { css, kindColor } from './colors.js';
 import { counted, figure } from './numbers.js';
 
 const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', undecided: 'not decided', untested: 'not tested' };
@@ -13,7 +13,7 @@ const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', '
 const little = matchMedia('(max-width: 900px)');
 const longest = 40; // rows of a table that is not folded
 const list = (value) => (Array.isArray(value) ? value : []);
-const labelled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
+const labeled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
 
 /** Drawings come as text and are shown as images: whatever is in them, it runs nothing and loads nothing. */
 function drawing({ svg, title }) {
@@ -121,9 +121,9 @@ export class Report {
     if (specs.length === 0) return [];
     const cards = specs.map((spec) => {
       const place = element('div', { class: 'plot' });
-      const colours = list(spec.series).map((s, k) => (s.role === 'reference' ? 'var(--muted)' : css(kindColour(k))));
+      const colors = list(spec.series).map((s, k) => (s.role === 'reference' ? 'var(--muted)' : css(kindColor(k))));
       const legend = element('p', { class: 'kinds' },
-        ...list(spec.series).map((s, k) => element('span', { class: 'kind' }, element('i', { class: 'line', style: `background:${colours[k]}` }), s.name)));
+        ...list(spec.series).map((s, k) => element('span', { class: 'kind' }, element('i', { class: 'line', style: `background:${colors[k]}` }), s.name)));
       const card = element('article', { class: 'figure', id: `figure-${spec.id}` },
         element('h3', {}, spec.title), legend, place,
         spec.note ? element('p', { class: 'muted' }, spec.note) : null,
@@ -132,9 +132,9 @@ export class Report {
       const content = () => ({
         series: list(spec.series).map((s, k) => ({
           name: s.name, x: list(s.x), y: list(s.y), role: s.role,
-          colour: s.role === 'reference' ? getComputedStyle(document.documentElement).getPropertyValue('--muted').trim() : colours[k],
+          color: s.role === 'reference' ? getComputedStyle(document.documentElement).getPropertyValue('--muted').trim() : colors[k],
         })),
-        xLabel: labelled(spec.x), yLabel: labelled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
+        xLabel: labeled(spec.x), yLabel: labeled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
       });
       this.curves.push({ curves, spec, content });
       curves.content = content(); // drawn as soon as it has a width

@@ -14,7 +14,7 @@ function offer(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
-/** The picture on the colour of the page, into a canvas. */
+/** The picture on the color of the page, into a canvas. */
 function paint(stage, canvas) {
   stage.draw();
   const from = stage.renderer.domElement;
@@ -57,8 +57,8 @@ export async function saveFilm(stage, name, frameCount, framesPerSecond, show, o
   offer(new Blob(chunks, { type: 'video/webm' }), `${name}.webm`);
 }
 
-/** The body of a frame and the spheres of a level set, a node each, in a glTF binary. colour(node): [r, g, b] of the screen. */
-export async function saveModel(scene, frame, nodes, colour, name) {
+/** The body of a frame and the spheres of a level set, a node each, in a glTF binary. color(node): [r, g, b] of the screen. */
+export async function saveModel(scene, frame, nodes, color, name) {
   const root = new Group();
   root.name = name;
   const place = (x, k) => x + scene.origin[k];
@@ -73,7 +73,7 @@ export async function saveModel(scene, frame, nodes, colour, name) {
   ball.deleteAttribute('uv');
   const materials = new Map();
   for (const node of nodes) {
-    const tint = colour(node);
+    const tint = color(node);
     const key = tint.map((c) => Math.round(255 * c)).join();
     if (!materials.has(key)) {
       materials.set(key, new MeshStandardMaterial({ color: new Color().setRGB(...tint, 'srgb'), transparent: true, opacity: 0.5, roughness: 0.5 }));

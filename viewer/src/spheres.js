@@ -20,33 +20,33 @@ const vertexShader = `
 #include <clipping_planes_pars_vertex>
 attribute vec4 ball;
 attribute vec3 tint;
-varying vec3 vCentre, vOffset, vTint;
+varying vec3 vCenter, vOffset, vTint;
 varying vec2 vDepth;
 varying float vRadius;
 void main() {
-  vCentre = (modelViewMatrix * vec4(ball.xyz, 1.0)).xyz;
+  vCenter = (modelViewMatrix * vec4(ball.xyz, 1.0)).xyz;
   vOffset = (modelViewMatrix * vec4(ball.w * position, 0.0)).xyz;
   vRadius = ball.w;
   vTint = tint;
   vDepth = vec2(projectionMatrix[2][2], projectionMatrix[3][2]);
-  vec4 mvPosition = vec4(vCentre + vOffset, 1.0);
+  vec4 mvPosition = vec4(vCenter + vOffset, 1.0);
   gl_Position = projectionMatrix * mvPosition;
   #include <clipping_planes_vertex>
 }`;
 
 // The ray of a pixel meets the sphere itself, and the depth is that of the sphere: polyhedra would pass through the body
-// where spheres nearly touch it, another way at every distance. Offsets are about the centre, so nothing cancels.
+// where spheres nearly touch it, another way at every distance. Offsets are about the center, so nothing cancels.
 const fragmentShader = `
 #include <clipping_planes_pars_fragment>
 uniform float opacity, glass;
 uniform int part;  // 0: all of the sphere; 1: all but its fringe, the pixels that it covers in part; 2: the fringe
 uniform vec3 rim;
-varying vec3 vCentre, vOffset, vTint;
+varying vec3 vCenter, vOffset, vTint;
 varying vec2 vDepth;
 varying float vRadius;
 void main() {
   #include <clipping_planes_fragment>
-  vec3 ray = normalize(vCentre + vOffset);
+  vec3 ray = normalize(vCenter + vOffset);
   vec3 across = vOffset - dot(vOffset, ray) * ray;
   float inside = vRadius * vRadius - dot(across, across);
   float border = fwidth(inside);
@@ -54,20 +54,20 @@ void main() {
   if (inside <= (part == 1 ? border : 0.0) || (part == 2 && inside > border)) discard;
   vec3 point = across - sqrt(inside) * ray;
   vec3 n = point / vRadius;
-  float z = vCentre.z + point.z;
+  float z = vCenter.z + point.z;
   gl_FragDepth = clamp(0.5 - 0.5 * (vDepth.x * z + vDepth.y) / z, 0.0, 1.0);
   float facing = abs(dot(n, ray));
   float edge = pow(1.0 - facing, 2.6);
   float light = 0.80 + 0.26 * dot(n, normalize(vec3(-0.45, 0.7, 0.6)));
   float gloss = pow(max(0.0, dot(reflect(-normalize(vec3(-0.45, 0.7, 0.6)), n), -ray)), 28.0);
-  vec3 colour = vTint * light + 0.14 * gloss;
-  colour = mix(colour, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
+  vec3 color = vTint * light + 0.14 * gloss;
+  color = mix(color, rim * (0.35 + 0.65 * vTint), 0.55 * edge * (1.0 - glass));
   float alpha = mix(opacity, min(1.0, opacity + 0.55), edge);
   if (glass > 0.5) alpha = clamp(0.10 + 1.25 * edge, 0.0, 1.0);
-  gl_FragColor = vec4(colour, alpha * (border > 0.0 ? min(1.0, inside / border) : 1.0));
+  gl_FragColor = vec4(color, alpha * (border > 0.0 ? min(1.0, inside / border) : 1.0));
 }`;
 
-// Discs in which the section plane cuts the spheres: dark ones, then slightly smaller ones in colour over all of them, so
+// Discs in which the section plane cuts the spheres: dark ones, then slightly smaller ones in color over all of them, so
 // that of the circles only the outline of the union stays.
 const discVertex = `
 attribute vec4 ball;
@@ -112,9 +112,9 @@ export class SpheresView {
         uniforms: { opacity: { value: 0.4 }, glass: { value: glass }, part: { value: part }, rim: { value: null } },
         ...options,
       });
-    // Depth first, then colour where it is nearest: the skin of the union, not a fog of everything behind it. Along a seam
+    // Depth first, then color where it is nearest: the skin of the union, not a fog of everything behind it. Along a seam
     // two spheres have the same depth, and at an edge a fringe lies on what is behind: the stencil's eighth bit lets one
-    // of them colour the pixel, or seams and edges are dotted.
+    // of them color the pixel, or seams and edges are dotted.
     this.depth = material({ colorWrite: false, depthWrite: true }, 0, 1);
     const once = {
       transparent: true, depthWrite: false,
@@ -186,9 +186,9 @@ export class SpheresView {
     for (const mesh of this.discs) mesh.geometry = this.discGeometry;
   }
 
-  /** The spheres of a level set in a frame; colour(node): [r, g, b]. */
-  pose(frame, level, colour) {
-    Object.assign(this, { frame, colour, nodes: this.scene.levelSets[level] });
+  /** The spheres of a level set in a frame; color(node): [r, g, b]. */
+  pose(frame, level, color) {
+    Object.assign(this, { frame, color, nodes: this.scene.levelSets[level] });
     this.reserve(this.nodes.length);
     this.fill();
     this.mark();
@@ -196,11 +196,11 @@ export class SpheresView {
 
   /** The spheres of now into the attributes. */
   fill() {
-    const { frame, colour } = this;
+    const { frame, color } = this;
     const spheres = this.scene.frames[frame];
     this.nodes.forEach((node, i) => {
       this.ball.array.set(spheres.subarray(4 * node, 4 * node + 4), 4 * i);
-      this.tint.array.set(colour(node), 3 * i);
+      this.tint.array.set(color(node), 3 * i);
     });
     this.ball.needsUpdate = this.tint.needsUpdate = true;
     this.geometry.instanceCount = this.discGeometry.instanceCount = this.nodes.length;

@@ -115,7 +115,7 @@ export class Stage {
   theme() {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
     this.contacts.theme(new Color(styleValue('--ink')));
-    // The spheres' shaders write colours as the screen has them.
+    // The spheres' shaders write colors as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
     this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));
     this.ask();

@@ -23,10 +23,11 @@ namespace {
 // Members of a result and columns of the table that the build reports, and those that --measure adds.
 constexpr std::array reported{"vertices", "facets",  "mesh_hash", "method",   "branching",
                               "depth",    "spheres", "tree_hash", "complete", "covered"};
-constexpr std::array measured{"closed", "looseness", "bare_area", "gap", "protrusion"};
-constexpr std::array columns{"status",    "message", "vertices",  "facets",    "method",  "branching",
-                             "depth",     "nodes",   "spheres",   "complete",  "covered", "mesh_hash",
-                             "tree_hash", "closed",  "looseness", "bare_area", "gap",     "protrusion"};
+constexpr std::array measured{"closed", "looseness", "uncovered_area", "uncovered_distance", "protrusion"};
+constexpr std::array columns{
+    "status",    "message",        "vertices",           "facets",    "method",    "branching", "depth",
+    "nodes",     "spheres",        "complete",           "covered",   "mesh_hash", "tree_hash", "closed",
+    "looseness", "uncovered_area", "uncovered_distance", "protrusion"};
 constexpr std::array costs{"seconds", "cpu_seconds", "peak_mb"};
 
 // Values nested deeper than any of ours are left out: whoever writes them could exhaust the stack of what reads them.
@@ -89,7 +90,7 @@ bool is_of_memory(const std::string& error) {
 void judge_end(Json& result, const ProcessEnd& end, const BatchTask& task, const std::string& error) {
   if (end.how == ProcessEnd::How::out_of_time) {
     set_failure(result, "time limit", fmt::format("not done after {} s", task.time_limit.value_or(0)));
-  } else if (end.how == ProcessEnd::How::signalled) {
+  } else if (end.how == ProcessEnd::How::signaled) {
     set_failure(result, "crashed", fmt::format("ended by signal {} ({})", end.code, strsignal(end.code)));
   } else if (end.code == exit_bad_use) {
     set_failure(result, "refused", error);

@@ -28,7 +28,7 @@ BatchTask task_of_line(const std::string& line);
 
 /// How the process of one build ended.
 struct ProcessEnd {
-  enum class How { exited, signalled, out_of_time };
+  enum class How { exited, signaled, out_of_time };
   How how = How::exited;
   int code = 0;                      ///< exit code, or the signal
   std::string out, figures, errors;  ///< the build's report, figures of the fit, messages

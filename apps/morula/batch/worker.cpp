@@ -125,11 +125,12 @@ Json figures_of(const BatchTask& task) {
   const std::vector<LevelMeasure> levels = measure(mesh, read_tree(task.tree).tree, options);
   const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
   Json figures{{"closed", inspect(mesh).closed}};
-  for (const char* name : {"looseness", "bare_area", "gap", "protrusion"}) figures[name] = Json::array();
+  for (const char* name : {"looseness", "uncovered_area", "uncovered_distance", "protrusion"})
+    figures[name] = Json::array();
   for (const LevelMeasure& level : levels) {
     figures["looseness"].push_back(number(level.looseness.looseness));
-    figures["bare_area"].push_back(level.coverage.bare_area);
-    figures["gap"].push_back(level.coverage.gap);
+    figures["uncovered_area"].push_back(level.coverage.uncovered_area);
+    figures["uncovered_distance"].push_back(level.coverage.uncovered_distance);
     figures["protrusion"].push_back(number(level.protrusion ? std::optional(level.protrusion->worst) : std::nullopt));
   }
   return figures;
@@ -245,7 +246,7 @@ ProcessEnd wait_for(pid_t build, int end_of_build, const BatchTask& task) {
     if (waits[1].revents != 0) usleep(100);
   }
   end.seconds = seconds_since_start() - begun;
-  if (end.how != How::out_of_time && WIFSIGNALED(status)) end.how = How::signalled;
+  if (end.how != How::out_of_time && WIFSIGNALED(status)) end.how = How::signaled;
   end.code = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status);
   end.cpu_seconds = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   end.peak_megabytes = static_cast<double>(usage.ru_maxrss) / 1024;

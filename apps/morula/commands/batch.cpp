@@ -51,7 +51,7 @@ struct BatchArguments {
   std::optional<std::size_t> memory_limit;
   bool resume = false, retry = false, no_trees = false, measure = false, quiet = false, json = false;
   // Of every build; empty or nothing: as `morula build` has it.
-  std::string method, quality, depth, reducers, optimiser;
+  std::string method, quality, depth, reducers, optimizer;
   std::optional<unsigned> branching;
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion, balance_excess;
@@ -71,7 +71,7 @@ std::vector<std::string> build_words(const BatchArguments& o) {
   if (o.max_protrusion) add("--max-protrusion", fmt::format("{}", *o.max_protrusion));
   if (o.seed) add("--seed", std::to_string(*o.seed));
   if (!o.reducers.empty()) add("--reducers", o.reducers);
-  if (!o.optimiser.empty()) add("--optimiser", o.optimiser);
+  if (!o.optimizer.empty()) add("--optimizer", o.optimizer);
   if (o.balance_excess) add("--balance-excess", fmt::format("{}", *o.balance_excess));
   if (o.nested) words.emplace_back("--nested");
   if (o.measure) words.emplace_back("--measure");
@@ -374,7 +374,7 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_flag(command, "--retry", o.retry, "The same, and try again what failed");
   add_flag(command, "--no-trees", o.no_trees, "Keep the table alone");
   add_flag(command, "--measure", o.measure,
-           "Also measure looseness, bare area, gap and protrusion of every level, as columns");
+           "Also measure looseness, uncovered area, gap and protrusion of every level, as columns");
   add_flag(command, "--quiet", o.quiet, "No progress on stderr");
   add_option(command, "--method", o.method, "As of morula build, as are the next ones")->type_name("NAME");
   add_option(command, "--quality", o.quality, "draft, fast, default, best")->type_name("NAME");
@@ -389,8 +389,8 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_flag(command, "--nested", o.nested, "Every sphere contains its children's");
   add_option(command, "--seed", o.seed, "Of every random choice")->type_name("N")->transform(whole_number());
   add_option(command, "--reducers", o.reducers, "For medial and combined")->type_name("LIST");
-  add_option(command, "--optimiser", o.optimiser, "none, refit, simplex, balance")->type_name("NAME");
-  add_option(command, "--balance-excess", o.balance_excess, "For the optimiser balance")
+  add_option(command, "--optimizer", o.optimizer, "none, recenter, simplex, balance")->type_name("NAME");
+  add_option(command, "--balance-excess", o.balance_excess, "For the optimizer balance")
       ->type_name("SHARE")
       ->transform(real_number(0));
   add_json(command, o.json);

@@ -41,7 +41,7 @@ struct BuildArguments {
   std::uint64_t seed = BuildOptions{}.seed;
   std::string quality{name(BuildOptions{}.quality)};
   std::string reducers;
-  std::string optimiser{name(BuildOptions{}.optimiser)};
+  std::string optimizer{name(BuildOptions{}.optimizer)};
   double balance_excess = BuildOptions{}.balance_excess;
   std::optional<double> time_limit;
   std::string poses;  // a motion, or strains; empty: none
@@ -96,7 +96,7 @@ BuildOptions build_options(const BuildArguments& o) {
           .nested = o.nested,
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
-          .optimiser = parse_optimiser(o.optimiser),
+          .optimizer = parse_optimizer(o.optimizer),
           .balance_excess = o.balance_excess,
           .quality = parse_quality(o.quality),
           .time_limit_seconds = o.time_limit.value_or(0),
@@ -108,32 +108,32 @@ struct Seconds {
   double read, build, check, report, write;
 };
 
-Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& built, const Certificate& certificate,
+Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model, const Certificate& certificate,
                  const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& seconds,
                  const Workers& workers) {
   Json json{{"mesh", o.mesh},
             {"vertices", mesh.vertex_count()},
             {"facets", mesh.facet_count()},
-            {"mesh_hash", hash_text(built.report.mesh_hash)},
+            {"mesh_hash", hash_text(model.report.mesh_hash)},
             {"tree", o.output},
-            {"method", built.report.method},
-            {"branching", built.report.branching},
-            {"depth", built.report.depth},
-            {"seed", built.report.seed},
-            {"tree_hash", hash_text(tree_hash(built.tree))},
-            {"spheres", built.tree.leaf_count()}};
-  if (o.nested) json["nested"] = built.tree.nested;
+            {"method", model.report.method},
+            {"branching", model.report.branching},
+            {"depth", model.report.depth},
+            {"seed", model.report.seed},
+            {"tree_hash", hash_text(tree_hash(model.tree))},
+            {"spheres", model.tree.leaf_count()}};
+  if (o.nested) json["nested"] = model.tree.nested;
   if (o.spheres) json["spheres_asked"] = *o.spheres;
   if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
-  if (built.report.protrusion_bound) json["protrusion_bound"] = *built.report.protrusion_bound;
+  if (model.report.protrusion_bound) json["protrusion_bound"] = *model.report.protrusion_bound;
   json.update(
-      {{"levels", build_levels_json(built, figures)},
-       {"early_leaves", built.report.early_leaves},
-       {"leftover_patches", built.report.leftover_patches},
-       {"patches", built.cover.patch_count()},
-       {"most_patches_of_a_facet", built.report.most_patches_of_a_facet},
-       {"notes", built.report.notes},
-       {"complete", built.report.complete},
+      {{"levels", build_levels_json(model, figures)},
+       {"early_leaves", model.report.early_leaves},
+       {"leftover_patches", model.report.leftover_patches},
+       {"patches", model.cover.patch_count()},
+       {"most_patches_of_a_facet", model.report.most_patches_of_a_facet},
+       {"notes", model.report.notes},
+       {"complete", model.report.complete},
        {"covered", certificate.covered},
        {"worst_excess", certificate.worst_excess},
        {"threads", workers.thread_count()},
@@ -141,38 +141,38 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& b
         {{"read", seconds.read}, {"build", seconds.build}, {"check", seconds.check}, {"write", seconds.write}}}});
   if (!o.poses.empty()) {
     std::vector<std::string> names;
-    for (const KnownPose& pose : built.poses) names.push_back(pose.name);
-    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.built}, {"worst", poses.worst}};
+    for (const KnownPose& pose : model.poses) names.push_back(pose.name);
+    json["poses"] = {{"source", o.poses}, {"trees", names}, {"built", poses.model}, {"worst", poses.worst}};
   }
   if (o.report) json["seconds"]["report"] = seconds.report;
   return json;
 }
 
-void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& built,
+void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model,
                   const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& s,
                   const Workers& workers) {
-  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(built, figures));
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(model, figures));
   if (o.flat()) {
-    fmt::print("flat set      {}, sticking out by at most {}\n", counted(built.tree.leaf_count(), "sphere"),
-               figure(built.report.protrusion_bound.value_or(0)));
+    fmt::print("flat set      {}, sticking out by at most {}\n", counted(model.tree.leaf_count(), "sphere"),
+               figure(model.report.protrusion_bound.value_or(0)));
   } else {
-    fmt::print("early leaves  {}\n", built.report.early_leaves);
+    fmt::print("early leaves  {}\n", model.report.early_leaves);
   }
   if (!o.poses.empty()) {
     std::vector<std::string> names;
-    for (const KnownPose& pose : built.poses) names.push_back(pose.name);
+    for (const KnownPose& pose : model.poses) names.push_back(pose.name);
     fmt::print("poses         {}{}{}; at worst {} times as loose as one built for the pose\n",
                counted(names.size(), "more tree"), names.empty() ? "" : ": ", fmt::join(names, ", "),
                figure(poses.worst));
   }
   fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
-             counted(built.cover.patch_count(), "patch", "patches"));
-  fmt::print("patches       at most {} of one facet\n", built.report.most_patches_of_a_facet);
+             counted(model.cover.patch_count(), "patch", "patches"));
+  fmt::print("patches       at most {} of one facet\n", model.report.most_patches_of_a_facet);
   if (o.nested) fmt::print("nested        yes: every sphere contains its children's\n");
   fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
              seconds(s.check), o.report ? fmt::format("report {}, ", seconds(s.report)) : "", seconds(s.write),
              counted(workers.thread_count(), "thread"));
-  for (const std::string& note : built.report.notes) fmt::print("note          {}\n", note);
+  for (const std::string& note : model.report.notes) fmt::print("note          {}\n", note);
   fmt::print("written       {}\n", o.output);
 }
 
@@ -197,7 +197,7 @@ std::vector<NamedPose> candidate_poses(const std::optional<Motion>& motion, cons
 }
 
 KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, const std::optional<Motion>& motion,
-                           CoveredTree& built, const Interrupt& interrupt, Workers& workers) {
+                           CoveredTree& model, const Interrupt& interrupt, Workers& workers) {
   if (o.poses.empty()) return {};
   Progress progress("trees for known poses");
   KnownPoseOptions options{.method = parse_method(o.method),
@@ -212,7 +212,7 @@ KnownPosesReport add_poses(const BuildArguments& o, const Mesh& mesh, const std:
     const auto share = static_cast<double>(count) / static_cast<double>(poses.size());
     progress.update(share, fmt::format("{}: at worst {} times as loose", counted(count, "tree"), figure(worst)));
   };
-  return add_known_poses(mesh, built, poses, options, workers);
+  return add_known_poses(mesh, model, poses, options, workers);
 }
 
 /// Throws BuildStopped on Ctrl-C, before anything is written.
@@ -226,7 +226,7 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   const std::optional<Motion> motion = open_motion(o, mesh);
   seconds.read = watch.lap();
   options.stop = interrupt.token();
-  CoveredTree built = [&] {
+  CoveredTree model = [&] {
     Progress progress(fmt::format("building {}", o.method));
     const int depth = o.depth ? *o.depth : automatic_depth(mesh, o.branching);
     options.progress = [&, depth](const BuildProgress& now) {
@@ -236,33 +236,33 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
     };
     return build(mesh, options, workers);
   }();
-  const KnownPosesReport poses = add_poses(o, mesh, motion, built, interrupt, workers);
+  const KnownPosesReport poses = add_poses(o, mesh, motion, model, interrupt, workers);
   seconds.build = watch.lap();
-  const Certificate certificate = certify(built.cover, mesh.positions, built.tree.spheres, workers);
-  const std::vector<std::string> faults = validate(mesh, built);
+  const Certificate certificate = certify(model.cover, mesh.positions, model.tree.spheres, workers);
+  const std::vector<std::string> faults = validate(mesh, model);
   seconds.check = watch.lap();
   if (!faults.empty()) {
     return complain(exit_check_failed, "the tree of {} is broken: {}; nothing was written, please report it", o.mesh,
                     faults.front());
   }
   std::vector<LevelFigures> figures;
-  if (o.report) figures = measure_levels(mesh, built.tree, interrupt.token(), workers);
+  if (o.report) figures = measure_levels(mesh, model.tree, interrupt.token(), workers);
   seconds.report = watch.lap();
   if (interrupt.requested()) throw BuildStopped();
   if (extension(o.output) == ".ply") {
-    write_balls(o.output, level_set_spheres(built.tree, built.tree.level_count() - 1));
+    write_balls(o.output, level_set_spheres(model.tree, model.tree.level_count() - 1));
   } else {
-    write_tree(o.output, built);
+    write_tree(o.output, model);
   }
   note_written(o.output);
   seconds.write = watch.lap();
 
   if (o.json) {
-    print_json(json_report(o, mesh, built, certificate, figures, poses, seconds, workers));
+    print_json(json_report(o, mesh, model, certificate, figures, poses, seconds, workers));
   } else {
-    print_report(o, mesh, built, figures, poses, seconds, workers);
+    print_report(o, mesh, model, figures, poses, seconds, workers);
   }
-  return built.report.complete ? exit_done : exit_check_failed;
+  return model.report.complete ? exit_done : exit_check_failed;
 }
 
 int build_command(const BuildArguments& o) {
@@ -320,18 +320,18 @@ void add_build(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_option(*command, "--quality", o->quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
+  add_option(*command, "--quality", o->quality, fmt::format("For optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--reducers", o->reducers,
              fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
                          fmt::join(reduction_names(), ",")))
       ->type_name("LIST");
-  add_option(*command, "--optimiser", o->optimiser, fmt::format("{}", fmt::join(optimiser_names(), ", ")))
+  add_option(*command, "--optimizer", o->optimizer, fmt::format("{}", fmt::join(optimizer_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--balance-excess", o->balance_excess,
-             "For the optimiser balance: share by which the worst sphere may stick out further")
+             "For the optimizer balance: share by which the worst sphere may stick out further")
       ->type_name("SHARE")
       ->transform(real_number(0))
       ->capture_default_str();

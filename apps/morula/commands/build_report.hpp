@@ -24,7 +24,7 @@ std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tre
                                          Workers& workers);
 
 /// figures: empty, or of every level.
-std::string build_table(const CoveredTree& built, const std::vector<LevelFigures>& figures);
-Json build_levels_json(const CoveredTree& built, const std::vector<LevelFigures>& figures);
+std::string build_table(const CoveredTree& model, const std::vector<LevelFigures>& figures);
+Json build_levels_json(const CoveredTree& model, const std::vector<LevelFigures>& figures);
 
 }  // namespace morula::cli

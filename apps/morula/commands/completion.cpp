@@ -41,7 +41,7 @@ std::vector<std::string> values_of(const std::string& command, const CLI::Option
   const std::string first = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
   if (first == "method") return names_of(all_methods());
   if (first == "quality") return names_of(all_qualities());
-  if (first == "optimiser") return names_of(all_optimisers());
+  if (first == "optimizer") return names_of(all_optimizers());
   if (first == "reducers") return names_of(all_reductions());
   if (first == "rule" || first == "rules") return names_of(all_rules());
   if (command == "sample" && option.get_positional()) return {sample_body_names().begin(), sample_body_names().end()};

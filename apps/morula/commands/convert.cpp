@@ -184,7 +184,7 @@ int convert_tree(const ConvertArguments& o) {
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
   TreeFile file = o.frame ? TreeFile{read_frame(o), std::nullopt, {}} : read_tree(o.input, reading);
   if (o.nested && to_balls) throw UsageError(fmt::format("{}: balls have no parents: leave out --nested", o.output));
-  if (o.nested && !(mesh && extension(o.output) == ".morula")) nest(file.tree);
+  if (o.nested && !(mesh && extension(o.output) == ".morula")) make_nested(file.tree);
   if (to_balls) return write_leaves(o, level_set_spheres(file.tree, file.tree.level_count() - 1));
   if (extension(o.output) != ".morula") {
     write_tree(o.output, file.tree);
@@ -204,14 +204,14 @@ int convert_tree(const ConvertArguments& o) {
         "{} has spheres alone, and a .morula file proves that they cover a mesh: add --mesh MESH", o.input));
   }
   Workers workers = make_workers(o.threads);
-  CoveredTree built = o.frame ? cover(*mesh, file.tree, {.nested = o.nested}, workers)
+  CoveredTree model = o.frame ? cover(*mesh, file.tree, {.nested = o.nested}, workers)
                               : read_covered_tree(o.input, *mesh, reading, workers);
-  if (o.nested) nest(built.tree);
-  write_tree(o.output, built);
+  if (o.nested) make_nested(model.tree);
+  write_tree(o.output, model);
   return report(o,
-                fmt::format("{}: {}, {}", o.output, counted(built.tree.node_count(), "sphere"),
-                            counted(built.cover.patch_count(), "patch", "patches")),
-                file.cover ? nullptr : &built.report);
+                fmt::format("{}: {}, {}", o.output, counted(model.tree.node_count(), "sphere"),
+                            counted(model.cover.patch_count(), "patch", "patches")),
+                file.cover ? nullptr : &model.report);
 }
 
 int convert_command(const ConvertArguments& o) {

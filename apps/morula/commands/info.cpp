@@ -169,7 +169,7 @@ void print_tree(const InfoArguments& o, const TreeFile& file) {
   fmt::print("cover      {}, at most {} of one facet, {}\n", counted(file.cover->patch_count(), "patch", "patches"),
              file.cover->most_patches_of_a_facet(), counted(file.cover->cut_points.size(), "cut point"));
   for (const KnownPose& pose : file.poses) {
-    fmt::print("pose       {}: {}\n", pose.name, counted(pose.built->tree.node_count(), "sphere"));
+    fmt::print("pose       {}: {}\n", pose.name, counted(pose.model->tree.node_count(), "sphere"));
   }
   if (!file.report.growth.empty()) fmt::print("\n{}", growth_text(file.report));
   for (const std::string& note : file.report.notes) fmt::print("note       {}\n", note);
@@ -200,7 +200,7 @@ Json tree_json(const InfoArguments& o, const TreeFile& file) {
     json["notes"] = file.report.notes;
     json["poses"] = Json::array();
     for (const KnownPose& pose : file.poses) {
-      json["poses"].push_back({{"name", pose.name}, {"nodes", pose.built->tree.node_count()}});
+      json["poses"].push_back({{"name", pose.name}, {"nodes", pose.model->tree.node_count()}});
     }
   }
   return json;

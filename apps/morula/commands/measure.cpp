@@ -144,7 +144,7 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
                why_no_inside(report), fmt::join(ranges, "; "));
   }
   if (no_looseness) {
-    fmt::print("n/a: {}, so inside and outside are not defined; bare area and gap do not need them.\n",
+    fmt::print("n/a: {}, so inside and outside are not defined; uncovered area and gap do not need them.\n",
                why_no_inside(report));
   } else if (!o.no_protrusion && !report.has_volume()) {
     fmt::print("n/a: {}, so protrusion cannot be answered.\n", why_no_inside(report));
@@ -164,7 +164,8 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
 
 std::string csv_text(const std::vector<MeasuredFrame>& frames, bool with_sampled) {
   std::string text =
-      "frame,tree,level,spheres,looseness,missed_volume,bare_area,gap,gap_upper,covered,protrusion_worst,"
+      "frame,tree,level,spheres,looseness,missed_volume,uncovered_area,uncovered_distance,uncovered_distance_upper,"
+      "covered,protrusion_worst,"
       "protrusion_mean,voxel_edge";
   if (with_sampled) {
     text +=
@@ -176,12 +177,13 @@ std::string csv_text(const std::vector<MeasuredFrame>& frames, bool with_sampled
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
   for (const MeasuredFrame& frame : frames) {
     for (const LevelMeasure& l : frame.levels) {
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", toolbox::csv_cell(frame.name),
-                          toolbox::csv_cell(frame.tree), l.level, l.spheres, digits(l.looseness.looseness),
-                          digits(l.looseness.missed_volume), exact_digits(l.coverage.bare_area),
-                          exact_digits(l.coverage.gap), exact_digits(l.coverage.gap_upper),
-                          l.coverage.covered ? "yes" : "no", l.protrusion ? exact_digits(l.protrusion->worst) : "",
-                          l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}", toolbox::csv_cell(frame.name),
+                      toolbox::csv_cell(frame.tree), l.level, l.spheres, digits(l.looseness.looseness),
+                      digits(l.looseness.missed_volume), exact_digits(l.coverage.uncovered_area),
+                      exact_digits(l.coverage.uncovered_distance), exact_digits(l.coverage.uncovered_distance_upper),
+                      l.coverage.covered ? "yes" : "no", l.protrusion ? exact_digits(l.protrusion->worst) : "",
+                      l.protrusion ? exact_digits(l.protrusion->mean) : "", exact_digits(l.looseness.voxel_edge));
       if (l.sampled) {
         const SampledFit& s = *l.sampled;
         for (const std::optional<double>& value :
@@ -224,7 +226,7 @@ int measure_command(const MeasureArguments& o) {
     write_whole(o.csv, csv_text(frames, o.curobo));
     note_written(o.csv);
   }
-  write_plot(o.plot, measure_plot(fmt::format("{}: looseness and bare area", o.mesh), frames));
+  write_plot(o.plot, measure_plot(fmt::format("{}: looseness and uncovered area", o.mesh), frames));
   if (!o.json) {
     print_text(o, rest, frames);
     return exit_done;
@@ -271,7 +273,7 @@ void add_measure(CLI::App& app, Run& run) {
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");
-  add_plot(*command, o->plot, "looseness and bare area over the frames, or over the levels of one");
+  add_plot(*command, o->plot, "looseness and uncovered area over the frames, or over the levels of one");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(*command,

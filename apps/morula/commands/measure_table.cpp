@@ -33,7 +33,7 @@ std::optional<double> looseness_of(const LevelMeasure& level) {
   return level.looseness.looseness;
 }
 std::optional<double> bare_of(const LevelMeasure& level) {
-  return 100 * level.coverage.bare_area;
+  return 100 * level.coverage.uncovered_area;
 }
 
 void add_level(Table& table, const Columns& columns, const std::string& frame, const LevelMeasure& level,
@@ -42,8 +42,8 @@ void add_level(Table& table, const Columns& columns, const std::string& frame, c
   if (columns.frame) cells.push_back(level.level == 0 ? frame : std::string());
   for (std::string cell :
        {std::to_string(level.level), std::to_string(level.spheres), figure_or_na(level.looseness.looseness),
-        percent_or_na(level.looseness.missed_volume), percent(level.coverage.bare_area), figure(level.coverage.gap),
-        std::string(level.coverage.covered ? "yes" : "no")}) {
+        percent_or_na(level.looseness.missed_volume), percent(level.coverage.uncovered_area),
+        figure(level.coverage.uncovered_distance), std::string(level.coverage.covered ? "yes" : "no")}) {
     cells.push_back(std::move(cell));
   }
   if (columns.protrusion) {
@@ -76,8 +76,8 @@ std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames) {
         w.looseness.range = {std::max(known.low, range->low), std::max(known.high, range->high)};
       }
       w.coverage.covered = w.coverage.covered && level.coverage.covered;
-      w.coverage.bare_area = std::max(w.coverage.bare_area, level.coverage.bare_area);
-      w.coverage.gap = std::max(w.coverage.gap, level.coverage.gap);
+      w.coverage.uncovered_area = std::max(w.coverage.uncovered_area, level.coverage.uncovered_area);
+      w.coverage.uncovered_distance = std::max(w.coverage.uncovered_distance, level.coverage.uncovered_distance);
       if (!level.protrusion) continue;
       if (!w.protrusion) w.protrusion = level.protrusion;
       w.protrusion->worst = std::max(w.protrusion->worst, level.protrusion->worst);
@@ -90,7 +90,8 @@ std::vector<LevelMeasure> worst_of(const std::vector<MeasuredFrame>& frames) {
 std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::vector<LevelMeasure>& worst,
                           bool with_protrusion) {
   const Columns columns{.frame = frames.size() > 1, .protrusion = with_protrusion};
-  std::vector<std::string> header{"level", "spheres", "looseness", "missed", "bare area", "gap", "covered"};
+  std::vector<std::string> header{"level",  "spheres", "looseness", "missed", "uncovered area", "uncovered_distance",
+                                  "covered"};
   if (columns.frame) header.insert(header.begin(), "frame");
   if (columns.protrusion) header.insert(header.end(), {"protrusion", "mean"});
   header.emplace_back(columns.frame ? "looseness over the frames" : "looseness below the root");
@@ -161,7 +162,7 @@ toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredF
     for (std::size_t level = first; level < worst.size(); ++level)
       plot.x_names.push_back(fmt::format("{} ({})", level, counted(worst[level].spheres, "sphere")));
   add("looseness", "object volumes", looseness_of);
-  add("bare area", "%", bare_of);
+  add("uncovered area", "%", bare_of);
   return plot;
 }
 
@@ -170,7 +171,7 @@ std::string cover_sentence(const std::vector<LevelMeasure>& worst) {
   for (const LevelMeasure& level : worst) {
     if (level.coverage.covered) continue;
     bare += fmt::format("{}level {} leaves {} bare, up to {} away", bare.empty() ? "" : "; ", level.level,
-                        percent(level.coverage.bare_area), figure(level.coverage.gap));
+                        percent(level.coverage.uncovered_area), figure(level.coverage.uncovered_distance));
   }
   return bare.empty() ? "Covers: no surface is bare at any level." : fmt::format("Does not cover: {}.", bare);
 }

@@ -25,7 +25,7 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
                           bool with_protrusion);
 /// A row per frame and level that has them: cuRobo's figures.
 std::string sampled_table(const std::vector<MeasuredFrame>& frames);
-/// Looseness, and bare area where there is any: over the frames, or of one frame over the levels.
+/// Looseness, and uncovered area where there is any: over the frames, or of one frame over the levels.
 toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames);
 /// Whether surface is bare, at which levels and how much, in one line.
 std::string cover_sentence(const std::vector<LevelMeasure>& worst);

@@ -100,7 +100,7 @@ VtpData spheres_data(const SphereTree& tree, const std::vector<std::uint32_t>& n
 }
 
 /// Of every vertex its distance to the spheres, negative inside one; of every facet whether any of it is bare.
-void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& bare_facets) {
+void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& uncovered_facets) {
   const PowerDiagram diagram(spheres);
   VtpArray distances{"distance", {}}, bare{"bare", {}, 1, true};
   double largest = 0;
@@ -127,7 +127,7 @@ void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& b
       }
     }
     bare.values.push_back(is_bare ? 1 : 0);
-    bare_facets += is_bare ? 1 : 0;
+    uncovered_facets += is_bare ? 1 : 0;
   }
   data.point_arrays = {distances};
   data.facet_arrays = {bare};
@@ -235,7 +235,7 @@ int paraview_command(const ParaviewArguments& o) {
   if (!o.contacts.empty()) contacts = read_contacts(o.contacts);
 
   std::vector<std::string> written;
-  std::size_t bare_facets = 0, bare_frames = 0, spheres = 0;
+  std::size_t uncovered_facets = 0, uncovered_frames = 0, spheres = 0;
   WholeFolder folder(o.output, WholeFolder::Mode::merge);
   {
     Series surface(folder.path(), "surface", o.frames_per_second), balls(folder.path(), "spheres", o.frames_per_second),
@@ -255,9 +255,9 @@ int paraview_command(const ParaviewArguments& o) {
         std::vector<std::uint32_t> nodes = level_set(tree, level);
         std::vector<Sphere> shown;
         for (const std::uint32_t node : nodes) shown.push_back(tree.spheres[node]);
-        const std::size_t before = bare_facets;
-        add_cover(data, shown, bare_facets);
-        bare_frames += bare_facets > before ? 1 : 0;
+        const std::size_t before = uncovered_facets;
+        add_cover(data, shown, uncovered_facets);
+        uncovered_frames += uncovered_facets > before ? 1 : 0;
         if (!o.level) {
           nodes.resize(tree.node_count());
           for (std::uint32_t node = 0; node < nodes.size(); ++node) nodes[node] = node;
@@ -277,17 +277,17 @@ int paraview_command(const ParaviewArguments& o) {
   if (o.json) {
     Json json{{"mesh", o.mesh}, {"output", o.output}, {"files", written}, {"frames", frame_count}};
     json["spheres"] = frames.any() ? Json(spheres) : Json(nullptr);
-    json["bare_facets"] = frames.any() ? Json(bare_facets) : Json(nullptr);
-    json["bare_frames"] = frames.any() ? Json(bare_frames) : Json(nullptr);
+    json["uncovered_facets"] = frames.any() ? Json(uncovered_facets) : Json(nullptr);
+    json["uncovered_frames"] = frames.any() ? Json(uncovered_frames) : Json(nullptr);
     print_json(json);
     return exit_done;
   }
   fmt::print("{}: {}\n", o.output, counted(frame_count, "frame"));
   if (frames.any()) {
     fmt::print("spheres  {} a frame\n", spheres);
-    fmt::print("bare     {}\n", bare_facets == 0 ? "nothing: every facet is covered in every frame"
-                                                 : fmt::format("{} in {}", counted(bare_facets, "facet"),
-                                                               counted(bare_frames, "frame")));
+    fmt::print("bare     {}\n", uncovered_facets == 0 ? "nothing: every facet is covered in every frame"
+                                                      : fmt::format("{} in {}", counted(uncovered_facets, "facet"),
+                                                                    counted(uncovered_frames, "frame")));
   }
   for (const std::string& file : written) fmt::print("written  {}\n", (fs::path(o.output) / file).string());
   return exit_done;

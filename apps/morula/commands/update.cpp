@@ -49,11 +49,11 @@ struct UpdateArguments {
 /// The body that moves: with the one tree, or with the tightest of those for known poses.
 class Mover {
  public:
-  Mover(const Mesh& mesh, const CoveredTree& built, UpdateOptions options, bool with_poses, Workers& workers) {
+  Mover(const Mesh& mesh, const CoveredTree& model, UpdateOptions options, bool with_poses, Workers& workers) {
     if (with_poses) {
-      posed_.emplace(mesh, built, RebuildOptions{.thread = RebuildThread::none}, workers);
+      posed_.emplace(mesh, model, RebuildOptions{.thread = RebuildThread::none}, workers);
     } else {
-      body_.emplace(mesh, built, std::move(options), workers);
+      body_.emplace(mesh, model, std::move(options), workers);
     }
   }
   const Body& body() const { return posed_ ? posed_->body() : *body_; }
@@ -86,7 +86,7 @@ struct Outcome {
 
 void add_growth(Outcome& outcome, const SphereTree& rest, const Body& body) {
   const SphereTree& tree = body.rest_tree();
-  const auto spheres = body.pose().spheres;
+  const auto spheres = body.sphere_state().spheres;
   outcome.growth.resize(rest.level_count());
   for (std::size_t level = 0; level < rest.level_count(); ++level) {
     double now = 0, before = 0;
@@ -159,7 +159,7 @@ Outcome update_frames(const UpdateArguments& o, const Mesh& rest, const SphereTr
   return outcome;
 }
 
-Json outcome_json(const UpdateArguments& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+Json outcome_json(const UpdateArguments& o, const CoveredTree& model, const Body& body, const Outcome& outcome,
                   unsigned threads) {
   const double typical = median(outcome.microseconds);
   const BindReport& bind = body.bind_report();
@@ -194,9 +194,9 @@ Json outcome_json(const UpdateArguments& o, const CoveredTree& built, const Body
   if (o.files.are_skinned()) {
     json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
   }
-  if (outcome.changes) json["poses"] = {{"trees", built.poses.size()}, {"changes", *outcome.changes}};
+  if (outcome.changes) json["poses"] = {{"trees", model.poses.size()}, {"changes", *outcome.changes}};
   if (o.measure) json["measured"] = frames_json(outcome.measured);
-  if (!built.report.growth.empty()) json["growth"] = growth_json(built.report);
+  if (!model.report.growth.empty()) json["growth"] = growth_json(model.report);
   return json;
 }
 
@@ -227,12 +227,12 @@ std::string covering_rules() {
   return fmt::format("{} and {}", fmt::join(names, ", "), last);
 }
 
-void print_text(const UpdateArguments& o, const CoveredTree& built, const Body& body, const Outcome& outcome,
+void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& body, const Outcome& outcome,
                 const SphereOutput& output, unsigned threads) {
   const std::vector<Rule>& rules = body.options().rules;
   const std::size_t levels = body.rest_tree().level_count();
   const double typical = median(outcome.microseconds);
-  if (!built.report.growth.empty()) fmt::print("{}\n", growth_text(built.report));
+  if (!model.report.growth.empty()) fmt::print("{}\n", growth_text(model.report));
   fmt::print("rule         {}\n", describe_rules(rules, levels));
   fmt::print("frames       {} of {} and {}\n", outcome.microseconds.size(),
              counted(body.vertex_count(), "vertex", "vertices"), counted(body.rest_tree().node_count(), "sphere"));
@@ -240,7 +240,7 @@ void print_text(const UpdateArguments& o, const CoveredTree& built, const Body& 
              figure(*std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())),
              figure(1e3 * typical / static_cast<double>(body.vertex_count())), counted(threads, "thread"));
   if (outcome.changes) {
-    fmt::print("poses        {} for known poses beside that at rest, changed {}\n", counted(built.poses.size(), "tree"),
+    fmt::print("poses        {} for known poses beside that at rest, changed {}\n", counted(model.poses.size(), "tree"),
                counted(*outcome.changes, "time"));
   }
   const BindReport& bind = body.bind_report();
@@ -281,9 +281,9 @@ UpdateOptions update_options(const UpdateArguments& o) {
 }
 
 /// Trees for known poses follow positions, by the rule that keeps what it promises whatever tree serves.
-bool follows_poses(const UpdateArguments& o, const CoveredTree& built, const UpdateOptions& options) {
+bool follows_poses(const UpdateArguments& o, const CoveredTree& model, const UpdateOptions& options) {
   const bool exact = std::all_of(options.rules.begin(), options.rules.end(), [](Rule r) { return r == Rule::exact; });
-  return !built.poses.empty() && exact && o.files.follow() == RuleTraits::Follows::positions;
+  return !model.poses.empty() && exact && o.files.follow() == RuleTraits::Follows::positions;
 }
 
 int update_command(const UpdateArguments& given) {
@@ -302,29 +302,29 @@ int update_command(const UpdateArguments& given) {
   require_sphere_output(
       o.output, format, frames.count(),
       {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin, o.files.transforms});
-  const CoveredTree built = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
-  if (options.rules.size() > built.tree.level_count()) {
+  const CoveredTree model = read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
+  if (options.rules.size() > model.tree.level_count()) {
     throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", *o.rule,
-                                 options.rules.size() - 1, o.tree, built.tree.level_count() - 1));
+                                 options.rules.size() - 1, o.tree, model.tree.level_count() - 1));
   }
-  const bool with_poses = o.poses && follows_poses(o, built, options);
+  const bool with_poses = o.poses && follows_poses(o, model, options);
   if (with_poses && format == "npz") {
     throw UsageError(
         fmt::format("{}: an archive has one tree, but {} has {} for known poses: write a folder, or add "
                     "--no-poses",
-                    o.output, o.tree, built.poses.size()));
+                    o.output, o.tree, model.poses.size()));
   }
-  Mover mover(mesh, built, std::move(options), with_poses, workers);
+  Mover mover(mesh, model, std::move(options), with_poses, workers);
 
   SphereOutput output(o.output, format, mover.body().current_tree(), frames.count());
-  const Outcome outcome = update_frames(o, mesh, built.tree, frames, mover, output, workers);
+  const Outcome outcome = update_frames(o, mesh, model.tree, frames, mover, output, workers);
   output.commit();
   note_written(o.output);
   write_plot(o.plot, update_plot(o, outcome));
   if (o.json) {
-    print_json(outcome_json(o, built, mover.body(), outcome, workers.thread_count()));
+    print_json(outcome_json(o, model, mover.body(), outcome, workers.thread_count()));
   } else {
-    print_text(o, built, mover.body(), outcome, output, workers.thread_count());
+    print_text(o, model, mover.body(), outcome, output, workers.thread_count());
   }
   if (outcome.frames_not_nested > 0) {
     return complain(exit_check_failed, "spheres stick out of their parents in {}: please report it",
@@ -379,8 +379,9 @@ void add_update(CLI::App& app, Run& run) {
            "Use the trees for known poses that TREE holds (default: on, with positions and the rule exact)");
   add_flag(*command, "--check,!--no-check", o->check,
            "Check the certificate of levels that promise cover in every frame (default: on)");
-  add_flag(*command, "--measure", o->measure, "Measure looseness, bare area and gap of every level in every frame");
-  add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and bare area too");
+  add_flag(*command, "--measure", o->measure,
+           "Measure looseness, uncovered area and gap of every level in every frame");
+  add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and uncovered area too");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(*command,

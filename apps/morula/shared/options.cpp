@@ -128,18 +128,18 @@ void add_json(CLI::App& command, bool& json) {
 
 void add_sph_origin(CLI::App& command, std::string& origin) {
   add_option(command, "--sph-origin", origin,
-             "What a .sph measures its centres from: none, bbox-center (files of the published toolkit) or x,y,z")
+             "What a .sph measures its centers from: none, bbox-center (files of the published toolkit) or x,y,z")
       ->type_name("ORIGIN")
       ->capture_default_str();
 }
 
 void add_rule_details(CLI::App& command, RuleDetailNames& names) {
   add_option(command, "--approach1-weights", names.approach1_weights,
-             "Of linked vertices in a leaf's centre: uniform, inverse-distance or area")
+             "Of linked vertices in a leaf's center: uniform, inverse-distance or area")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--approach1-inner-center", names.approach1_inner_center,
-             "Inner centres follow: children or linked-vertices")
+             "Inner centers follow: children or linked-vertices")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--approach2-inner-boxes", names.approach2_inner_boxes,
@@ -198,8 +198,8 @@ std::vector<std::string> reduction_names() {
   return names_of(all_reductions());
 }
 
-std::vector<std::string> optimiser_names() {
-  return names_of(all_optimisers());
+std::vector<std::string> optimizer_names() {
+  return names_of(all_optimizers());
 }
 
 std::vector<Reduction> parse_reducers(const std::string& text) {
@@ -212,9 +212,9 @@ std::vector<Reduction> parse_reducers(const std::string& text) {
   return reducers;
 }
 
-Optimiser parse_optimiser(const std::string& text) {
-  check_name("optimiser", text, optimiser_names());
-  return *optimiser_from_name(text);
+Optimizer parse_optimizer(const std::string& text) {
+  check_name("optimizer", text, optimizer_names());
+  return *optimizer_from_name(text);
 }
 
 std::vector<std::string> quality_names() {

@@ -52,10 +52,10 @@ std::vector<std::string> method_names();
 std::vector<std::string> rule_names();
 Method parse_method(const std::string& name);
 std::vector<std::string> reduction_names();
-std::vector<std::string> optimiser_names();
+std::vector<std::string> optimizer_names();
 /// "merge,expand"; nothing for "".
 std::vector<Reduction> parse_reducers(const std::string& text);
-Optimiser parse_optimiser(const std::string& name);
+Optimizer parse_optimizer(const std::string& name);
 std::vector<std::string> quality_names();
 Quality parse_quality(const std::string& name);
 Axis parse_axis(const std::string& name);

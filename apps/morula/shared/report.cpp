@@ -126,8 +126,12 @@ Json looseness_json(const Looseness& l) {
 }
 
 Json coverage_json(const Coverage& c) {
-  return {{"covered", c.covered},     {"bare_area", c.bare_area}, {"gap", c.gap},
-          {"gap_upper", c.gap_upper}, {"tolerance", c.tolerance}, {"worst_facet", c.worst_facet}};
+  return {{"covered", c.covered},
+          {"uncovered_area", c.uncovered_area},
+          {"uncovered_distance", c.uncovered_distance},
+          {"uncovered_distance_upper", c.uncovered_distance_upper},
+          {"tolerance", c.tolerance},
+          {"worst_facet", c.worst_facet}};
 }
 
 Json level_measure_json(const LevelMeasure& level) {

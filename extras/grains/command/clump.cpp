@@ -93,7 +93,7 @@ Json clump_json(const Clump& clump) {
   return {{"kind", name(clump.kind)},
           {"spheres", clump.spheres.size()},
           {"proven", clump.proven},
-          {"gap", clump.gap},
+          {"uncovered_distance", clump.uncovered_distance},
           {"protrusion", clump.protrusion_max},
           {"radius", {{"smallest", smallest}, {"largest", largest}}},
           {"object_volume", or_null(clump.object_volume)},
@@ -114,7 +114,7 @@ std::string promise(const Clump& clump) {
     return clump.proven ? "yes: no sphere reaches out of the mesh" : "no: a sphere reaches out of the mesh";
   }
   return clump.proven ? "yes: every point of the surface is in a sphere"
-                      : fmt::format("no: surface lies {} outside", figure(clump.gap));
+                      : fmt::format("no: surface lies {} outside", figure(clump.uncovered_distance));
 }
 
 int clump_unless_stopped(const ClumpArguments& o, const Interrupt& interrupt) {
@@ -160,7 +160,7 @@ int clump_unless_stopped(const ClumpArguments& o, const Interrupt& interrupt) {
   }
   fmt::print("\nmass     {} at density {}\n", exact_digits(clump.mass()), exact_digits(clump.density));
   const Vec3& c = clump.solid.center;
-  fmt::print("centre   {} {} {}\n", exact_digits(c.x), exact_digits(c.y), exact_digits(c.z));
+  fmt::print("center   {} {} {}\n", exact_digits(c.x), exact_digits(c.y), exact_digits(c.z));
   const Vec3 moments = clump.density * clump.principal_inertia;
   fmt::print("moments  {} {} {} along principal axes\n", exact_digits(moments.x), exact_digits(moments.y),
              exact_digits(moments.z));
@@ -216,7 +216,8 @@ static void add_clump(CLI::App& app, Run& run) {
   add_option(*command, "--method", o->method, "Of a cover: how it is built, as in morula build")
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--quality", o->quality, fmt::format("Of method morula: {}", fmt::join(quality_names(), ", ")))
+  add_option(*command, "--quality", o->quality,
+             fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--candidates", o->candidates, "Inner balls to choose from")

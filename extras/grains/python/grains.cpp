@@ -54,7 +54,7 @@ void bind_grains_extra(nb::module_& m) {
           "spheres", [](nb::handle self) { return sphere_rows(nb::cast<Clump&>(self).spheres, self); },
           "(n, 4) float64: x, y, z, radius in mesh units, read-only; no copy.")
       .field("proven", &Clump::proven, doc::Clump_proven)
-      .field("gap", &Clump::gap, doc::Clump_gap)
+      .field("uncovered_distance", &Clump::uncovered_distance, doc::Clump_uncovered_distance)
       .field("protrusion_max", &Clump::protrusion_max, doc::Clump_protrusion_max)
       .field("object_volume", &Clump::object_volume, doc::Clump_object_volume)
       .field("missed_volume", &Clump::missed_volume, doc::Clump_missed_volume)
@@ -114,13 +114,13 @@ void bind_grains_extra(nb::module_& m) {
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("kind") = "cover", nb::arg("spheres") = 16,
       nb::arg("max_protrusion") = 0.0, nb::arg("min_radius") = 0.0, nb::arg("max_radius") = 0.0,
-      nb::arg("density") = 1000.0, nb::arg("method") = "morula", nb::arg("quality") = "default",
+      nb::arg("density") = 1000.0, nb::arg("method") = "optimized", nb::arg("quality") = "default",
       nb::arg("candidates") = 2000, nb::arg("seed") = 1, nb::arg("progress").none().sig("None") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig(
           "def fit_clump(mesh: morula.typing.MeshLike, *, kind: morula.typing.ClumpKind = 'cover', spheres: int = 16, "
           "max_protrusion: float = 0.0, min_radius: float = 0.0, max_radius: float = 0.0, density: float = 1000.0, "
-          "method: morula.typing.Method = 'morula', quality: morula.typing.Quality = 'default', candidates: int = "
+          "method: morula.typing.Method = 'optimized', quality: morula.typing.Quality = 'default', candidates: int = "
           "2000, seed: int = 1, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> Clump"),

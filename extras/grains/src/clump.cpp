@@ -40,7 +40,7 @@ void require_sense(const ClumpOptions& o) {
 }
 
 /// What moves a sphere's surface when its numbers are rounded to float, and rotated before: three coordinates and a
-/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the centre of mass at most.
+/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the center of mass at most.
 double rounding_allowance(const Mesh& mesh) {
   double extent = 0;
   for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
@@ -48,12 +48,12 @@ double rounding_allowance(const Mesh& mesh) {
   return 16 * 0x1p-24 * extent;
 }
 
-std::vector<Sphere> leaves(const CoveredTree& built) {
-  return level_set_spheres(built.tree, built.tree.level_count() - 1);
+std::vector<Sphere> leaves(const CoveredTree& model) {
+  return level_set_spheres(model.tree, model.tree.level_count() - 1);
 }
 
-bool none_larger(const CoveredTree& built, double radius) {
-  const std::vector<Sphere> spheres = leaves(built);
+bool none_larger(const CoveredTree& model, double radius) {
+  const std::vector<Sphere> spheres = leaves(model);
   return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return s.radius <= radius; });
 }
 
@@ -67,27 +67,27 @@ std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, do
                        .quality = o.quality,
                        .stop = o.stop,
                        .progress = o.progress};
-  CoveredTree built = build(mesh, options, workers);
-  const bool complete = built.report.complete;
+  CoveredTree model = build(mesh, options, workers);
+  const bool complete = model.report.complete;
   if (o.max_radius > 0) {
     const double largest = o.max_radius - allowance;
-    if (options.spheres == 0) options.spheres = built.tree.leaf_count();
-    while (!none_larger(built, largest) && options.spheres < most_spheres_for_radius) {
+    if (options.spheres == 0) options.spheres = model.tree.leaf_count();
+    while (!none_larger(model, largest) && options.spheres < most_spheres_for_radius) {
       options.spheres *= 2;
-      built = build(mesh, options, workers);
+      model = build(mesh, options, workers);
     }
     // A thick body is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
-    for (int depth = 1; !none_larger(built, largest) && depth <= max_depth; ++depth) {
-      built = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
+    for (int depth = 1; !none_larger(model, largest) && depth <= max_depth; ++depth) {
+      model = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
     }
-    if (!none_larger(built, largest)) clump.notes.emplace_back("spheres are larger than asked for; allow larger ones");
-    if (o.spheres != 0 && built.tree.leaf_count() > o.spheres) {
+    if (!none_larger(model, largest)) clump.notes.emplace_back("spheres are larger than asked for; allow larger ones");
+    if (o.spheres != 0 && model.tree.leaf_count() > o.spheres) {
       clump.notes.emplace_back("more spheres than asked for: that many keep the radius below its limit");
     }
   } else if (!complete) {
     clump.notes.emplace_back("spheres stick out further than asked for; allow more of them");
   }
-  std::vector<Sphere> spheres = leaves(built);
+  std::vector<Sphere> spheres = leaves(model);
   for (Sphere& s : spheres) s.radius = std::max(s.radius + allowance, o.min_radius);
   return spheres;
 }
@@ -100,7 +100,7 @@ void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Worke
   if (clump.kind == ClumpKind::cover) {
     const Coverage cover = coverage(mesh, clump.spheres, workers);
     clump.proven = cover.covered;
-    clump.gap = cover.gap;
+    clump.uncovered_distance = cover.uncovered_distance;
   } else {
     clump.proven = clump.protrusion_max == 0;
   }
@@ -115,7 +115,7 @@ void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Worke
   clump.solid_change = mass.change;
   const PrincipalAxes axes = principal_axes(mass.solid.inertia, std::max(mass.change, 1e-9));
   clump.principal.rows = axes.axes;
-  clump.principal.translation = -clump.principal.turn(mass.solid.center);
+  clump.principal.translation = -clump.principal.rotate(mass.solid.center);
   clump.principal_inertia = axes.moments;
 }
 

@@ -42,7 +42,7 @@ std::string joined(std::span<const double> values, const char* between) {
 /// `fix particletemplate/multisphere … spheres file`: x y z r a line; what follows # is skipped. Quotes, $ and & have
 /// a meaning in its reader, even in comments.
 std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
-  std::string text = "# x y z radius about the centre of mass\n";
+  std::string text = "# x y z radius about the center of mass\n";
   text += "# nspheres " + std::to_string(clump.spheres.size()) + " mass " + digits(clump.mass()) + " inertia_tensor " +
           joined(inertia(clump), " ") + " use_density\n";
   for (const Sphere& s : clump.spheres) text += row(about_center(clump, s.center), s.radius, ' ') + '\n';
@@ -53,13 +53,13 @@ std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
 /// understood.
 std::string yade_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "#format x_y_z_r_clumpId\n";
-  text += "# about the centre of mass; volume " + digits(clump.solid.volume) + "\n";
+  text += "# about the center of mass; volume " + digits(clump.solid.volume) + "\n";
   for (const Sphere& s : clump.spheres) text += row(about_center(clump, s.center), s.radius, ' ') + " 0\n";
   return text;
 }
 
 /// DEM-Engine's `LoadClumpType`: columns x, y, z, r by the names in the first line; no comments. It takes the numbers
-/// to be about the centre of mass along principal axes, and mass and moments from its caller.
+/// to be about the center of mass along principal axes, and mass and moments from its caller.
 std::string chrono_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "x,y,z,r\n";
   for (const Sphere& s : clump.spheres) text += row(clump.principal(s.center), s.radius, ',') + '\n';
@@ -67,7 +67,7 @@ std::string chrono_text(const Clump& clump, std::string_view /*name*/) {
 }
 
 /// `.clu`: a keyword, its value on the very next line; lines that begin with // are skipped anywhere. A name is one
-/// word. The reader subtracts the centre and takes the three moments to be along x, y and z. It scales a clump by Size.
+/// word. The reader subtracts the center and takes the three moments to be along x, y and z. It scales a clump by Size.
 std::string kratos_text(const Clump& clump, std::string_view name) {
   std::string word(name.empty() ? "clump" : name);
   for (char& c : word) {
@@ -81,7 +81,7 @@ std::string kratos_text(const Clump& clump, std::string_view name) {
     rows += row(center, s.radius, ' ') + '\n';
   }
   const double volume = clump.solid.volume;
-  std::string text = "// Spheres about the centre of mass, along principal axes\n\nName\n" + word + "\n\n";
+  std::string text = "// Spheres about the center of mass, along principal axes\n\nName\n" + word + "\n\n";
   text += "Begin centers_and_radii\n" + rows + "End centers_and_radii\n\n";
   text += "Particle_center_and_diameter\n" + row({}, 2 * reach, ' ') + "\n\n";
   text += "Size\n" + digits(2 * reach) + "\n\nVolume\n" + digits(volume) + "\n\nInertia per unit mass\n";
@@ -110,12 +110,12 @@ std::string json_text(const Clump& clump, std::string_view /*name*/) {
 }
 
 constexpr std::array formats{
-    ClumpFormat{"liggghts", "", "LIGGGHTS, fix particletemplate/multisphere", "the mesh's, about the centre of mass",
+    ClumpFormat{"liggghts", "", "LIGGGHTS, fix particletemplate/multisphere", "the mesh's, about the center of mass",
                 liggghts_text},
-    ClumpFormat{"yade", "", "Yade, ymport.textClumps", "the mesh's, about the centre of mass", yade_text},
-    ClumpFormat{"chrono", ".csv", "Chrono's DEM-Engine, LoadClumpType", "principal ones about the centre of mass",
+    ClumpFormat{"yade", "", "Yade, ymport.textClumps", "the mesh's, about the center of mass", yade_text},
+    ClumpFormat{"chrono", ".csv", "Chrono's DEM-Engine, LoadClumpType", "principal ones about the center of mass",
                 chrono_text},
-    ClumpFormat{"kratos", ".clu", "Kratos, DEM clusters", "principal ones about the centre of mass", kratos_text},
+    ClumpFormat{"kratos", ".clu", "Kratos, DEM clusters", "principal ones about the center of mass", kratos_text},
     ClumpFormat{"json", ".json", "scripts; all figures with the spheres", "the mesh's", json_text},
 };
 

@@ -44,7 +44,7 @@ TEST(Clump, covers_every_kind_of_mesh_with_no_more_spheres_than_asked_for) {
   for (const test::NamedMesh& named : test::all_meshes()) {
     const Clump clump = fit_clump(named.mesh, quick(ClumpKind::cover, 6));
     EXPECT_TRUE(clump.proven) << named.name;
-    EXPECT_EQ(clump.gap, 0) << named.name;
+    EXPECT_EQ(clump.uncovered_distance, 0) << named.name;
     EXPECT_LE(clump.spheres.size(), 6u) << named.name;
     EXPECT_TRUE(covers_in_float(named.mesh, clump.spheres)) << named.name;
   }
@@ -120,7 +120,7 @@ TEST(Clump, as_few_as_a_protrusion_needs) {
   EXPECT_GT(clump.spheres.size(), 1u);
 }
 
-TEST(Clump, principal_axes_diagonalise_the_tensor_and_turn_with_the_mesh) {
+TEST(Clump, principal_axes_diagonalize_the_tensor_and_turn_with_the_mesh) {
   // The oracle: the tensor turned by the rows has the moments on its diagonal and nothing beside it.
   Mesh mesh = sample_body("tool", 16);
   const RigidTransform pose = RigidTransform::from_axis({1, 2, 3}, 0.7, {4, -5, 6});
@@ -318,13 +318,13 @@ class ClumpFiles : public testing::Test {
   }
 };
 
-TEST_F(ClumpFiles, liggghts_reads_spheres_about_the_centre_of_mass) {
+TEST_F(ClumpFiles, liggghts_reads_spheres_about_the_center_of_mass) {
   const std::string text = text_of(clump(), "liggghts");
   expect_about_center(read_liggghts(text).spheres);
   EXPECT_NE(text.find("nspheres 7 mass "), std::string::npos);
 }
 
-TEST_F(ClumpFiles, yade_reads_one_clump_about_the_centre_of_mass) {
+TEST_F(ClumpFiles, yade_reads_one_clump_about_the_center_of_mass) {
   expect_about_center(read_yade(text_of(clump(), "yade")).spheres);
 }
 

@@ -13,7 +13,7 @@ TEST(ClumpCommand, writes_a_proven_cover_and_reports_mass_and_moments) {
   const nlohmann::json report =
       bench.require("clump stone.obj -o stone.json --spheres 6 --quality draft --density 2 --json").json();
   EXPECT_EQ(report["proven"], true);
-  EXPECT_EQ(report["gap"], 0);
+  EXPECT_EQ(report["uncovered_distance"], 0);
   EXPECT_LE(report["spheres"], 6);
   EXPECT_EQ(report["format"], "json");
   EXPECT_NEAR(report["mass"], 2 * report["union_volume"].get<double>(), 1e-12);

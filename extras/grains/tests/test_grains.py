@@ -36,7 +36,7 @@ def test_the_mass_of_a_union_is_that_of_dice():
 def test_a_cover_contains_the_grain_and_inner_spheres_are_in_it(grain):
     cover = morula.fit_clump(grain, spheres=10, density=2500)
     assert cover.kind == "cover" and cover.proven and len(cover) == len(cover.spheres) <= 10
-    assert covers_by_sampling(grain, grain.positions, cover.spheres) and cover.gap == 0
+    assert covers_by_sampling(grain, grain.positions, cover.spheres) and cover.uncovered_distance == 0
     assert numpy.isclose(cover.mass, 2500 * cover.solid.volume)
     inner = morula.fit_clump(grain, kind="inner", spheres=20)
     assert inner.kind == "inner" and inner.proven

@@ -170,19 +170,19 @@ int view_command(const ViewArguments& o) {
         fmt::format("--rule says how a tree follows a motion, and {} is shown as it is: leave it out", o.tree));
   }
   if (as_given) rules.clear();
-  const CoveredTree built =
+  const CoveredTree model =
       as_given ? CoveredTree{} : read_covered_tree(o.tree, mesh, parse_sph_origin(o.sph_origin, &mesh), workers);
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (rules[i].size() > built.tree.level_count()) {
+    if (rules[i].size() > model.tree.level_count()) {
       throw UsageError(fmt::format("--rule {}: names level {}, but {} has levels 0 to {}", o.rules[i],
-                                   rules[i].size() - 1, o.tree, built.tree.level_count() - 1));
+                                   rules[i].size() - 1, o.tree, model.tree.level_count() - 1));
     }
   }
   content.motions.push_back(read_motion(o, mesh));
   if (as_given) content.scenes.push_back(given_spheres(o, mesh, content.motions.front(), workers));
   for (const std::vector<Rule>& list : rules) {
     Progress progress(o.measure ? "updating and measuring" : "updating");
-    content.scenes.push_back(follow_motion(content.motions.front(), mesh, built, file_name(o.tree), list, o.measure,
+    content.scenes.push_back(follow_motion(content.motions.front(), mesh, model, file_name(o.tree), list, o.measure,
                                            workers, [&](double share) { progress.update(share); }));
   }
   content.title = o.title.empty() ? content.motions.front().body : o.title;
@@ -190,7 +190,7 @@ int view_command(const ViewArguments& o) {
   const std::string page = make_page(content);
   write_whole(o.output, page);
   note_written(o.output);
-  print_result(o, content, built.report, page.size());
+  print_result(o, content, model.report, page.size());
   return exit_done;
 }
 
@@ -224,7 +224,7 @@ void add_view(CLI::App& app, Run& run) {
           ->expected(1)
           ->take_all();
   add_flag(*command, "--measure,!--no-measure", o->measure,
-           "Measure looseness, bare area and gap of every frame and level (default: on)");
+           "Measure looseness, uncovered area and gap of every frame and level (default: on)");
   add_option(*command, "--study", o->study, "Results to show beside the body: the study.json of a study")
       ->type_name("FILE");
   add_option(*command, "--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");

@@ -252,22 +252,22 @@ void bind_page_scene(nb::module_& m) {
       });
   m.def(
       "follow_motion",
-      [](std::shared_ptr<PageMotion> motion, MeshGiven given, const CoveredTree& built, const std::string& name,
+      [](std::shared_ptr<PageMotion> motion, MeshGiven given, const CoveredTree& model, const std::string& name,
          const std::vector<std::string>& rules, bool measured, Threads* workers) {
         const auto rest = mesh_of(given, "rest");
         const std::vector<Rule> each = rules_of(rules);
         require_rest(*motion, *rest);
         PageScene scene = without_gil([&] {
           SignalCheck check;
-          return follow_motion(*motion, *rest, built, name.empty() ? built.report.method : name, each, measured,
+          return follow_motion(*motion, *rest, model, name.empty() ? model.report.method : name, each, measured,
                                CallWorkers(workers), [&](double) { check(); });
         });
         return HeldPageScene{std::move(motion), std::move(scene)};
       },
-      nb::arg("motion"), nb::arg("rest"), nb::arg("built"), nb::kw_only(), nb::arg("name") = "",
+      nb::arg("motion"), nb::arg("rest"), nb::arg("model"), nb::kw_only(), nb::arg("name") = "",
       nb::arg("rules") = std::vector<std::string>{"exact"}, nb::arg("measured") = false,
       nb::arg("workers") = nb::none(),
-      nb::sig("def follow_motion(motion: PageMotion, rest: morula.typing.MeshLike, built: CoveredTree, *, name: str = "
+      nb::sig("def follow_motion(motion: PageMotion, rest: morula.typing.MeshLike, model: CoveredTree, *, name: str = "
               "'', rules: collections.abc.Sequence[morula.typing.Rule] = ['exact'], measured: bool = False, workers: "
               "Workers | None = "
               "None) -> PageScene"),
@@ -338,7 +338,7 @@ void bind_page_extra(nb::module_& m) {
   bind_page_scene(m);
   m.def(
       "page_html",
-      [](MeshGiven given, const CoveredTree& built, nb::handle frames_given, const std::vector<std::string>& rules,
+      [](MeshGiven given, const CoveredTree& model, nb::handle frames_given, const std::vector<std::string>& rules,
          const std::string& title, bool measured, Threads* workers) {
         const auto mesh = mesh_of(given);
         const std::vector<Rule> each = rules_of(rules);
@@ -359,15 +359,15 @@ void bind_page_extra(nb::module_& m) {
           PageContent content;
           content.title = title;
           content.motions.push_back(std::move(motion));
-          content.scenes.push_back(follow_motion(content.motions[0], *mesh, built, built.report.method, each, measured,
+          content.scenes.push_back(follow_motion(content.motions[0], *mesh, model, model.report.method, each, measured,
                                                  CallWorkers(workers)));
           return make_page(content);
         });
       },
-      nb::arg("mesh"), nb::arg("built"), nb::arg("frames") = nb::none(), nb::kw_only(),
+      nb::arg("mesh"), nb::arg("model"), nb::arg("frames") = nb::none(), nb::kw_only(),
       nb::arg("rules") = std::vector<std::string>{"exact"}, nb::arg("title") = "Morula", nb::arg("measured") = false,
       nb::arg("workers") = nb::none(),
-      nb::sig("def page_html(mesh: morula.typing.MeshLike, built: CoveredTree, frames: morula.typing.FloatArray | None "
+      nb::sig("def page_html(mesh: morula.typing.MeshLike, model: CoveredTree, frames: morula.typing.FloatArray | None "
               "= None, *, rules: collections.abc.Sequence[morula.typing.Rule] = ['exact'], title: str = 'Morula', "
               "measured: bool = "
               "False, workers: Workers | None = None) -> str"),

@@ -34,7 +34,7 @@ class Page:
 
 def page(
     mesh: MeshLike,
-    built: _morula.CoveredTree,
+    model: _morula.CoveredTree,
     frames: FloatArray | None = None,
     *,
     rules: Sequence[Rule] = ("exact",),
@@ -47,7 +47,7 @@ def page(
     """
     if not _morula.has_page():
         raise RuntimeError(f"no page: {_morula.why_no_page()}")
-    return Page(_morula.page_html(mesh, built, frames, rules=list(rules), title=title, measured=measured))
+    return Page(_morula.page_html(mesh, model, frames, rules=list(rules), title=title, measured=measured))
 
 
 def page_of_scenes(scenes: Sequence[_morula.PageScene], *, title: str = "Morula", study: str = "") -> Page:

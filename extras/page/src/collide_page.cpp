@@ -47,8 +47,8 @@ SphereTree joined(const std::vector<const Collider*>& bodies) {
 }
 
 Sphere placed_sphere(const Collider& body, std::uint32_t node) {
-  const Sphere s = body.pose().sphere(node);
-  return {body.placement()(s.center), s.radius};
+  const Sphere s = body.sphere_state().sphere(node);
+  return {body.transform()(s.center), s.radius};
 }
 
 }  // namespace

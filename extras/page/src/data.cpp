@@ -18,11 +18,11 @@ std::int32_t place(double value, double origin, double step) {
 
 }  // namespace
 
-std::array<std::int32_t, 3> Quantisation::operator()(const Vec3& p) const {
+std::array<std::int32_t, 3> Quantization::operator()(const Vec3& p) const {
   return {place(p.x, origin.x, step.x), place(p.y, origin.y, step.y), place(p.z, origin.z, step.z)};
 }
 
-Quantisation quantisation(std::span<const Facet> facets, std::span<const std::vector<Vec3>> frames) {
+Quantization quantization(std::span<const Facet> facets, std::span<const std::vector<Vec3>> frames) {
   Box box;
   for (const std::vector<Vec3>& frame : frames) {
     for (const Facet& facet : facets) {
@@ -59,7 +59,7 @@ void pack_facets(PackedBytes& out, std::span<const Facet> facets) {
   }
 }
 
-void pack_positions(PackedBytes& out, const Quantisation& grid, std::span<const std::vector<Vec3>> frames) {
+void pack_positions(PackedBytes& out, const Quantization& grid, std::span<const std::vector<Vec3>> frames) {
   if (frames.empty()) return;
   std::vector<std::array<std::int32_t, 3>> last(frames.front().size(), std::array<std::int32_t, 3>{});
   for (const std::vector<Vec3>& frame : frames) {

@@ -16,14 +16,14 @@
 namespace morula::page {
 
 /// Steps of 1/65535 of a box along each axis: coordinate = origin + step × whole number.
-struct Quantisation {
+struct Quantization {
   Vec3 origin{0, 0, 0};
   Vec3 step{1, 1, 1};
   /// The nearest of the 65536 places along each axis; 0 for what is not finite (vertices that no facet uses).
   std::array<std::int32_t, 3> operator()(const Vec3& p) const;
 };
 /// Of the box of all frames, unused vertices left aside.
-Quantisation quantisation(std::span<const Facet> facets, std::span<const std::vector<Vec3>> frames);
+Quantization quantization(std::span<const Facet> facets, std::span<const std::vector<Vec3>> frames);
 
 /// Bytes that grow at the end.
 class PackedBytes {
@@ -40,8 +40,8 @@ class PackedBytes {
 
 void pack_facets(PackedBytes& out, std::span<const Facet> facets);
 /// Every frame against the one before it, every vertex against what the vertex before it did.
-void pack_positions(PackedBytes& out, const Quantisation& grid, std::span<const std::vector<Vec3>> frames);
-/// Centres about the origin of the grid and radii, as floats.
+void pack_positions(PackedBytes& out, const Quantization& grid, std::span<const std::vector<Vec3>> frames);
+/// Centers about the origin of the grid and radii, as floats.
 void pack_spheres(PackedBytes& out, const Vec3& origin, std::span<const Sphere> spheres);
 /// Points about that origin, normals and depths, as floats.
 void pack_contacts(PackedBytes& out, const Vec3& origin, std::span<const PageContact> contacts);

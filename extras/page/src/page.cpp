@@ -157,8 +157,9 @@ Json measured_json(const PageScene& scene) {
   if (scene.measured.empty()) return nullptr;
   using Value = std::optional<double>;
   return {{"looseness", by_level(scene, [](const LevelMeasure& m) { return m.looseness.looseness; })},
-          {"bare_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.bare_area); })},
-          {"gap", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.gap); })}};
+          {"uncovered_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_area); })},
+          {"uncovered_distance",
+           by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_distance); })}};
 }
 
 Json joints_json(const PageJoints& joints) {
@@ -197,7 +198,7 @@ struct Packer {
 
   void add(const PageMotion& motion) {
     const std::string id = fmt::format("morula-motion-{}", motions.size());
-    const Quantisation grid = quantisation(motion.facets, motion.frames);
+    const Quantization grid = quantization(motion.facets, motion.frames);
     PackedBytes packed;
     pack_facets(packed, motion.facets);
     pack_positions(packed, grid, motion.frames);

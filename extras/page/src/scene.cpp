@@ -42,13 +42,13 @@ void measure_frame(PageScene& scene, const Mesh& rest, const std::vector<Vec3>& 
 
 }  // namespace
 
-PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
+PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& model, const std::string& tree,
                         const std::vector<Rule>& rules, bool measured, Workers& workers,
                         const std::function<void(double)>& progress) {
-  Body body(rest, built, {.rules = rules, .details = {}, .modes = {}}, workers);
+  Body body(rest, model, {.rules = rules, .details = {}, .modes = {}}, workers);
   PageScene scene{.motion = 0,
                   .tree = tree,
-                  .rule = describe_rules(rules, built.tree.level_count()),
+                  .rule = describe_rules(rules, model.tree.level_count()),
                   .rest = body.current_tree(),
                   .frames = {},
                   .measured = {},

@@ -18,8 +18,8 @@ PageContent small_page() {
   PageContent content{.title = "limb", .motions = {}, .scenes = {}, .study = {}};
   content.motions.push_back({"limb", "bend", mesh.facets, {"rest", "bent"}, {mesh.positions, {}}});
   content.motions[0].frames[1] = deform(mesh, {Bend{30}}, 1);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 1});
-  content.scenes.push_back(follow_motion(content.motions[0], mesh, built, "octree", {Rule::approach2}, true));
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 1});
+  content.scenes.push_back(follow_motion(content.motions[0], mesh, model, "octree", {Rule::approach2}, true));
   return content;
 }
 

@@ -7,10 +7,10 @@ import pytest
 import morula
 
 
-def test_the_page_is_there_or_says_why(limb, built, motion):
+def test_the_page_is_there_or_says_why(limb, model, motion):
     if morula.has_page():
-        page = morula.page(limb, built, motion)
+        page = morula.page(limb, model, motion)
         assert page.html.startswith("<!") and "srcdoc" in page._repr_html_()
     else:
         with pytest.raises(RuntimeError, match="MORULA_"):
-            morula.page(limb, built, motion)
+            morula.page(limb, model, motion)

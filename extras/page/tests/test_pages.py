@@ -45,17 +45,17 @@ def motions(limb, motion):
     return morula.PageMotion(limb.facets, motion, body="limb", name="bend"), morula.PageMotion(limb.facets, limb.positions, body="rest")
 
 
-def test_scenes_of_one_page_share_their_motions(limb, built, motion, motions):
+def test_scenes_of_one_page_share_their_motions(limb, model, motion, motions):
     bend, rest = motions
     assert len(bend) == len(motion) and len(rest) == 1 and repr(rest) == "<morula.PageMotion: rest, motion, 1 frame>"
-    moved = morula.Body(limb, built).follow(motion)
+    moved = morula.Body(limb, model).follow(motion)
     scenes = [
-        morula.follow_motion(bend, limb, built, measured=True),
-        morula.follow_motion(bend, limb, built, name="other", rules=["approach2", "exact"]),
-        morula.show_spheres(bend, limb, built.tree, moved, label="kept"),
-        morula.PageScene(rest, built.tree, name="alone", inside=True),
+        morula.follow_motion(bend, limb, model, measured=True),
+        morula.follow_motion(bend, limb, model, name="other", rules=["approach2", "exact"]),
+        morula.show_spheres(bend, limb, model.tree, moved, label="kept"),
+        morula.PageScene(rest, model.tree, name="alone", inside=True),
     ]
-    described = [morula.describe_rules(rules, built.tree.level_count) for rules in (["exact"], ["approach2", "exact"])]
+    described = [morula.describe_rules(rules, model.tree.level_count) for rules in (["exact"], ["approach2", "exact"])]
     assert [scene.label for scene in scenes] == [*described, "kept", "spheres as they are"] and described[0] == "exact"
     assert len(scenes[0].measured) == len(motion) and scenes[1].measured == []
     page = morula.page_of_scenes(scenes, title="limbs")
@@ -69,11 +69,11 @@ def test_scenes_of_one_page_share_their_motions(limb, built, motion, motions):
     for frame in (0, len(motion) - 1):
         numpy.testing.assert_allclose(spheres_of_frame(page.html, 0, frame), moved[frame], atol=1e-5)
         numpy.testing.assert_allclose(spheres_of_frame(page.html, 2, frame), moved[frame], atol=1e-5)
-    numpy.testing.assert_allclose(spheres_of_frame(page.html, 3, 0), built.spheres, atol=1e-5)
+    numpy.testing.assert_allclose(spheres_of_frame(page.html, 3, 0), model.spheres, atol=1e-5)
 
 
-def test_marks_are_on_the_page(limb, built, motion, motions):
-    scene = morula.follow_motion(motions[0], limb, built)
+def test_marks_are_on_the_page(limb, model, motion, motions):
+    scene = morula.follow_motion(motions[0], limb, model)
     assert scene.contacts == []
     marks = [[morula.PageContact((1, 2, 3), (0, 0, 1), 0.5)] * (i % 3) for i in range(len(motion))]
     scene.contacts = marks
@@ -81,30 +81,30 @@ def test_marks_are_on_the_page(limb, built, motion, motions):
     assert manifest(morula.make_page([scene]))["scenes"][0]["contacts"] == [i % 3 for i in range(len(motion))]
 
 
-def test_what_a_page_cannot_show_is_refused(limb, built, motion, motions):
+def test_what_a_page_cannot_show_is_refused(limb, model, motion, motions):
     bend, rest = motions
     with pytest.raises(ValueError, match="at least one scene"):
         morula.make_page([])
-    scene = morula.follow_motion(bend, limb, built)
+    scene = morula.follow_motion(bend, limb, model)
     scene.contacts = [[]]
     with pytest.raises(ValueError, match="contacts miss a frame"):
         morula.make_page([scene])
     with pytest.raises(ValueError, match="study"):
-        morula.page_of_scenes([morula.PageScene(rest, built.tree)], study="{}")
+        morula.page_of_scenes([morula.PageScene(rest, model.tree)], study="{}")
     with pytest.raises(ValueError, match="another mesh"):
-        morula.follow_motion(bend, morula.sample_body("limb", 4), built)
+        morula.follow_motion(bend, morula.sample_body("limb", 4), model)
     with pytest.raises(ValueError, match="rules"):
-        morula.follow_motion(bend, limb, built, rules=["nothing"])
+        morula.follow_motion(bend, limb, model, rules=["nothing"])
     with pytest.raises(ValueError, match="1 frames"):
-        morula.show_spheres(bend, limb, built.tree, built.spheres[None])
+        morula.show_spheres(bend, limb, model.tree, model.spheres[None])
     with pytest.raises(ValueError, match="spheres"):
-        morula.PageScene(rest, built.tree, built.spheres[None, :3])
+        morula.PageScene(rest, model.tree, model.spheres[None, :3])
     with pytest.raises(ValueError, match="frames"):
         morula.PageMotion(limb.facets, motion[:0])
     far = numpy.array(motion)
     far[1, 0, 0] = 1e40
     with pytest.raises(ValueError, match="frame 1"):
-        morula.follow_motion(morula.PageMotion(limb.facets, far), limb, built)
+        morula.follow_motion(morula.PageMotion(limb.facets, far), limb, model)
 
 
 def test_a_page_is_saved_whole_or_what_was_there_stays(tmp_path):
@@ -169,10 +169,10 @@ def motion_facets(facets, count):
     return numpy.concatenate([facets + k * count for k in range(3)])
 
 
-def test_bodies_that_meet_are_on_one_page(limb, built, motion):
+def test_bodies_that_meet_are_on_one_page(limb, model, motion):
     if not hasattr(morula, "CollidePage"):
         pytest.skip("this package was built without the command")
-    body = morula.Body(limb, built)
+    body = morula.Body(limb, model)
     tool = morula.sample_body("tool", 12)
     other = morula.Collider(morula.Body(tool, morula.build(tool, quality="fast")))
     one = morula.Collider(body)
@@ -183,7 +183,7 @@ def test_bodies_that_meet_are_on_one_page(limb, built, motion):
     marks = []
     for frame, positions in enumerate(motion):
         body.update(positions)
-        other.place((0.0, 0.2 * frame, 0.0))
+        other.set_transform((0.0, 0.2 * frame, 0.0))
         scene.update()
         found = scene.pairs()
         deep = found.surfaces.depth != 0
@@ -210,7 +210,7 @@ def test_bodies_that_meet_are_on_one_page(limb, built, motion):
     with pytest.raises(ValueError, match="at least one"):
         morula.CollidePage([])
     with pytest.raises(ValueError, match="surface"):
-        morula.CollidePage([morula.PosedSpheres(built.tree)])
+        morula.CollidePage([morula.PosedSpheres(model.tree)])
 
 
 def test_marks_of_pairs_that_a_budget_ended_have_the_surfaces_of_their_own_pair():
@@ -220,7 +220,7 @@ def test_marks_of_pairs_that_a_budget_ended_have_the_surfaces_of_their_own_pair(
     meshes = [limb, limb, tool, tool]
     bodies = [morula.Collider(morula.Body(mesh, morula.build(mesh, quality="fast"))) for mesh in meshes]
     for body, x in zip(bodies, (0, 0.1, 100, 100.05)):
-        body.place((x, 0, 0))
+        body.set_transform((x, 0, 0))
     scene = morula.Scene(surfaces=True, budget=256)
     for body, weight in zip(bodies, (1, 1, 100, 100)):
         scene.add(body, weight=weight)

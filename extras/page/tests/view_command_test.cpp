@@ -40,8 +40,8 @@ TEST_F(ViewCommand, writes_one_page_with_everything_in_it) {
   const nlohmann::json content = page_manifest(page);
   EXPECT_EQ(content["motions"].size(), 1u) << "two rules share one motion";
   ASSERT_EQ(content["scenes"].size(), 2u);
-  const nlohmann::json& exact = content["scenes"][0]["measured"]["bare_area"];
-  const nlohmann::json& approach2 = content["scenes"][1]["measured"]["bare_area"];
+  const nlohmann::json& exact = content["scenes"][0]["measured"]["uncovered_area"];
+  const nlohmann::json& approach2 = content["scenes"][1]["measured"]["uncovered_area"];
   ASSERT_EQ(exact.size(), 3u) << "levels";
   double bare = 0;
   for (std::size_t level = 0; level < 3; ++level) {
@@ -76,7 +76,7 @@ TEST_F(ViewCommand, takes_bare_trees_open_meshes_and_bodies_at_rest) {
   const nlohmann::json scene = page_manifest(bench.read("open.html"))["scenes"][0];
   EXPECT_EQ(scene["empty_share"], false) << "an open mesh has no inside";
   EXPECT_TRUE(scene["measured"]["looseness"][0][0].is_null());
-  EXPECT_EQ(scene["measured"]["bare_area"][0][0], 0.0);
+  EXPECT_EQ(scene["measured"]["uncovered_area"][0][0], 0.0);
 }
 
 /// 86,490 facets, 25 frames, up to 585 spheres: what a page has to hold in 25 MB.

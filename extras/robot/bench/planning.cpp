@@ -84,7 +84,7 @@ Robot arm() {
     joint.lower = places[i].lower, joint.upper = places[i].upper;
     robot.joints.push_back(joint);
     robot.order.push_back(i);
-    if (joint.moves()) robot.own.push_back(i);
+    if (joint.moves()) robot.independent_joints.push_back(i);
   }
   robot.root = 0;
   return robot;
@@ -117,7 +117,7 @@ struct Flat {
     return squared_distance(a.center, b.center) <= reach * reach;
   }
   static bool meet(const Sphere& s, const robot::ObstacleBox& box, double more = 0) {
-    const Vec3 p = box.pose.turn_back(s.center - box.pose.translation);
+    const Vec3 p = box.pose.inverse_rotate(s.center - box.pose.translation);
     double squared = 0;
     for (int k = 0; k < 3; ++k) {
       const double beyond = std::max(0.0, std::abs(p[k]) - box.half[k]);
@@ -176,7 +176,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
     std::vector<std::vector<RigidTransform>> poses;
     for (std::size_t i = 0; i < configurations; ++i) {
       std::vector<double> values;
-      for (const std::size_t j : robot.own)
+      for (const std::size_t j : robot.independent_joints)
         values.push_back(random.uniform(robot.joints[j].lower, robot.joints[j].upper));
       poses.push_back(link_poses(robot, values));
     }
@@ -194,7 +194,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
         each(by_trees, [&](const std::vector<RigidTransform>& at) {
           moving.place(at);
           return std::any_of(boxes.begin(), boxes.end(),
-                             [&](const robot::ObstacleBox& b) { return moving.meets(b); }) ||
+                             [&](const robot::ObstacleBox& b) { return moving.collides(b); }) ||
                  moving.self_collision().has_value();
         });
       }));

@@ -68,7 +68,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
 
 Quality fit_quality(const RobotArguments& o) {
   if (!o.quality.empty()) return parse_quality(o.quality);
-  return parse_method(o.method) == Method::morula ? robot::FitOptions{}.quality : Quality::standard;
+  return parse_method(o.method) == Method::optimized ? robot::FitOptions{}.quality : Quality::standard;
 }
 
 void add_repeatable(CLI::App& command, const std::string& option, std::vector<std::string>& values,
@@ -91,7 +91,7 @@ std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) 
 }
 
 robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
-  robot::FitOptions fit{.total = o.total.value_or(0),
+  robot::FitOptions fit{.max_total = o.max_total.value_or(0),
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
@@ -126,9 +126,9 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
     check_name("link", text.substr(0, at), names);
     fit.link_spheres[text.substr(0, at)] = count;
   }
-  for (const std::string& name : o.left_out) {
+  for (const std::string& name : o.skip) {
     check_name("link", name, names);
-    fit.left_out.insert(name);
+    fit.skip.insert(name);
   }
   for (const std::string& name : o.tools) check_name("link", name, names);
   for (const std::string& text : o.clips) {
@@ -143,7 +143,8 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
       if (robot.find_link(name) == robot::none) {
         throw FileError(fmt::format("{}: holds spheres of link {}, which {} does not have", o.keep, name, o.robot));
       }
-      if (std::find(o.refit.begin(), o.refit.end(), name) == o.refit.end()) fit.kept[name] = std::move(spheres);
+      if (std::find(o.refit.begin(), o.refit.end(), name) == o.refit.end())
+        fit.fixed_spheres[name] = std::move(spheres);
     }
   }
   return fit;
@@ -152,10 +153,10 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
 void require_sense(const RobotArguments& o) {
   check_name("geometry", o.geometry, {"collision", "visual"});
   for (const std::string& kind : o.tree_kinds) check_name("tree", kind, {"link", "robot"});
-  if (o.total && o.spheres)
-    throw UsageError("--spheres and --total contradict each other: leave out one; --link stays");
-  if (o.total && !o.max_protrusion.empty()) {
-    throw UsageError("--total and --max-protrusion contradict each other: leave out one");
+  if (o.max_total && o.spheres)
+    throw UsageError("--spheres and --max-total contradict each other: leave out one; --link stays");
+  if (o.max_total && !o.max_protrusion.empty()) {
+    throw UsageError("--max-total and --max-protrusion contradict each other: leave out one");
   }
   if (o.keep.empty() != o.refit.empty()) {
     throw UsageError("--keep and --refit belong together: --keep DIR/spheres.json --refit LINK");
@@ -197,7 +198,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
              fmt::format("Most spheres of a link; {} where nothing else is said", spheres_of_a_link))
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
-  add_option(command, "--total", o.total, "Most spheres of the robot, shared by where they help most")
+  add_option(command, "--max-total", o.max_total, "Most spheres of the robot, shared by where they help most")
       ->type_name("N")
       ->transform(whole_number(1, 1'000'000));
   add_option(command, "--max-protrusion", o.max_protrusion,
@@ -205,7 +206,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->type_name("LENGTH");
   add_repeatable(command, "--link", o.links, "LINK=N",
                  "Most spheres of one link; may be repeated, as all that names links");
-  add_repeatable(command, "--leave-out", o.left_out, "LINK", "No spheres for this link");
+  add_repeatable(command, "--skip", o.skip, "LINK", "No spheres for this link");
   add_repeatable(command, "--clip", o.clips, "LINK=X,Y,Z,D",
                  "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
   add_option(command, "--clip-margin", o.clip_margin,
@@ -253,7 +254,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(command, "--quality", o.quality, fmt::format("For morula: {}", fmt::join(quality_names(), ", ")))
+  add_option(command, "--quality", o.quality, fmt::format("For optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->default_str("fast");
   add_option(command, "--density", o.density,

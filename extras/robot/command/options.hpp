@@ -15,9 +15,9 @@ namespace morula::cli {
 
 struct RobotArguments {
   std::string robot, output;
-  std::optional<std::size_t> spheres, total;
+  std::optional<std::size_t> spheres, max_total;
   std::string max_protrusion;  // a length, or a share as "1%"
-  std::vector<std::string> links, left_out, refit, package_paths, tools, formats, tree_kinds, clips;
+  std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips;
   std::string keep, srdf;
   double padding = 0, min_radius = 0, max_radius = 0, clip_margin = 0;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report

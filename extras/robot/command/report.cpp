@@ -15,15 +15,16 @@ namespace morula::cli {
 using robot::IgnoreReason;
 
 std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& spheres) {
-  Table table(
-      {"link", "facets", "spheres", "gap", "protrusion mean", "p95", "max", "outside volume", "union volume", "mass"});
+  Table table({"link", "facets", "spheres", "uncovered_distance", "protrusion mean", "p95", "max", "outside volume",
+               "union volume", "mass"});
   const auto or_na = [](const std::optional<double>& value) { return value ? figure(*value) : "n/a"; };
   double outside = 0, all = 0, mass = 0, worst = 0;
   for (const robot::LinkSpheres& link : spheres.links) {
     const robot::LinkFigures& f = link.figures;
     table.add({robot.links[link.link].name, fmt::format("{}", f.facets), fmt::format("{}", link.spheres.size()),
-               f.covered ? "0, proven" : figure(f.gap), figure(f.protrusion_mean), figure(f.protrusion_p95),
-               figure(f.protrusion_max), or_na(f.outside_volume), figure(f.solid.volume), figure(f.mass)});
+               f.covered ? "0, proven" : figure(f.uncovered_distance), figure(f.protrusion_mean),
+               figure(f.protrusion_p95), figure(f.protrusion_max), or_na(f.outside_volume), figure(f.solid.volume),
+               figure(f.mass)});
     outside += f.outside_volume.value_or(0);
     all += f.solid.volume;
     mass += f.mass;
@@ -44,11 +45,12 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
     Json inertia = Json::array();
     for (const double entry : f.solid.inertia) inertia.push_back(scale * entry);
     Json json({{"link", robot.links[link.link].name},
-               {"alike", link.alike == robot::none ? Json(nullptr) : Json(robot.links[link.alike].name)},
+               {"same_shape_as",
+                link.same_shape_as == robot::none ? Json(nullptr) : Json(robot.links[link.same_shape_as].name)},
                {"facets", f.facets},
                {"spheres", link.spheres.size()},
                {"covered", f.covered},
-               {"gap", f.gap},
+               {"uncovered_distance", f.uncovered_distance},
                {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
                {"object_volume", or_null(f.object_volume)},
                {"outside_volume", or_null(f.outside_volume)},

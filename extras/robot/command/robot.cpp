@@ -105,9 +105,9 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   toolbox::Stopwatch watch;
-  const robot::Robot robot = robot::read_robot(o.robot, {.package_paths = package_paths(o),
-                                                         .visual = o.geometry == "visual",
-                                                         .left_out = {o.left_out.begin(), o.left_out.end()}});
+  const robot::Robot robot = robot::read_robot(
+      o.robot,
+      {.package_paths = package_paths(o), .visual = o.geometry == "visual", .skip = {o.skip.begin(), o.skip.end()}});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given = robot.ignored;
@@ -166,7 +166,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   if (wants_tree(o, "link")) write_trees(folder.path(), robot, spheres);
   if (wants_tree(o, "robot")) {
     const robot::RobotTree tree = robot::tree_of(robot, spheres, robot::rest_values(robot), workers);
-    write_tree(folder.path() / robot_tree_file, tree.built);
+    write_tree(folder.path() / robot_tree_file, tree.model);
     write_mesh(folder.path() / robot_mesh_file, tree.mesh);
     written.insert(written.end(), {robot_tree_file, robot_mesh_file});
   }
@@ -199,7 +199,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
     return exit_code;
   }
   fmt::print("{}: {}, {}, {} that move by themselves\n\n", robot.name, counted(robot.links.size(), "link"),
-             counted(robot.joints.size(), "joint"), robot.own.size());
+             counted(robot.joints.size(), "joint"), robot.independent_joints.size());
   fmt::print("{}\n", robot_table(robot, spheres));
   fmt::print("covers   {}{}\n",
              spheres.covered() ? "yes: every point of every link is in a sphere, with the numbers of the files"

@@ -77,11 +77,11 @@ void bind_robot_description(nb::module_& m) {
       .property(
           "root", [](const Robot& r) { return index_or_none(r.root); }, doc::Robot_root)
       .field("order", &Robot::order, doc::Robot_order)
-      .field("own", &Robot::own, doc::Robot_own)
+      .field("independent_joints", &Robot::independent_joints, doc::Robot_independent_joints)
       .field("notes", &Robot::notes, doc::Robot_notes)
       .field("included", &Robot::included, doc::Robot_included)
       .field("ignored", &Robot::ignored, doc::Robot_ignored)
-      .shown({"name", "format", "links", "joints", "own"})
+      .shown({"name", "format", "links", "joints", "independent_joints"})
       .python()
       .def(
           "find_link", [](const Robot& r, std::string_view name) { return index_or_none(r.find_link(name)); },

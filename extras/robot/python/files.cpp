@@ -22,17 +22,17 @@ void bind_robot_files(nb::module_& m) {
   m.def(
       "read_robot",
       [](const FilePath& path, const std::vector<std::filesystem::path>& package_paths, bool visual,
-         const std::set<std::string>& left_out) {
-        return without_gil([&] { return robot::read_robot(path, {package_paths, visual, left_out}); });
+         const std::set<std::string>& skip) {
+        return without_gil([&] { return robot::read_robot(path, {package_paths, visual, skip}); });
       },
       nb::arg("path"), nb::kw_only(), nb::arg("package_paths") = std::vector<std::filesystem::path>{},
-      nb::arg("visual") = false, nb::arg("left_out") = std::set<std::string>{},
+      nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
       nb::sig("def read_robot(path: str | os.PathLike[str], *, "
               "package_paths: collections.abc.Sequence[str | os.PathLike[str]] = [], visual: bool = False, "
-              "left_out: set[str] = set()) -> Robot"),
+              "skip: set[str] = set()) -> Robot"),
       with_arguments(doc::read_robot, {{"package_paths", doc::ReadOptions_package_paths},
                                        {"visual", doc::ReadOptions_visual},
-                                       {"left_out", doc::ReadOptions_left_out}})
+                                       {"skip", doc::ReadOptions_skip}})
           .c_str());
   m.def(
       "find_mesh",

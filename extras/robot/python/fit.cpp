@@ -40,7 +40,7 @@ void bind_robot_fit(nb::module_& m) {
   Record<LinkFigures>(m, "LinkFigures", "What was measured of the spheres of a link.")
       .field("facets", &LinkFigures::facets)
       .field("covered", &LinkFigures::covered, doc::LinkFigures_covered)
-      .field("gap", &LinkFigures::gap, doc::LinkFigures_gap)
+      .field("uncovered_distance", &LinkFigures::uncovered_distance, doc::LinkFigures_uncovered_distance)
       .field("protrusion_mean", &LinkFigures::protrusion_mean, doc::LinkFigures_protrusion_mean)
       .field("protrusion_p95", &LinkFigures::protrusion_p95, doc::LinkFigures_protrusion_mean)
       .field("protrusion_max", &LinkFigures::protrusion_max, doc::LinkFigures_protrusion_mean)
@@ -56,7 +56,8 @@ void bind_robot_fit(nb::module_& m) {
           "spheres", [](nb::handle self) { return sphere_rows(nb::cast<LinkSpheres&>(self).spheres, self); },
           (std::string("(n, 4) float64, read-only; no copy. ") + doc::LinkSpheres_spheres).c_str())
       .property(
-          "alike", [](const LinkSpheres& l) { return index_or_none(l.alike); }, doc::LinkSpheres_alike)
+          "same_shape_as", [](const LinkSpheres& l) { return index_or_none(l.same_shape_as); },
+          doc::LinkSpheres_same_shape_as)
       .field("surface", &LinkSpheres::surface)
       .property(
           "tree", [](const LinkSpheres& l) { return std::const_pointer_cast<CoveredTree>(l.tree); },
@@ -91,14 +92,14 @@ void bind_robot_fit(nb::module_& m) {
           nb::arg("link"), "The spheres of a link of Robot.links; None where it has none.");
   m.def(
       "fit_spheres",
-      [](const robot::Robot& robot, std::size_t spheres, std::size_t total,
+      [](const robot::Robot& robot, std::size_t spheres, std::size_t max_total,
          const std::map<std::string, std::size_t>& link_spheres, double max_protrusion, double max_protrusion_share,
-         double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& left_out,
-         nb::handle kept_given, MethodName method, QualityName quality, std::uint64_t seed, double density,
+         double padding, double min_radius, double max_radius, bool visual, const std::set<std::string>& skip,
+         nb::handle fixed_given, MethodName method, QualityName quality, std::uint64_t seed, double density,
          nb::handle clip, double clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
-        options.total = total;
+        options.max_total = total;
         options.link_spheres = link_spheres;
         options.max_protrusion = max_protrusion;
         options.max_protrusion_share = max_protrusion_share;
@@ -106,11 +107,11 @@ void bind_robot_fit(nb::module_& m) {
         options.min_radius = min_radius;
         options.max_radius = max_radius;
         options.visual = visual;
-        options.left_out = left_out;
-        if (!kept_given.is_none()) {
-          for (const auto& item : value_of<nb::dict>(kept_given, "kept", "a dict of spheres by link")) {
-            const auto link = value_of<std::string>(item.first, "kept", "a dict of spheres by link");
-            options.kept[link] = spheres_of(item.second, ("kept['" + link + "']").c_str());
+        options.skip = skip;
+        if (!fixed_given.is_none()) {
+          for (const auto& item : value_of<nb::dict>(fixed_given, "fixed_spheres", "a dict of spheres by link")) {
+            const auto link = value_of<std::string>(item.first, "fixed_spheres", "a dict of spheres by link");
+            options.fixed_spheres[link] = spheres_of(item.second, ("fixed_spheres['" + link + "']").c_str());
           }
         }
         options.method = method_of(method);
@@ -123,23 +124,25 @@ void bind_robot_fit(nb::module_& m) {
         options.progress = progress_of(progress);
         return without_gil([&] { return robot::fit_spheres(robot, options, CallWorkers(workers)); });
       },
-      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("total") = 0,
+      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("max_total") = 0,
       nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = 0.0,
       nb::arg("max_protrusion_share") = 0.0, nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
-      nb::arg("max_radius") = 0.0, nb::arg("visual") = false, nb::arg("left_out") = std::set<std::string>{},
-      nb::arg("kept") = nb::none(), nb::arg("method") = "morula", nb::arg("quality") = "fast", nb::arg("seed") = 1,
-      nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = 0.0, nb::arg("inner") = 0,
-      nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
-      nb::sig("def fit_spheres(robot: Robot, *, spheres: int = 16, total: int = 0, link_spheres: dict[str, int] = {}, "
-              "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
-              "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, left_out: set[str] = set(), "
-              "kept: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = 'morula', "
-              "quality: morula.typing.Quality = 'fast', seed: int = 1, density: float = 1000.0, "
-              "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
-              "progress: collections.abc.Callable[[float, str], object] | None = None, "
-              "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
+      nb::arg("max_radius") = 0.0, nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
+      nb::arg("fixed_spheres") = nb::none(), nb::arg("method") = "optimized", nb::arg("quality") = "fast",
+      nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = 0.0,
+      nb::arg("inner") = 0, nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::sig(
+          "def fit_spheres(robot: Robot, *, spheres: int = 16, max_total: int = 0, link_spheres: dict[str, int] = {}, "
+          "max_protrusion: float = 0.0, max_protrusion_share: float = 0.0, padding: float = 0.0, "
+          "min_radius: float = 0.0, max_radius: float = 0.0, visual: bool = False, skip: set[str] = set(), "
+          "fixed_spheres: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = "
+          "'optimized', "
+          "quality: morula.typing.Quality = 'fast', seed: int = 1, density: float = 1000.0, "
+          "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float = 0.0, inner: int = 0, "
+          "progress: collections.abc.Callable[[float, str], object] | None = None, "
+          "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
       with_arguments(doc::fit_spheres, {{"spheres", doc::FitOptions_spheres},
-                                        {"total", doc::FitOptions_total},
+                                        {"max_total", doc::FitOptions_max_total},
                                         {"link_spheres", doc::FitOptions_link_spheres},
                                         {"max_protrusion", doc::FitOptions_max_protrusion},
                                         {"max_protrusion_share", doc::FitOptions_max_protrusion_share},
@@ -147,8 +150,8 @@ void bind_robot_fit(nb::module_& m) {
                                         {"min_radius", doc::FitOptions_min_radius},
                                         {"max_radius", doc::FitOptions_max_radius},
                                         {"visual", doc::FitOptions_visual},
-                                        {"left_out", doc::FitOptions_left_out},
-                                        {"kept", doc::FitOptions_kept},
+                                        {"skip", doc::FitOptions_skip},
+                                        {"fixed_spheres", doc::FitOptions_fixed_spheres},
                                         {"density", doc::FitOptions_density},
                                         {"clip",
                                          "by link, planes (n, 4): normal and offset. What lies beyond one is "

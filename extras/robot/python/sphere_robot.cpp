@@ -57,7 +57,7 @@ void bind_sphere_robot(nb::module_& m) {
              const robot::SelfCollision* ignored) {
             robot::SphereRobot made = without_gil(
                 [&] { return robot::SphereRobot(robot, spheres, ignored ? *ignored : robot::SelfCollision{}); });
-            new (self) HeldRobot{std::move(made), robot.own.size(), {}};
+            new (self) HeldRobot{std::move(made), robot.independent_joints.size(), {}};
           },
           nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(), doc::SphereRobot_SphereRobot)
       .def(
@@ -113,20 +113,20 @@ void bind_sphere_robot(nb::module_& m) {
           "pose() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "
           "stays in the last one.")
       .def(
-          "meets",
-          [](HeldRobot& self, nb::handle obstacle, PlacementGiven placement_given) {
-            const RigidTransform placement = placement_of(placement_given);
+          "collides",
+          [](HeldRobot& self, nb::handle obstacle, TransformGiven transform_given) {
+            const RigidTransform transform = transform_of(transform_given);
             if (const std::shared_ptr<Posed> posed = posed_of(obstacle)) {
               return self.locked([&] {
                 const std::shared_lock reading(posed->mutex);
-                return self.robot.meets(posed->pose(), placement);
+                return self.robot.collides(posed->sphere_state(), transform);
               });
             }
             if (nb::isinstance<ObstacleBox>(obstacle)) {
               const auto& box = nb::cast<const ObstacleBox&>(obstacle);
-              const ObstacleBox placed{relative_to(inverse(placement), box.pose), box.half};
-              const bool moved = !(placement == RigidTransform{});
-              return self.locked([&] { return self.robot.meets(moved ? placed : box); });
+              const ObstacleBox placed{relative_to(inverse(transform), box.pose), box.half};
+              const bool moved = !(transform == RigidTransform{});
+              return self.locked([&] { return self.robot.collides(moved ? placed : box); });
             }
             Sphere sphere;
             if (!nb::try_cast(obstacle, sphere))
@@ -134,14 +134,14 @@ void bind_sphere_robot(nb::module_& m) {
                                     ", but a sphere (x, y, z, radius), an ObstacleBox, a Body, a RebuiltBody or "
                                     "PosedSpheres is needed")
                                        .c_str());
-            sphere.center = placement(sphere.center);
-            return self.locked([&] { return self.robot.meets(sphere); });
+            sphere.center = transform(sphere.center);
+            return self.locked([&] { return self.robot.collides(sphere); });
           },
-          nb::arg("obstacle"), nb::arg("placement") = RigidTransform{},
-          nb::sig("def meets(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "
+          nb::arg("obstacle"), nb::arg("transform") = RigidTransform{},
+          nb::sig("def collides(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "
                   "morula._morula.RebuiltBody | morula._morula.PosedSpheres, "
-                  "placement: morula.typing.Placement = ...) -> bool"),
-          (std::string("Does a sphere of the robot meet it? ") + doc::SphereRobot_meets_2).c_str())
+                  "transform: morula.typing.Transform = ...) -> bool"),
+          (std::string("Does a sphere of the robot meet it? ") + doc::SphereRobot_collides_2).c_str())
       .def_prop_ro(
           "sphere_tests", [](const HeldRobot& self) { return self.robot.sphere_tests(); },
           doc::SphereRobot_sphere_tests)

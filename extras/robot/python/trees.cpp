@@ -26,14 +26,14 @@ void bind_robot_trees(nb::module_& m) {
         return without_gil([&] { return robot::mesh_of(robot, spheres, values, round); });
       },
       nb::arg("robot"), nb::arg("spheres"), nb::arg("values"), nb::arg("balls") = "around",
-      with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.own"},
+      with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.independent_joints"},
                                       {"balls", "around or inside: which polyhedra stand for them"}})
           .c_str());
   Record<robot::RobotTree>(m, "RobotTree", "One tree over all links of a robot.")
       .property(
           "mesh", [](const robot::RobotTree& t) { return std::make_shared<Mesh>(t.mesh); }, doc::RobotTree_mesh)
       .property(
-          "built", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.built); },
+          "built", [](const robot::RobotTree& t) { return std::make_shared<CoveredTree>(t.model); },
           doc::RobotTree_built)
       .field("links", &robot::RobotTree::links, doc::RobotTree_links)
       .field("vertex_begin", &robot::RobotTree::vertex_begin, doc::RobotTree_vertex_begin);

@@ -22,7 +22,7 @@ TEST(RobotCommand, one_line_covers_every_link_and_writes_the_usual_files) {
   ASSERT_EQ(report["links"].size(), 4u);
   std::size_t spheres = 0;
   for (const nlohmann::json& link : report["links"]) {
-    EXPECT_EQ(link["gap"], 0);
+    EXPECT_EQ(link["uncovered_distance"], 0);
     EXPECT_LE(link["spheres"], 16);
     EXPECT_GE(link["union_volume"], link["object_volume"].get<double>() * 0.99);
     spheres += link["spheres"].get<std::size_t>();
@@ -108,8 +108,8 @@ TEST(RobotCommand, mjcf_and_sdf_are_read_and_one_tree_holds_the_robot) {
 TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_alone) {
   Workbench bench;
   with_gripper(bench);
-  bench.require("robot gripper.urdf -o one --total 30 --threads 1");
-  bench.require("robot gripper.urdf -o three --total 30 --threads 3");
+  bench.require("robot gripper.urdf -o one --max-total 30 --threads 1");
+  bench.require("robot gripper.urdf -o three --max-total 30 --threads 3");
   EXPECT_EQ(bench.read("one/spheres.json"), bench.read("three/spheres.json"));
   bench.require("robot gripper.urdf -o two --keep one/spheres.json --refit palm --spheres 5");
   const auto spheres = [&](const std::string& folder) {
@@ -143,8 +143,8 @@ TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   bench.expect_refused("robot gripper.urdf -o out --format curoba", "did you mean curobo?");
   bench.expect_refused("robot gripper.urdf -o out --link plam=3", "did you mean palm?");
   bench.expect_refused("robot gripper.urdf -o out --link palm", "give a link and how many spheres");
-  bench.expect_refused("robot gripper.urdf -o out --leave-out lfet", "did you mean left?");
-  bench.expect_refused("robot gripper.urdf -o out --spheres 3 --total 30", "contradict each other");
+  bench.expect_refused("robot gripper.urdf -o out --skip lfet", "did you mean left?");
+  bench.expect_refused("robot gripper.urdf -o out --spheres 3 --max-total 30", "contradict each other");
   bench.expect_refused("robot gripper.urdf -o out --max-protrusion 0%", "a share of each link's size");
   bench.expect_refused("robot gripper.urdf -o out --refit palm", "belong together");
   bench.expect_refused("robot gripper.urdf -o out --geometry both", "collision");

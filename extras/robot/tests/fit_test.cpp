@@ -47,7 +47,7 @@ void expect_covered(const robot::RobotSpheres& fitted) {
   for (const robot::LinkSpheres& link : fitted.links) {
     expect_covered<double>(link, 1);
     expect_covered<float>(link, 2);
-    EXPECT_EQ(link.figures.gap, 0);
+    EXPECT_EQ(link.figures.uncovered_distance, 0);
   }
 }
 
@@ -98,7 +98,7 @@ TEST(FitSpheres, wishes_are_kept) {
     for (const Sphere& s : link.spheres) EXPECT_LE(s.radius, 0.02 + 1e-6);
   }
   o = plain;
-  o.left_out = {"palm"};
+  o.skip = {"palm"};
   o.link_spheres = {{"left", 2}};
   const robot::RobotSpheres some = robot::fit_spheres(gripper_robot, o);
   EXPECT_EQ(some.of(gripper_robot.find_link("palm")), nullptr);
@@ -114,13 +114,13 @@ TEST(FitSpheres, protrusion_asked_for_is_reached) {
 
 TEST(FitSpheres, a_common_budget_is_kept_and_goes_where_it_helps) {
   for (const std::size_t total : {7, 40, 90}) {
-    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.total = total});
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.max_total = total});
     EXPECT_LE(fitted.sphere_count(), std::max<std::size_t>(total, 8))
         << "one each, and the flange has a sphere of its own";
     EXPECT_GE(fitted.sphere_count(), total * 7 / 10);
     expect_covered(fitted);
   }
-  const robot::RobotSpheres shared = robot::fit_spheres(arm_robot, {.total = 60});
+  const robot::RobotSpheres shared = robot::fit_spheres(arm_robot, {.max_total = 60});
   const robot::RobotSpheres even = robot::fit_spheres(arm_robot, {.spheres = 60 / 7});
   const auto volume = [](const robot::RobotSpheres& fitted) {
     double sum = 0;
@@ -134,11 +134,12 @@ TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
   const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 5});
   const robot::LinkSpheres &left = *fitted.of(gripper_robot.find_link("left")),
                            &right = *fitted.of(gripper_robot.find_link("right"));
-  EXPECT_EQ(right.alike, left.link);
+  EXPECT_EQ(right.same_shape_as, left.link);
   EXPECT_EQ(right.spheres, left.spheres);
   robot::FitOptions o{.spheres = 9};
   for (const robot::LinkSpheres& link : fitted.links) {
-    if (gripper_robot.links[link.link].name != "left") o.kept[gripper_robot.links[link.link].name] = link.spheres;
+    if (gripper_robot.links[link.link].name != "left")
+      o.fixed_spheres[gripper_robot.links[link.link].name] = link.spheres;
   }
   const robot::RobotSpheres again = robot::fit_spheres(gripper_robot, o);
   for (std::size_t i = 0; i < again.links.size(); ++i) {
@@ -146,10 +147,10 @@ TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
     EXPECT_EQ(again.links[i].spheres == fitted.links[i].spheres, !refitted);
   }
   // What is kept is judged by the shapes, not believed.
-  o.kept["palm"] = {Sphere{{0, 0, 0}, 0.01}};
+  o.fixed_spheres["palm"] = {Sphere{{0, 0, 0}, 0.01}};
   const robot::RobotSpheres bare = robot::fit_spheres(gripper_robot, o);
   EXPECT_FALSE(bare.covered());
-  EXPECT_NEAR(bare.of(gripper_robot.find_link("palm"))->figures.gap,
+  EXPECT_NEAR(bare.of(gripper_robot.find_link("palm"))->figures.uncovered_distance,
               std::sqrt(0.05 * 0.05 + 0.03 * 0.03 + 0.02 * 0.02) - 0.01, 1e-6);
 }
 
@@ -164,7 +165,7 @@ TEST(FitSpheres, kept_spheres_cover_only_where_they_do_so_as_floats) {
   shape.radius = 0.7;  // as a float it is less
   ball.links[0].collision = {shape};
   const auto kept = [&](double radius) {
-    return robot::fit_spheres(ball, {.kept = {{"ball", {Sphere{{0, 0, 0}, radius}}}}});
+    return robot::fit_spheres(ball, {.fixed_spheres = {{"ball", {Sphere{{0, 0, 0}, radius}}}}});
   };
   EXPECT_FALSE(kept(0.7).covered());
   EXPECT_TRUE(kept(0.701).covered());
@@ -175,20 +176,20 @@ TEST(FitSpheres, kept_spheres_cover_only_where_they_do_so_as_floats) {
   const double corner = length(0.5 * shape.size) * (1 + 1e-15);
   ASSERT_LT(static_cast<float>(corner), length(0.5 * shape.size));
   EXPECT_FALSE(kept(corner).covered());
-  EXPECT_GT(kept(corner).links[0].figures.gap, 0);
+  EXPECT_GT(kept(corner).links[0].figures.uncovered_distance, 0);
   EXPECT_TRUE(kept(corner * (1 + 1e-6)).covered());
 }
 
 TEST(FitSpheres, same_bits_for_any_number_of_workers) {
   Workers three(3);
-  const robot::RobotSpheres one = robot::fit_spheres(arm_robot, {.total = 50}),
-                            many = robot::fit_spheres(arm_robot, {.total = 50}, three);
+  const robot::RobotSpheres one = robot::fit_spheres(arm_robot, {.max_total = 50}),
+                            many = robot::fit_spheres(arm_robot, {.max_total = 50}, three);
   ASSERT_EQ(one.links.size(), many.links.size());
   for (std::size_t i = 0; i < one.links.size(); ++i) EXPECT_EQ(one.links[i].spheres, many.links[i].spheres);
 }
 
 TEST(FitSpheres, refuses_what_makes_no_sense) {
-  EXPECT_THROW(robot::fit_spheres(arm_robot, {.left_out = {"nobody"}}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.skip = {"nobody"}}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.link_spheres = {{"base", 0}}}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.padding = -1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
@@ -296,7 +297,7 @@ TEST(FitSpheres, flat_shapes_are_covered_and_empty_ones_passed_over) {
 }
 
 TEST(SelfCollision, links_without_spheres_do_not_part_neighbors) {
-  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 2, .left_out = {"elbow"}});
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 2, .skip = {"elbow"}});
   const robot::SelfCollision found = robot::find_ignored(arm_robot, fitted, {.samples = 0});
   const bool listed = std::any_of(found.ignored.begin(), found.ignored.end(), [&](const robot::IgnoredPair& pair) {
     return pair.a == arm_robot.find_link("upper") && pair.b == arm_robot.find_link("forearm") &&

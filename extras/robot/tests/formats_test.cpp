@@ -112,8 +112,8 @@ TEST_F(Formats, a_ball_is_three_turns) {
       sdf("<link name='a'/><link name='b'><pose>0 0 1 0 0 0</pose></link><joint name='j' "
           "type='ball'><parent>a</parent><child>b</child></joint>");
   for (const robot::Robot& r : {m, s}) {
-    ASSERT_EQ(r.own.size(), 3u);
-    EXPECT_EQ(r.joints[r.own[1]].name, "j_y");
+    ASSERT_EQ(r.independent_joints.size(), 3u);
+    EXPECT_EQ(r.joints[r.independent_joints[1]].name, "j_y");
     const double right = std::numbers::pi / 2;
     expect_near(point_of(r, "b", {right, right, 0}, {1, 0, 0}), {0, 1, 1}, "about x, then about what y became");
   }

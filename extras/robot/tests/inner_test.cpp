@@ -132,7 +132,7 @@ TEST(InnerSpheres, the_largest_fits_tightly_and_more_fill_more) {
   EXPECT_EQ(robot::fit_spheres(the_arm, {.spheres = 2}).inner_count(), 0u) << "none where none are asked for";
 }
 
-/// A cube about a centre as facets of an OBJ, each with vertices of its own; turned: facing inwards.
+/// A cube about a center as facets of an OBJ, each with vertices of its own; turned: facing inwards.
 std::string cube(double half, const Vec3& center, bool turned, int& vertices, std::size_t facets = 12) {
   constexpr std::array<std::array<int, 3>, 12> corners{{{0, 2, 3},
                                                         {0, 3, 1},
@@ -353,9 +353,9 @@ TEST(ClipPlanes, a_margin_that_padding_or_rounding_takes_is_refused) {
   EXPECT_NE(good.links[0].notes[0].find("so that none reaches beyond"), std::string::npos);
   // What lies far from its plane needs no margin; spheres that are kept are only measured.
   EXPECT_EQ(fitted(1e-9, 0.05, 0, -5).links[0].figures.beyond_clip, 0.0);
-  const robot::RobotSpheres kept = robot::fit_spheres(
-      box,
-      {.kept = {{"block", {Sphere{{0, 0, 0.25}, 1}}}}, .clip = {{"block", {{{0, 0, 1}, 0}}}}, .clip_margin = 1e-9});
+  const robot::RobotSpheres kept = robot::fit_spheres(box, {.fixed_spheres = {{"block", {Sphere{{0, 0, 0.25}, 1}}}},
+                                                            .clip = {{"block", {{{0, 0, 1}, 0}}}},
+                                                            .clip_margin = 1e-9});
   EXPECT_EQ(kept.links[0].figures.beyond_clip, 0.75);
 
   // Radii that are enlarged leave no way either: that ends before thousands of spheres, and a note says so.

@@ -30,8 +30,7 @@ struct Fitted {
 
   explicit Fitted(const std::string& file) : robot(robot::read_robot(file)) {
     spheres = robot::fit_spheres(
-        robot,
-        {.spheres = 3, .left_out = robot.name == "arm" ? std::set<std::string>{"upper"} : std::set<std::string>{}});
+        robot, {.spheres = 3, .skip = robot.name == "arm" ? std::set<std::string>{"upper"} : std::set<std::string>{}});
     self_collision = robot::find_ignored(robot, spheres, {.samples = 50});
     options.folder = "out";
   }
@@ -60,9 +59,9 @@ std::string judge_spheres(const json& list, bool positive) {
     if (!sphere.is_object() || sphere.size() != 2 || !sphere.contains("center") || !sphere.contains("radius"))
       return "a sphere is not {center, radius}";
     const json& center = sphere["center"];
-    if (!center.is_array() || center.size() != 3) return "a centre is not three numbers";
+    if (!center.is_array() || center.size() != 3) return "a center is not three numbers";
     for (const json& c : center) {
-      if (!is_number(c)) return "a centre is not three numbers";
+      if (!is_number(c)) return "a center is not three numbers";
     }
     if (!is_number(sphere["radius"])) return "a radius is no number";
     if (positive && !(sphere["radius"].get<double>() > 0)) return "a radius is not above 0";
@@ -660,8 +659,8 @@ TEST(RobotOutput, inertias_of_mjcf_are_those_that_mujoco_takes) {
       EXPECT_NEAR(b.mass, std::stod(c.mass), 1e-12) << "no mass is added";
       EXPECT_GE(b.moments[0], 1e-15) << c.entries;
       EXPECT_GE(b.moments[0] + b.moments[1], b.moments[2]) << c.entries;
-      if (c.kept > 0) {
-        EXPECT_NEAR(b.moments[2], c.kept, 1e-9 * c.kept) << c.entries;
+      if (c.fixed_spheres > 0) {
+        EXPECT_NEAR(b.moments[2], c.fixed_spheres, 1e-9 * c.fixed_spheres) << c.entries;
       }
       EXPECT_EQ(all.count("a"), 0u) << "what does not move needs no mass";
     }

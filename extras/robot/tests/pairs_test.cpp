@@ -45,7 +45,7 @@ struct Maker {
     joint.child = link;
     robot.links[link].joint = robot.joints.size();
     robot.order.push_back(robot.joints.size());
-    if (joint.moves() && !joint.mimic) robot.own.push_back(robot.joints.size());
+    if (joint.moves() && !joint.mimic) robot.independent_joints.push_back(robot.joints.size());
     robot.joints.push_back(joint);
     return link;
   }
@@ -442,14 +442,16 @@ struct RandomChain {
     const auto& joints = made.robot.joints;
     for (int start = 0; start < 60; ++start) {
       std::vector<double> values;
-      for (const std::size_t j : made.robot.own) values.push_back(random.uniform(joints[j].lower, joints[j].upper));
+      for (const std::size_t j : made.robot.independent_joints)
+        values.push_back(random.uniform(joints[j].lower, joints[j].upper));
       double here = distance(values);
       for (double step = 0.5; step > 1e-4; step /= 2) {
         for (int sweep = 0; sweep < 2; ++sweep) {
           for (std::size_t c = 0; c < values.size(); ++c) {
             for (const double by : {-step, step}) {
               const double old = values[c];
-              values[c] = std::clamp(old + by, joints[made.robot.own[c]].lower, joints[made.robot.own[c]].upper);
+              values[c] = std::clamp(old + by, joints[made.robot.independent_joints[c]].lower,
+                                     joints[made.robot.independent_joints[c]].upper);
               const double there = distance(values);
               if (there < here) {
                 here = there;
@@ -529,8 +531,8 @@ TEST(ProveApart, one_box_reaches_to_the_ends_of_every_range) {
     expect(verdict(made, cart, post, {}, {0, 0, -2 - apart}, radius));
     // One after the other: the arm is straight at the end of its range.
     Maker two;
-    const std::size_t upper = two.turn(0, "upper", {}, {0, 0, 1}),
-                      lower = two.turn(upper, "lower", {1, 0, 0}, {0, 0, 1}), far = two.fix(0, "far", {});
+    const std::size_t upper = two.rotate(0, "upper", {}, {0, 0, 1}),
+                      lower = two.rotate(upper, "lower", {1, 0, 0}, {0, 0, 1}), far = two.fix(0, "far", {});
     expect(verdict(two, lower, far, {0.5, 0, 0}, {0, 1.5 + apart, 0}, radius));
   }
 }

@@ -42,7 +42,7 @@ TEST(ReadRobot, links_joints_and_what_moves_by_itself) {
   for (const std::size_t joint : read.order) order += read.joints[joint].name + " ";
   EXPECT_EQ(order, "turn lift bend reach weld roll tip ");
   std::string own;
-  for (const std::size_t joint : read.own) own += read.joints[joint].name + " ";
+  for (const std::size_t joint : read.independent_joints) own += read.joints[joint].name + " ";
   EXPECT_EQ(own, "turn lift bend reach roll ");
   EXPECT_EQ(read.joints[read.find_joint("lift")].axis, (Vec3{0, 1, 0})) << "axes become unit";
   EXPECT_EQ(read.links[0].inertial->mass, 4);
@@ -140,10 +140,10 @@ TEST(ReadRobot, facets_of_a_mirrored_mesh_still_look_outward) {
   EXPECT_NEAR(mirrored.volume, plain.volume * 0.1 * 0.1 * 0.2, 1e-15);
 }
 
-TEST(ReadRobot, collada_scenes_are_placed_in_metres_and_axes_stay_as_written) {
+TEST(ReadRobot, collada_scenes_are_placed_in_meters_and_axes_stay_as_written) {
   const Mesh mesh = robot::read_collada(robots_folder + "/arm_description/meshes/wrist.dae");
   ASSERT_EQ(mesh.positions.size(), 8u);
-  // First turned about z, then shifted, in centimetres; the second is mirrored.
+  // First turned about z, then shifted, in centimeters; the second is mirrored.
   const std::vector<Vec3> expected{{0.01, 0.02, 0.03}, {0.01, 0.06, 0.03}, {-0.02, 0.02, 0.03}, {0.01, 0.02, 0.08},
                                    {0, 0, 0.1},        {-0.04, 0, 0.1},    {0, 0.03, 0.1},      {0, 0, 0.15}};
   for (std::size_t i = 0; i < 8; ++i) EXPECT_LT(distance(mesh.positions[i], expected[i]), 1e-15) << i;
@@ -211,7 +211,7 @@ TEST(Kinematics, joints_follow_through_others) {
   EXPECT_LT(distance(poses[read.find_link("left")].translation, {0.035, 0, 0.02}), 1e-15);
   EXPECT_LT(distance(poses[read.find_link("right")].translation, {-0.035, 0, 0.02}), 1e-15);
   // hook_turn = 0.5 - 10 * 0.03 = 0.2 about y.
-  const Vec3 up = poses[read.find_link("hook")].turn({0, 0, 1});
+  const Vec3 up = poses[read.find_link("hook")].rotate({0, 0, 1});
   EXPECT_LT(distance(up, {std::sin(0.2), 0, std::cos(0.2)}), 1e-15);
   EXPECT_THROW(robot::link_poses(read, {}), std::invalid_argument);
 }
@@ -412,15 +412,15 @@ TEST(ReadRobot, shapes_that_nobody_asks_for_never_end_a_robot) {
           << read.notes[0];
       write(file, text(visual ? "visual" : "collision"));
       EXPECT_THROW(robot::read_robot(file, {.visual = visual}), FileError) << fault;
-      EXPECT_NO_THROW(robot::read_robot(file, {.visual = visual, .left_out = {"a"}})) << fault;
-      EXPECT_THROW(robot::read_robot(file, {.visual = visual, .left_out = {"b"}}), FileError) << fault;
+      EXPECT_NO_THROW(robot::read_robot(file, {.visual = visual, .skip = {"a"}})) << fault;
+      EXPECT_THROW(robot::read_robot(file, {.visual = visual, .skip = {"b"}}), FileError) << fault;
     }
   }
   // The mesh of a link that is left out need not be there.
   write(file,
         "<robot name='r'><link name='a'>" + shape("collision", "<mesh filename='none.stl'/>") + "</link></robot>");
   EXPECT_THROW(robot::read_robot(file), FileError);
-  EXPECT_EQ(robot::read_robot(file, {.left_out = {"a"}}).links.size(), 1u);
+  EXPECT_EQ(robot::read_robot(file, {.skip = {"a"}}).links.size(), 1u);
 }
 
 TEST(ReadRobot, text_nested_without_end_and_cut_short_is_refused_not_followed) {

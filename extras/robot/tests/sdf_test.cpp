@@ -71,7 +71,7 @@ TEST_F(Formats, sdf_parts_of_scenes_are_those_of_nodes_or_geometries) {
   for (const Vec3& p : robot::surface_of(r.file, r.links[0].collision).mesh.positions) {
     for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
   }
-  expect_near(low + high, {}, "centred");
+  expect_near(low + high, {}, "centered");
   const std::string words = words_of([&] {
     const robot::Robot other = sdf(mesh("../m/t.obj", "x"));
     robot::surface_of(other.file, other.links[0].collision);

@@ -64,7 +64,7 @@ Vec3 point(Random& random, double reach) {
 TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
   const robot::Robot read = robot::read_robot(moving_arm);
   const robot::RobotSpheres spheres = robot::fit_spheres(read, {.spheres = 24});
-  // Neighbours alone are ignored, so that other links meet now and then.
+  // Neighbors alone are ignored, so that other links meet now and then.
   const robot::SelfCollision self = robot::find_ignored(read, spheres, {.samples = 0});
   robot::SphereRobot moving(read, spheres, self);
   Flat flat{read, spheres, self};
@@ -74,7 +74,8 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
   constexpr int rounds = 400;
   for (int round = 0; round < rounds; ++round) {
     std::vector<double> values;
-    for (const std::size_t j : read.own) values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
+    for (const std::size_t j : read.independent_joints)
+      values.push_back(random.uniform(read.joints[j].lower, read.joints[j].upper));
     moving.pose(values);
     flat.poses = robot::link_poses(read, values);
     const std::vector<Sphere> posed = moving.spheres();
@@ -87,7 +88,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
     const bool meets_ball = flat.any([&](const Sphere& s) {
       return squared_distance(s.center, ball.center) <= (s.radius + ball.radius) * (s.radius + ball.radius);
     });
-    EXPECT_EQ(moving.meets(ball), meets_ball) << round;
+    EXPECT_EQ(moving.collides(ball), meets_ball) << round;
     sphere_hits += meets_ball;
     const Vec3 half{random.uniform(0.01, 0.2), random.uniform(0.01, 0.2), random.uniform(0.01, 0.2)};
     const robot::ObstacleBox box{RigidTransform::from_axis(point(random, 1), random.uniform(-3, 3), point(random, 0.8)),
@@ -99,24 +100,24 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
       for (int k = 0; k < 3; ++k) p[k] = std::clamp(p[k], -half[k], half[k]);
       return distance(box.pose(p), s.center) <= s.radius;
     });
-    EXPECT_EQ(moving.meets(box), meets_box) << round;
+    EXPECT_EQ(moving.collides(box), meets_box) << round;
     box_hits += meets_box;
     std::vector<Sphere> scene;
     for (int i = 0; i < 12; ++i) scene.push_back({point(random, 1.2), random.uniform(0.01, 0.1)});
-    SphereTree tree = tree_over_balls(scene);
-    if (round % 2 == 0) nest(tree);
+    SphereTree tree = tree_from_spheres(scene);
+    if (round % 2 == 0) make_nested(tree);
     const PosedSpheres others(tree);
     const RigidTransform at = RigidTransform::from_axis({1, 2, 3}, 0.1 * round, {0.1, 0, 0.2});
     bool meets_tree = false;
     for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
       if (!tree.is_leaf(node)) continue;
-      const Sphere leaf = others.pose().sphere(node);
+      const Sphere leaf = others.sphere_state().sphere(node);
       const Sphere moved{at(leaf.center), leaf.radius};
       meets_tree = meets_tree || flat.any([&](const Sphere& s) {
         return squared_distance(s.center, moved.center) <= (s.radius + moved.radius) * (s.radius + moved.radius);
       });
     }
-    EXPECT_EQ(moving.meets(others.pose(), at), meets_tree) << round;
+    EXPECT_EQ(moving.collides(others.sphere_state(), at), meets_tree) << round;
     tree_hits += meets_tree;
   }
   for (const std::size_t hits : {self_hits, sphere_hits, box_hits, tree_hits}) {
@@ -128,7 +129,7 @@ TEST(SphereRobot, verdicts_are_those_of_every_sphere) {
 TEST(SphereRobot, ignored_pairs_are_never_asked_and_copies_move_apart) {
   const robot::Robot read = robot::read_robot(moving_arm);
   const robot::RobotSpheres spheres = robot::fit_spheres(read, {.spheres = 4});
-  EXPECT_TRUE(robot::SphereRobot(read, spheres).self_collision()) << "neighbours touch";
+  EXPECT_TRUE(robot::SphereRobot(read, spheres).self_collision()) << "neighbors touch";
   robot::SelfCollision all;
   for (std::size_t a = 0; a < read.links.size(); ++a) {
     for (std::size_t b = a + 1; b < read.links.size(); ++b) all.ignored.push_back({a, b, robot::IgnoreReason::given});

@@ -41,7 +41,7 @@ def test_what_the_file_says_is_there(arm):
     lift = arm.joints[arm.find_joint("lift")]
     assert lift.kind == "revolute" and (lift.lower, lift.upper) == (-1.2, 1.5) and lift.axis == (0, 1, 0)
     assert arm.links[lift.parent].name == "shoulder" and lift.moves and lift.mimic is None
-    assert arm.find_link("nobody") is None and [arm.joints[j].name for j in arm.own] == ["turn", "lift", "bend", "reach", "roll"]
+    assert arm.find_link("nobody") is None and [arm.joints[j].name for j in arm.independent_joints] == ["turn", "lift", "bend", "reach", "roll"]
     assert arm.to_dict()["links"][0]["name"] == "base" and "Robot(" in repr(arm)
     with pytest.raises(OSError, match="nowhere.urdf"):
         morula.robot.read_robot("nowhere.urdf")
@@ -75,7 +75,7 @@ def test_links_are_where_the_joints_put_them(arm):
     values = numpy.array([0.3, -0.4, 1.1, 0.05, 0.7])
     poses = morula.robot.link_poses(arm, values)
     by_hand = {arm.root: numpy.eye(4)}
-    given = {joint: value for joint, value in zip(arm.own, values)}
+    given = {joint: value for joint, value in zip(arm.independent_joints, values)}
     for index in arm.order:
         joint = arm.joints[index]
         move = numpy.eye(4)
@@ -95,7 +95,7 @@ def test_links_are_where_the_joints_put_them(arm):
 def test_spheres_cover_their_links(arm, spheres):
     assert spheres.covered and spheres.sphere_count == sum(len(l.spheres) for l in spheres.links)
     for link in spheres.links:
-        assert link.figures.covered and link.figures.gap == 0 and len(link.spheres) <= 8 + 2
+        assert link.figures.covered and link.figures.uncovered_distance == 0 and len(link.spheres) <= 8 + 2
         surface = morula.robot.surface_of(arm.file, arm.links[link.link].collision)
         assert surface.mesh == link.surface.mesh
         if surface.mesh.facet_count:
@@ -107,7 +107,7 @@ def test_spheres_cover_their_links(arm, spheres):
     again = morula.robot.fit_spheres(arm, spheres=8, workers=morula.Workers(2), progress=lambda share, link: None)
     assert all(numpy.array_equal(a.spheres, b.spheres) for a, b in zip(spheres.links, again.links))
     own = {"base": numpy.array([[0, 0, 0.05, 0.25]])}
-    kept = morula.robot.fit_spheres(arm, spheres=4, kept=own, left_out={"flange"}, link_spheres={"upper": 2})
+    kept = morula.robot.fit_spheres(arm, spheres=4, fixed_spheres=own, skip={"flange"}, link_spheres={"upper": 2})
     assert numpy.allclose(kept.of(arm.find_link("base")).spheres[0], own["base"][0]) and kept.of(arm.find_link("flange")) is None
     assert len(kept.of(arm.find_link("upper")).spheres) <= 2
 
@@ -161,12 +161,12 @@ def meet(a, b):
 def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
     robot = morula.robot.SphereRobot(arm, spheres, ignored)
     assert robot.links == [link.link for link in spheres.links] and robot.sphere_count == spheres.sphere_count
-    left_out = {frozenset((p.a, p.b)) for p in ignored.ignored}
+    skip = {frozenset((p.a, p.b)) for p in ignored.ignored}
     assert {p.reason for p in ignored.ignored} <= {"given", "adjacent", "rest", "apart", "never"} and ignored.samples >= 200
     assert ignored.never_bound == 3 / ignored.samples
     generator = numpy.random.default_rng(8)
-    lower = numpy.array([arm.joints[j].lower for j in arm.own])
-    upper = numpy.array([arm.joints[j].upper for j in arm.own])
+    lower = numpy.array([arm.joints[j].lower for j in arm.independent_joints])
+    upper = numpy.array([arm.joints[j].upper for j in arm.independent_joints])
     configurations = generator.uniform(lower, upper, (60, len(lower)))
     expected = []
     for values in configurations:
@@ -174,14 +174,14 @@ def test_collisions_are_those_of_all_against_all(arm, spheres, ignored):
         places = moved(spheres, poses)
         pairs = [
             (i, j) for i, j in itertools.combinations(range(len(places)), 2)
-            if frozenset((robot.links[i], robot.links[j])) not in left_out and meet(places[i], places[j])
+            if frozenset((robot.links[i], robot.links[j])) not in skip and meet(places[i], places[j])
         ]
         robot.pose(values)
         numpy.testing.assert_allclose(robot.spheres(), numpy.concatenate(places), atol=1e-12)
         assert robot.self_collision() == (pairs[0] if pairs else None)
         expected.append(bool(pairs))
         ball = (*generator.uniform(-0.5, 0.5, 3), generator.uniform(0, 0.2))
-        assert robot.meets(ball) == meet(numpy.concatenate(places), numpy.array([ball]))
+        assert robot.collides(ball) == meet(numpy.concatenate(places), numpy.array([ball]))
         # By poses of links, both ways to give them.
         robot.place(poses)
         same = robot.spheres()
@@ -202,25 +202,25 @@ def test_boxes_and_trees_are_obstacles(arm, spheres):
         half, center = generator.uniform(0.01, 0.1, 3), generator.uniform(-0.6, 0.6, 3)
         distances = numpy.linalg.norm(numpy.maximum(abs(now[:, :3] - center) - half, 0), axis=1)
         box = morula.robot.ObstacleBox(half, morula.RigidTransform(translation=center))
-        assert robot.meets(box) == (distances <= now[:, 3]).any()
-        assert robot.meets(morula.robot.ObstacleBox(half), morula.RigidTransform(translation=center)) == robot.meets(box)
+        assert robot.collides(box) == (distances <= now[:, 3]).any()
+        assert robot.collides(morula.robot.ObstacleBox(half), morula.RigidTransform(translation=center)) == robot.collides(box)
         balls = numpy.column_stack([generator.uniform(-1, 1, (30, 3)), generator.uniform(0, 0.1, 30)])
-        scene = morula.PosedSpheres(morula.tree_over_balls(balls))
-        assert robot.meets(scene) == meet(now, balls)
+        scene = morula.PosedSpheres(morula.tree_from_spheres(balls))
+        assert robot.collides(scene) == meet(now, balls)
     mesh = morula.sample_body("bar", 6)
     body = morula.Body(mesh, morula.build(mesh, method="octree", depth=2))
     far = morula.RigidTransform(translation=(9, 9, 9))
-    assert robot.meets(body, morula.RigidTransform(translation=-mesh.positions.mean(axis=0))) and not robot.meets(body, far)
+    assert robot.collides(body, morula.RigidTransform(translation=-mesh.positions.mean(axis=0))) and not robot.collides(body, far)
     with pytest.raises(TypeError, match="obstacle"):
-        robot.meets("wall")
+        robot.collides("wall")
 
 
 def test_one_tree_is_a_body(arm, spheres):
     values = morula.robot.rest_values(arm)
     one = morula.robot.tree_of(arm, spheres, values)
-    assert one.built.validate(one.mesh) == []
+    assert one.model.validate(one.mesh) == []
     assert len(one.links) == len(one.vertex_begin) - 1 and one.vertex_begin[-1] == one.mesh.vertex_count
-    body = morula.Body(one.mesh, one.built)
+    body = morula.Body(one.mesh, one.model)
     before = morula.robot.link_poses(arm, values)
     after = morula.robot.link_poses(arm, values + 0.1)
     positions = numpy.array(one.mesh.positions)
@@ -310,12 +310,12 @@ import threading
 import morula, numpy
 arm = morula.robot.read_robot({str(urdf)!r})
 robot = morula.robot.SphereRobot(arm, morula.robot.fit_spheres(arm, spheres=4))
-values = numpy.zeros(len(arm.own))
+values = numpy.zeros(len(arm.independent_joints))
 long = threading.Thread(target=robot.self_collisions, args=(numpy.zeros((200000, len(values))),))
 long.start()
 while long.is_alive():
     robot.pose(values)
-    robot.meets((9, 9, 9, 0.1))
+    robot.collides((9, 9, 9, 0.1))
     assert len(robot.spheres()) == robot.sphere_count
 print("done")
 """

@@ -34,7 +34,7 @@ struct DemoArguments {
   bool json = false;
 };
 
-/// A scanned or modelled mesh with an inside, when the corpus is unpacked.
+/// A scanned or modeled mesh with an inside, when the corpus is unpacked.
 std::optional<study::NamedMesh> real_body() {
   const std::optional<std::filesystem::path> corpus = scenes::corpus_folder();
   if (!corpus) return std::nullopt;
@@ -58,7 +58,7 @@ study::Plan make_plan(bool quick) {
     plan.samples = 25;
     if (std::optional<study::NamedMesh> body = real_body()) plan.bodies.push_back(std::move(*body));
   }
-  plan.sources = study::sources_of(plan.bodies, {Method::octree, Method::morula});
+  plan.sources = study::sources_of(plan.bodies, {Method::octree, Method::optimized});
   plan.motions = study::paper_motions();
   // On leaves `wrapped` would be `exact` once more.
   plan.rules = {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2, Rule::exact};
@@ -86,16 +86,16 @@ void write_bodies(const Demo& demo, const std::filesystem::path& folder) {
   for (const study::NamedMesh& body : plan.bodies) write_mesh(folder / (body.name + ".obj"), body.mesh);
   for (const study::TreeFigures& tree : demo.result.trees) {
     const auto& [body, mesh] = demo.body(tree);
-    const CoveredTree& built = demo.result.built[tree.source];
-    write_tree(folder / fmt::format("{}-{}.morula", body, demo.method(tree)), built);
-    if (plan.sources[tree.source].generator != Method::morula) continue;
+    const CoveredTree& model = demo.result.model[tree.source];
+    write_tree(folder / fmt::format("{}-{}.morula", body, demo.method(tree)), model);
+    if (plan.sources[tree.source].generator != Method::optimized) continue;
     for (std::size_t m = 0; m < plan.motions.size(); ++m) {
       if (demo.result.find({tree.source, m, 0}) == nullptr) continue;  // it cannot make this one
       const std::string stem = file_stem(body, plan.motions[m]);
       const std::vector<Vec3> positions = deform(mesh, plan.motions[m], 1.0);
       write_mesh(folder / (stem + ".obj"), {positions, mesh.facets});
       for (const study::FollowRule& rule : plan.rules) {
-        Body moved(mesh, built, rule.options);
+        Body moved(mesh, model, rule.options);
         if (!moved.update(positions)) throw std::logic_error("the demo's own motion was refused by update");
         write_tree(folder / fmt::format("{}-{}.sph", stem, rule.name), moved.current_tree());
       }
@@ -109,14 +109,14 @@ study::Touch let_limbs_touch(const Demo& demo, const std::filesystem::path& fold
   study::TouchPlan plan = study::TouchPlan::crossed_arms(mesh);
   plan.timed_queries = demo.plan.measures.timed_updates;
   study::Touch touch =
-      study::run_touch(plan, mesh, demo.result.built[demo.plan.find_source(0, Method::morula).value()]);
+      study::run_touch(plan, mesh, demo.result.model[demo.plan.find_source(0, Method::optimized).value()]);
   write_mesh(folder / (name + "-touching-a.obj"), {touch.middle_a, mesh.facets});
   write_mesh(folder / (name + "-touching-b.obj"), {touch.middle_b, mesh.facets});
   return touch;
 }
 
 /// The commands that give one cell of the table again.
-std::string recipe(const study::Plan& plan, const study::Cell& cell, const std::string& folder) {
+std::string recipe(const study::Plan& plan, const study::Run& cell, const std::string& folder) {
   const std::string stem = (std::filesystem::path(folder) / plan.body_of(cell.key.source).name).string();
   return fmt::format(
       "  morula deform {0}.obj -o motion.npy --{1} --frames {2}\n"
@@ -134,7 +134,7 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
       demo.plan.samples, demo_table(demo));
   for (const study::TreeFigures& tree : trees) {
     const Mesh& mesh = demo.body(tree).mesh;
-    const SphereTree& spheres = demo.result.built[tree.source].tree;
+    const SphereTree& spheres = demo.result.model[tree.source].tree;
     fmt::print("{} {}: {}, {}; {} ({}) built in {}\n", demo.body(tree).name, demo.method(tree),
                counted(mesh.vertex_count(), "vertex", "vertices"), counted(mesh.facet_count(), "facet"),
                counted(spheres.node_count(), "sphere"), counted(spheres.leaf_count(), "leaf", "leaves"),
@@ -152,7 +152,7 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
   const std::string body = demo.body(trees.front()).name;
   fmt::print("- demo.csv, contacts.csv and demo.json: every figure with all digits\n");
   fmt::print("- {0}-touching-a.obj and {0}-touching-b.obj: the two limbs in the middle of their motion\n", body);
-  const std::vector<const study::Cell*> cells = demo.cells(trees.front());
+  const std::vector<const study::Run*> cells = demo.cells(trees.front());
   if (!cells.empty()) {
     const std::string stem = file_stem(body, demo.plan.motions[cells.front()->key.motion]);
     fmt::print("- {0}.obj with {0}-exact.sph and {0}-approach2.sph: the body at the full amount, and its spheres\n",

@@ -14,7 +14,7 @@
 namespace morula::cli {
 namespace {
 
-using study::Cell;
+using study::Run;
 using study::TreeFigures;
 
 /// The frames that are shown, the one at the full amount among them, are of the leaves.
@@ -22,63 +22,64 @@ const study::LevelFigures& leaves(const study::Sample& sample) {
   return sample.levels.back();
 }
 
-const study::LevelFigures& at_rest(const Cell& cell) {
+const study::LevelFigures& at_rest(const Run& cell) {
   return leaves(cell.samples.front());
 }
 
-double rest_looseness(const Cell& cell) {
+double rest_looseness(const Run& cell) {
   return at_rest(cell).looseness_fixed().value_or(0);
 }
 
-std::string rule_name(const Demo& demo, const Cell& cell) {
+std::string rule_name(const Demo& demo, const Run& cell) {
   return demo.plan.rules[cell.key.rule].name;
 }
 
-bool is(const Demo& demo, const Cell& cell, Rule rule) {
+bool is(const Demo& demo, const Run& cell, Rule rule) {
   return demo.plan.rules[cell.key.rule].key() == study::RuleKey(rule);
 }
 
-std::string looseness_cell(const std::optional<double>& looseness, double bare_area) {
-  return fmt::format("{} ({} bare)", figure_or_na(looseness), bare_area == 0 ? "0" : percent(bare_area));
+std::string looseness_cell(const std::optional<double>& looseness, double uncovered_area) {
+  return fmt::format("{} ({} bare)", figure_or_na(looseness), uncovered_area == 0 ? "0" : percent(uncovered_area));
 }
 
-std::string worst_cell(const Cell& cell) {
+std::string worst_cell(const Run& cell) {
   const bool known = at_rest(cell).looseness_fixed().has_value();
-  return looseness_cell(known ? std::optional(cell.worst_looseness_fixed()) : std::nullopt, cell.worst_bare_area());
+  return looseness_cell(known ? std::optional(cell.worst_looseness_fixed()) : std::nullopt,
+                        cell.worst_uncovered_area());
 }
 
 /// The median over motions of one rule's time.
 double typical_microseconds(const Demo& demo, const TreeFigures& tree, std::size_t rule) {
   std::vector<double> times;
-  for (const Cell* cell : demo.cells(tree))
+  for (const Run* cell : demo.cells(tree))
     if (cell->key.rule == rule) times.push_back(1e6 * cell->update_seconds.value());
   return median(times);
 }
 
 struct Pair {
-  const Cell* a;
-  const Cell* b;
+  const Run* a;
+  const Run* b;
 };
 
 /// Cells of two rules with the same body, method and motion.
 std::vector<Pair> pairs(const Demo& demo, Rule a, Rule b) {
   std::vector<Pair> list;
-  for (const Cell& cell : demo.result.cells) {
+  for (const Run& cell : demo.result.cells) {
     if (!is(demo, cell, a)) continue;
-    const Cell* other = demo.result.find({cell.key.source, cell.key.motion, demo.plan.find_rule(b).value()});
+    const Run* other = demo.result.find({cell.key.source, cell.key.motion, demo.plan.find_rule(b).value()});
     if (other != nullptr) list.push_back({&cell, other});
   }
   return list;
 }
 
-std::string where(const Demo& demo, const Cell& cell) {
+std::string where(const Demo& demo, const Run& cell) {
   return fmt::format("{}, {} tree, {}", demo.plan.body_of(cell.key.source).name,
                      demo.plan.sources[cell.key.source].method,
                      study::describe_all(demo.plan.motions[cell.key.motion]));
 }
 
-bool fails_to_cover(const Cell& cell) {
-  return !cell.certificate || !cell.certificate->covered || cell.worst_bare_area() > 0;
+bool fails_to_cover(const Run& cell) {
+  return !cell.certificate || !cell.certificate->covered || cell.worst_uncovered_area() > 0;
 }
 
 /// "all 12 cases", "3 of 12 cases": a case is a body, a tree and a motion.
@@ -89,8 +90,8 @@ std::string share_of(std::size_t count, std::size_t total) {
 std::string cover_finding(const Demo& demo) {
   std::size_t frames = 0;
   std::size_t cases = 0;
-  const Cell* worst = nullptr;
-  for (const Cell& cell : demo.result.cells) {
+  const Run* worst = nullptr;
+  for (const Run& cell : demo.result.cells) {
     if (!is(demo, cell, Rule::exact)) continue;
     ++cases;
     frames += cell.samples.size();
@@ -111,9 +112,9 @@ std::string approach2_finding(const Demo& demo) {
     return p.a->worst_looseness_fixed() < p.b->worst_looseness_fixed();
   }));
   const auto bare = static_cast<std::size_t>(
-      std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_bare_area() > 0; }));
+      std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_uncovered_area() > 0; }));
   const Pair most = *std::max_element(list.begin(), list.end(), [](const Pair& x, const Pair& y) {
-    return x.a->worst_bare_area() < y.a->worst_bare_area();
+    return x.a->worst_uncovered_area() < y.a->worst_uncovered_area();
   });
   const std::string tightness =
       tighter == 0 ? fmt::format("approach2 is nowhere tighter than exact")
@@ -121,7 +122,7 @@ std::string approach2_finding(const Demo& demo) {
   if (bare == 0) return tightness + ", and left nothing bare here, though nothing guarantees it.";
   return fmt::format("{}, {} it leaves surface bare in {}, up to {} of it ({}): looseness alone would not show that.",
                      tightness, tighter == 0 ? "and" : "but", share_of(bare, list.size()),
-                     percent(most.a->worst_bare_area()), where(demo, *most.a));
+                     percent(most.a->worst_uncovered_area()), where(demo, *most.a));
 }
 
 std::string approach1_finding(const Demo& demo) {
@@ -133,7 +134,7 @@ std::string approach1_finding(const Demo& demo) {
     return p.a->worst_looseness_fixed() > p.b->worst_looseness_fixed();
   }));
   const auto bare = static_cast<std::size_t>(
-      std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_bare_area() > 0; }));
+      std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_uncovered_area() > 0; }));
   const std::string cover =
       bare == 0 ? "left nothing bare here" : "still leaves surface bare in " + share_of(bare, list.size());
   if (looser == 0) return fmt::format("approach1 is nowhere looser than exact, and {}.", cover);
@@ -145,9 +146,9 @@ std::string approach1_finding(const Demo& demo) {
 }
 
 std::string cost_finding(const Demo& demo) {
-  const auto loosening = [](const Cell& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
-  const Cell* most = nullptr;
-  for (const Cell& cell : demo.result.cells) {
+  const auto loosening = [](const Run& cell) { return cell.worst_looseness_fixed() / rest_looseness(cell); };
+  const Run* most = nullptr;
+  for (const Run& cell : demo.result.cells) {
     if (!is(demo, cell, Rule::exact) || rest_looseness(cell) == 0) continue;
     if (most == nullptr || loosening(cell) > loosening(*most)) most = &cell;
   }
@@ -171,9 +172,9 @@ std::string cost_finding(const Demo& demo) {
 
 }  // namespace
 
-std::vector<const study::Cell*> Demo::cells(const TreeFigures& tree) const {
-  std::vector<const Cell*> list;
-  for (const Cell& cell : result.cells)
+std::vector<const study::Run*> Demo::cells(const TreeFigures& tree) const {
+  std::vector<const Run*> list;
+  for (const Run& cell : result.cells)
     if (cell.key.source == tree.source) list.push_back(&cell);
   return list;
 }
@@ -185,18 +186,18 @@ std::string demo_table(const Demo& demo) {
   Table table(header, 3);
   for (const TreeFigures& tree : demo.result.trees) {
     table.add_rule();
-    const std::vector<const Cell*> cells = demo.cells(tree);
+    const std::vector<const Run*> cells = demo.cells(tree);
     std::vector<std::string> rest{demo.body(tree).name, demo.method(tree), "at rest"};
     std::vector<std::string> back{"", "", "back at rest"};
     std::vector<std::string> times{"", "", "time per frame"};
     for (std::size_t rule = 0; rule < rules.size(); ++rule) {
-      const auto has_rule = [&](const Cell* cell) { return cell->key.rule == rule; };
+      const auto has_rule = [&](const Run* cell) { return cell->key.rule == rule; };
       const auto any = std::find_if(cells.begin(), cells.end(), has_rule);
       if (any == cells.end()) continue;
-      const bool returns = std::none_of(cells.begin(), cells.end(), [&](const Cell* cell) {
+      const bool returns = std::none_of(cells.begin(), cells.end(), [&](const Run* cell) {
         return has_rule(cell) && !cell->returns_to_rest.value();
       });
-      rest.push_back(looseness_cell(at_rest(**any).looseness_fixed(), at_rest(**any).bare_area()));
+      rest.push_back(looseness_cell(at_rest(**any).looseness_fixed(), at_rest(**any).uncovered_area()));
       back.emplace_back(returns ? "same bits" : "DIFFERS");
       const double time = typical_microseconds(demo, tree, rule);
       const auto vertices = static_cast<double>(demo.body(tree).mesh.vertex_count());
@@ -205,7 +206,7 @@ std::string demo_table(const Demo& demo) {
     table.add(rest);
     for (std::size_t motion = 0; motion < demo.plan.motions.size(); ++motion) {
       std::vector<std::string> row{"", "", study::describe_all(demo.plan.motions[motion])};
-      for (const Cell* cell : cells)
+      for (const Run* cell : cells)
         if (cell->key.motion == motion) row.push_back(worst_cell(*cell));
       if (row.size() > 3) table.add(row);
     }
@@ -221,27 +222,29 @@ std::vector<std::string> demo_findings(const Demo& demo) {
 
 std::string demo_csv(const Demo& demo) {
   std::string text =
-      "body,method,motion,rule,frame,parameter,looseness,missed_volume,bare_area,gap,covered,microseconds_per_frame,"
+      "body,method,motion,rule,frame,parameter,looseness,missed_volume,uncovered_area,uncovered_distance,covered,"
+      "microseconds_per_frame,"
       "nanoseconds_per_vertex,returns_to_rest\n";
   const auto digits = [](const std::optional<double>& value) { return value ? exact_digits(*value) : std::string(); };
-  for (const Cell& cell : demo.result.cells) {
+  for (const Run& cell : demo.result.cells) {
     const study::NamedMesh& body = demo.plan.body_of(cell.key.source);
     const double seconds = cell.update_seconds.value();
     for (const study::Sample& s : cell.samples) {
       const study::LevelFigures& f = leaves(s);
-      text += fmt::format(
-          "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name, demo.plan.sources[cell.key.source].method,
-          study::describe_all(demo.plan.motions[cell.key.motion]), rule_name(demo, cell), s.sample,
-          exact_digits(s.parameter), digits(f.looseness_fixed()), digits(f.lattice->missed_volume),
-          exact_digits(f.coverage.bare_area), exact_digits(f.coverage.gap), f.coverage.covered ? "yes" : "no",
-          exact_digits(1e6 * seconds), exact_digits(1e9 * seconds / static_cast<double>(body.mesh.vertex_count())),
-          cell.returns_to_rest.value() ? "yes" : "no");
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", body.name,
+                          demo.plan.sources[cell.key.source].method,
+                          study::describe_all(demo.plan.motions[cell.key.motion]), rule_name(demo, cell), s.sample,
+                          exact_digits(s.parameter), digits(f.looseness_fixed()), digits(f.lattice->missed_volume),
+                          exact_digits(f.coverage.uncovered_area), exact_digits(f.coverage.uncovered_distance),
+                          f.coverage.covered ? "yes" : "no", exact_digits(1e6 * seconds),
+                          exact_digits(1e9 * seconds / static_cast<double>(body.mesh.vertex_count())),
+                          cell.returns_to_rest.value() ? "yes" : "no");
     }
   }
   return text;
 }
 
-Json cell_json(const Demo& demo, const Cell& cell) {
+Json cell_json(const Demo& demo, const Run& cell) {
   Json frames = Json::array();
   for (const study::Sample& s : cell.samples) {
     Json frame{{"frame", s.sample}, {"parameter", s.parameter}};
@@ -254,7 +257,7 @@ Json cell_json(const Demo& demo, const Cell& cell) {
   Json json{{"motion", study::describe_all(demo.plan.motions[cell.key.motion])},
             {"rule", rule_name(demo, cell)},
             {"worst_looseness", at_rest(cell).looseness_fixed() ? Json(cell.worst_looseness_fixed()) : Json(nullptr)},
-            {"worst_bare_area", cell.worst_bare_area()},
+            {"worst_uncovered_area", cell.worst_uncovered_area()},
             {"worst_gap", cell.worst_gap()},
             {"microseconds_per_frame", 1e6 * seconds},
             {"nanoseconds_per_vertex", 1e9 * seconds / vertices},
@@ -270,9 +273,9 @@ Json demo_json(const Demo& demo) {
   Json trees = Json::array();
   for (const TreeFigures& tree : demo.result.trees) {
     const Mesh& mesh = demo.body(tree).mesh;
-    const SphereTree& spheres = demo.result.built[tree.source].tree;
+    const SphereTree& spheres = demo.result.model[tree.source].tree;
     Json cells = Json::array();
-    for (const Cell* cell : demo.cells(tree)) cells.push_back(cell_json(demo, *cell));
+    for (const Run* cell : demo.cells(tree)) cells.push_back(cell_json(demo, *cell));
     Json skipped = Json::array();
     for (const study::Skipped& s : demo.result.skipped)
       if (s.body == demo.plan.sources[tree.source].body) skipped.push_back(s.reason);

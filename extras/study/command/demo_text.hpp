@@ -20,7 +20,7 @@ struct Demo {
   const study::NamedMesh& body(const study::TreeFigures& tree) const { return plan.body_of(tree.source); }
   const std::string& method(const study::TreeFigures& tree) const { return plan.sources[tree.source].method; }
   /// Of one tree, ascending by motion and rule.
-  std::vector<const study::Cell*> cells(const study::TreeFigures& tree) const;
+  std::vector<const study::Run*> cells(const study::TreeFigures& tree) const;
 };
 
 std::string demo_table(const Demo& demo);

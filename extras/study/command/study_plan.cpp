@@ -160,7 +160,7 @@ study::Plan make_study_plan(const StudyOptions& o) {
   std::vector<std::string> methods = o.methods;
   if (methods.empty()) {
     methods = paper_method_names();
-    if (!o.quick) methods.emplace_back("morula");
+    if (!o.quick) methods.emplace_back("optimized");
   }
   require_once("--methods", methods);
   if (o.trees.empty()) {

@@ -22,7 +22,7 @@ struct Story {
     plan.of_levels = {1};
     result.trees = {{0, {{1, 0, 0}, {4, 1, 0}}, 0}};
     for (std::size_t rule = 0; rule < 2; ++rule) {
-      Cell cell;
+      Run cell;
       cell.key = {0, 0, rule};
       cell.returns_to_rest = true;
       for (std::size_t sample = 0; sample < 2; ++sample) {
@@ -51,11 +51,11 @@ TEST(StudyClaims, follow_from_bare_surface) {
   EXPECT_EQ(story.verdict("approach2-bare"), Verdict::fails);
   EXPECT_EQ(story.verdict("traditional-bare"), Verdict::untested);
   EXPECT_TRUE(faults(story.plan, story.result).empty());
-  story.coverage(1, 1).bare_area = 0.25;
+  story.coverage(1, 1).uncovered_area = 0.25;
   EXPECT_EQ(story.verdict("approach2-bare"), Verdict::holds);
   EXPECT_EQ(story.verdict("approach2-gain-is-bare"), Verdict::holds);
   EXPECT_TRUE(faults(story.plan, story.result).empty());
-  story.coverage(0, 1).bare_area = 1e-9;
+  story.coverage(0, 1).uncovered_area = 1e-9;
   EXPECT_EQ(story.verdict("exact-covers"), Verdict::fails);
   EXPECT_EQ(faults(story.plan, story.result).size(), 1u);
 }

@@ -32,16 +32,16 @@ def demo_rules(demo):
     """A row for each body at rest and for each motion: the looseness and, in brackets, the bare share, rule by rule."""
     rows = []
     for tree in demo["trees"]:
-        if tree["method"] != "morula":
+        if tree["method"] != "optimized":
             continue
         cells = {(cell["motion"], cell["rule"]): cell for cell in tree["cells"]}
         motions = list(dict.fromkeys(cell["motion"] for cell in tree["cells"]))
         texts = {"at rest": [cells[motions[0], rule]["frames"][0] for rule in RULES]}
         for motion in motions:
-            texts[motion] = [{"looseness": cells[motion, rule]["worst_looseness"], "bare_area": cells[motion, rule]["worst_bare_area"]}
+            texts[motion] = [{"looseness": cells[motion, rule]["worst_looseness"], "uncovered_area": cells[motion, rule]["worst_uncovered_area"]}
                              for rule in RULES]
         for motion, found in texts.items():
-            shown = [f"{digits(f['looseness'])} ({bare(f['bare_area'])})" for f in found]
+            shown = [f"{digits(f['looseness'])} ({bare(f['uncovered_area'])})" for f in found]
             body = tree["body"].rstrip("0123456789")
             name = f"{body}, {tree['facets']:,} facets" if motion == "at rest" else ""
             rows.append([name, motion.replace("stretch 2", "stretch × 2").replace("180", "180°").replace("90", "90°"), *shown])

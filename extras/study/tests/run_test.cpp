@@ -34,13 +34,13 @@ TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   EXPECT_EQ(result.mixes.size(), 0u);
   EXPECT_TRUE(result.skipped.empty());
   const std::size_t rule = plan.find_rule(Rule::approach2).value();
-  const Cell* cell = result.find({1, 1, rule});
+  const Run* cell = result.find({1, 1, rule});
   ASSERT_NE(cell, nullptr);
   ASSERT_EQ(cell->samples.size(), 4u);
 
   const Mesh& rest = plan.bodies[0].mesh;
-  const CoveredTree built = build(rest, {.method = Method::grid, .branching = 4, .depth = 2});
-  Body body(rest, built, {.rules = {Rule::approach2}});
+  const CoveredTree model = build(rest, {.method = Method::grid, .branching = 4, .depth = 2});
+  Body body(rest, model, {.rules = {Rule::approach2}});
   Mesh moved = rest;
   moved.positions = deform(rest, {Bend{60}}, 2.0 / 3);
   ASSERT_TRUE(body.update(moved.positions));
@@ -49,8 +49,8 @@ TEST(StudyRun, a_cell_is_what_the_library_measures_step_by_step) {
   ASSERT_NE(figures, nullptr);
   EXPECT_EQ(figures->spheres, leaves.size());
   EXPECT_EQ(figures->looseness(), looseness(moved, leaves, {.resolution = 24}).looseness);
-  EXPECT_EQ(figures->bare_area(), coverage(moved, leaves).bare_area);
-  EXPECT_EQ(figures->gap(), coverage(moved, leaves).gap / bounding_box(rest).diagonal());
+  EXPECT_EQ(figures->uncovered_area(), coverage(moved, leaves).uncovered_area);
+  EXPECT_EQ(figures->gap(), coverage(moved, leaves).uncovered_distance / bounding_box(rest).diagonal());
   EXPECT_TRUE(cell->returns_to_rest.value());
   EXPECT_FALSE(cell->certificate);
   EXPECT_FALSE(cell->update_seconds);
@@ -68,7 +68,7 @@ TEST(StudyRun, cells_ascend_and_each_is_found_by_its_key) {
   }
   EXPECT_EQ(result.find({4, 0, 0}), nullptr);
   EXPECT_EQ(result.find({0, 0, 3}), nullptr);
-  const Cell* anew = result.find({0, 0, 2});
+  const Run* anew = result.find({0, 0, 2});
   ASSERT_NE(anew, nullptr);
   EXPECT_EQ(anew->samples.size(), 2u);  // rest and the full amount
   EXPECT_FALSE(anew->returns_to_rest);
@@ -78,11 +78,11 @@ TEST(StudyRun, keeps_trees_of_the_first_body_or_of_all) {
   Plan plan = small_plan();
   plan.rules = {Rule::exact};
   Result result = run(plan);
-  EXPECT_GT(result.built[1].tree.node_count(), 0u);
-  EXPECT_EQ(result.built[3].tree.node_count(), 0u);
+  EXPECT_GT(result.model[1].tree.node_count(), 0u);
+  EXPECT_EQ(result.model[3].tree.node_count(), 0u);
   plan.keep_trees = true;
   result = run(plan);
-  EXPECT_GT(result.built[3].tree.node_count(), 0u);
+  EXPECT_GT(result.model[3].tree.node_count(), 0u);
 }
 
 TEST(StudyRun, there_and_back_certified_and_timed) {
@@ -94,7 +94,7 @@ TEST(StudyRun, there_and_back_certified_and_timed) {
   plan.measures = {.paper_grid = false, .protrusion = false, .certificate = true, .timed_updates = 2};
   Workers two(2);
   const Result result = run(plan, two);
-  for (const Cell& cell : result.cells) {
+  for (const Run& cell : result.cells) {
     ASSERT_EQ(cell.samples.size(), 3u);
     const LevelFigures &first = cell.samples[0].levels.at(0), &last = cell.samples[2].levels.at(0);
     EXPECT_EQ(first.looseness_fixed(), last.looseness_fixed());

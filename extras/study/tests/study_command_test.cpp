@@ -253,8 +253,8 @@ TEST_F(LongStudyCommand, a_press_is_what_collide_finds_there) {
       const Json found = bench()
                              .require(
                                  "collide bar.obj bar.obj --tree-a bar.morula --tree-b bar.morula --motion-a bent "
-                                 "--motion-b bent --exact --json --rule " +
-                                 rule + " --turn-b " + words(truths[i]["turn_b"]["axis"]) + ",90 --place-b " +
+                                 "--motion-b bent --crossings --json --rule " +
+                                 rule + " --rotate-b " + words(truths[i]["turn_b"]["axis"]) + ",90 --translate-b " +
                                  words(truths[i]["place_b"]))
                              .json()["frames"][1];
       const Json& leaves = press["figures"][(i + 1) * press["figures"].size() / truths.size() - 1];

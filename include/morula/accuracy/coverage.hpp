@@ -14,11 +14,11 @@ struct [[nodiscard]] Coverage {
   /// The certificate: every corner of every power cell lies in the cell's sphere, within `tolerance`. Where rounding
   /// misplaced a cell, smaller pieces of it are held against whichever sphere contains them.
   bool covered = false;
-  double bare_area = 0;  ///< share of the surface outside the union, closed form per power cell; 0 when covered
-  double gap = 0;        ///< largest distance of a surface point from the union, attained; 0 when covered
-  double gap_upper = 0;  ///< proven upper bound of the gap: within relative 1e-6 and twice the tolerance of it;
-                         ///< 0 when covered
-  double tolerance = 0;  ///< rounding allowance of the certificate, mesh units
+  double uncovered_area = 0;  ///< share of the surface outside the union, closed form per power cell; 0 when covered
+  double uncovered_distance = 0;  ///< largest distance of a surface point from the union, attained; 0 when covered
+  double uncovered_distance_upper = 0;  ///< proven upper bound of the gap: within relative 1e-6 and twice the tolerance
+                                        ///< of it; 0 when covered
+  double tolerance = 0;           ///< rounding allowance of the certificate, mesh units
   std::uint32_t worst_facet = 0;  ///< where the gap is; among equals the lowest
 };
 
@@ -27,7 +27,7 @@ struct [[nodiscard]] Coverage {
 /// covered by spheres whose radii are larger by the tolerance.
 /// Same bits for any number of workers. Throws std::invalid_argument for bad spheres.
 /// Cost: O(F log n + pieces), the gap by branch and bound on the bare pieces only (at most 2²⁰ steps; should they run
-/// out, gap_upper is still proven).
+/// out, uncovered_distance_upper is still proven).
 Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers& workers = serial_workers());
 
 }  // namespace morula

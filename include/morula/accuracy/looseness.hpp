@@ -42,7 +42,7 @@ struct Looseness {
   std::optional<Range> range{};
 };
 
-/// A voxel is inside the object when its centre has non-zero winding number (closed, oriented meshes, either way round)
+/// A voxel is inside the object when its center has non-zero winding number (closed, oriented meshes, either way round)
 /// or an odd number of crossings (closed but not oriented). A voxel in two overlapping components counts once; the
 /// signed volume, by which counts are divided, counts such space twice and a component the wrong way round negatively.
 ///
@@ -60,7 +60,7 @@ class LoosenessMeter {
   Looseness measure(const PositionView& positions, std::span<const Sphere> spheres, const VoxelGrid& grid,
                     Workers& workers = serial_workers()) const;
   /// Of open meshes whose facets agree about which side is out: a voxel is inside when the surface winds around its
-  /// centre more than half a turn [jacobson2013], which near a hole means about as far as a flat cap would reach.
+  /// center more than half a turn [jacobson2013], which near a hole means about as far as a flat cap would reach.
   /// Looseness, missed and object volume are of that; `range` says how far the holes leave them open. Nothing, as for
   /// measure(), when the mesh is not oriented, or so open that nothing is ¾ of a turn inside. A closed mesh, either
   /// way, is measured as by measure(). Within the same errors of the lattice; the same bits for any number of workers.

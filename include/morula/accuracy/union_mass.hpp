@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Volume, centre and inertia of overlapping spheres as one solid.
+// Volume, center and inertia of overlapping spheres as one solid.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace morula {
 struct UnionMass {
   double volume = 0;
   Vec3 center{};
-  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the centre
+  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the center
 };
 /// Columns along z are exact, and as many as `resolution` lie across the longer side: within some tenths of a percent.
 UnionMass union_mass(std::span<const Sphere> spheres, int resolution = 160);

@@ -9,7 +9,7 @@
 #include <morula/geometry/status.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/tree/cover.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 #include <span>
@@ -41,14 +41,14 @@ class Collider {
   /// Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
   Collider(const Mesh& mesh, const Body& body);
   /// A pose with the surface that it goes with: a copy of a body's pose, for one. Facets need set_positions().
-  Collider(const Mesh& mesh, const Cover& cover, const PosedTree& pose);
+  Collider(const Mesh& mesh, const Cover& cover, const SphereState& pose);
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
-  explicit Collider(const PosedTree& pose);
+  explicit Collider(const SphereState& pose);
 
-  /// Where the body is from now on: x ↦ placement(x). A rotation of single precision becomes the nearest one. Throws
+  /// Where the body is from now on: x ↦ transform(x). A rotation of single precision becomes the nearest one. Throws
   /// std::invalid_argument where deviation_from_rigid() is above largest_float_deviation; nothing has changed then.
-  void place(const RigidTransform& placement);
-  const RigidTransform& placement() const { return placement_; }
+  void set_transform(const RigidTransform& transform);
+  const RigidTransform& transform() const { return transform_; }
 
   /// The vertices of the present frame, for a pose that does not know them: spheres of the caller's own, or a body that
   /// follows coordinates alone. A body that was given positions needs no call: they are read where it keeps the view.
@@ -64,7 +64,7 @@ class Collider {
     return has_surface() && (pose_->positions || pose_->frame == 0 || (given_ && given_frame_ == pose_->frame));
   }
 
-  const PosedTree& pose() const { return *pose_; }
+  const SphereState& sphere_state() const { return *pose_; }
   const SphereTree& tree() const { return *pose_->tree; }
 
   /// Does it know facets?
@@ -82,9 +82,9 @@ class Collider {
     if (facet_begin_.empty()) return {};
     return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
-  /// A vertex where it is now: position, then placement, each rounded to double. These numbers are what exact verdicts
+  /// A vertex where it is now: position, then transform, each rounded to double. These numbers are what exact verdicts
   /// are about.
-  Vec3 vertex(std::uint32_t index) const { return placement_(positions()[index]); }
+  Vec3 vertex(std::uint32_t index) const { return transform_(positions()[index]); }
   Triangle triangle(std::uint32_t facet) const {
     const Facet& f = mesh_facets_[facet];
     return {vertex(f[0]), vertex(f[1]), vertex(f[2])};
@@ -92,15 +92,15 @@ class Collider {
 
  private:
   friend class detail::ColliderAsRead;
-  const PosedTree* pose_;
+  const SphereState* pose_;
   std::shared_ptr<const void> kept_;  // pose and cover, of a source that shares them
   const Cover* cover_ = nullptr;
   std::span<const Facet> mesh_facets_{};
-  RigidTransform placement_{};
+  RigidTransform transform_{};
   std::optional<PositionView> rest_{}, given_{};
   std::uint64_t given_frame_ = 0;
   std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
-  detail::ChangeCount changes_{};  // of the placement and of the positions given
+  detail::ChangeCount changes_{};  // of the transform and of the positions given
 };
 
 /// May queries that look at facets ask this body? ok, or one of the faults of bodies.

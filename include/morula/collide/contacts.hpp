@@ -23,9 +23,9 @@ struct Contact {
   /// Both nodes are final: leaves or on the level asked for. Otherwise the budget ended before the pair was looked
   /// into; there may be any number of contacts below it, or none.
   bool finished = false;
-  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centres
-  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centres coincide
-  double depth = 0;        ///< r_a + r_b - distance of centres, at most 2 min(r_a, r_b); minus the gap if there is one
+  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centers
+  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centers coincide
+  double depth = 0;        ///< r_a + r_b - distance of centers, at most 2 min(r_a, r_b); minus the gap if there is one
   double lens_volume = 0;  ///< of the overlap of both spheres
   /// No common point of both regions is farther from `point`. With a margin: take any point of a's region and one of
   /// b's that are no farther apart than the margin; the middle between them is no farther from `point`. Of the current
@@ -67,9 +67,9 @@ struct CollideOptions {
   Priority priority = Priority::overlap;
   // The next three need current positions of both bodies (Collider::set_positions).
   bool surfaces = false;  ///< fill Contacts::surfaces; of a budget of time the search gets half then, of pair tests all
-  bool exact = false;     ///< fill Contacts::crossings; on top of any budget
-  bool containment = false;  ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
-  Clock clock{};             ///< of a budget of time; none: std::chrono::steady_clock
+  bool find_crossings = false;  ///< fill Contacts::crossings; on top of any budget
+  bool containment = false;     ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
+  Clock clock{};                ///< of a budget of time; none: std::chrono::steady_clock
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
   /// tested, from the thread of the query, perhaps more than once per node. True: they are current. False: they
   /// cannot be had now, and the pairs that need them stay unfinished. None: everything is current.
@@ -82,8 +82,8 @@ struct [[nodiscard]] Contacts {
   /// When asked for: of the first contacts. That is all of them without a budget, else the finished ones, of a budget
   /// of time as far as it reaches. ContactQuery::surface() tells those of others.
   std::vector<ContactSurface> surfaces;
-  /// With `exact`: the facet pairs that really intersect, of the regions in finished contacts; when all is finished
-  /// those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
+  /// With `find_crossings`: the facet pairs that really intersect, of the regions in finished contacts; when all is
+  /// finished those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
   /// crossings_begin[i + 1]), in the order of (facet_a, facet_b).
   std::vector<Crossing> crossings;
   std::vector<std::size_t> crossings_begin;
@@ -98,9 +98,9 @@ struct [[nodiscard]] Contacts {
 
 /// Contacts of two bodies, once. What asks every frame keeps a ContactQuery, which keeps its memory.
 ///
-/// Sound where the spheres cover (PosedTree::covers): surfaces that cross, or come as near as the margin, do so within
-/// a pair that is reported, with or without a budget. Order: depth-first, by the nodes of b, then of a, when there is
-/// no budget; else as found, the same every time for a budget of pair tests.
+/// Sound where the spheres cover (SphereState::covers): surfaces that cross, or come as near as the margin, do so
+/// within a pair that is reported, with or without a budget. Order: depth-first, by the nodes of b, then of a, when
+/// there is no budget; else as found, the same every time for a budget of pair tests.
 ///
 /// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or surfaces,
 /// crossings or containment are asked for without current positions.

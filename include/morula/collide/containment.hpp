@@ -16,18 +16,18 @@ struct [[nodiscard]] PointLocation {
   /// How often the surface winds around the point: 1 inside a body whose facets look outwards, more where it overlaps
   /// itself, negative where it is turned inside out. 0 on the surface, and in bodies that are not oriented.
   int winding = 0;
-  bool certified = false;  ///< PosedTree::covers of the body; else facets may have been missed
+  bool certified = false;  ///< SphereState::covers of the body; else facets may have been missed
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
 /// A ball that knows its side of the surface.
 struct [[nodiscard]] Probe {
   Status status;
-  bool inside = false;     ///< the centre is inside
+  bool inside = false;     ///< the center is inside
   bool touches = false;    ///< depth is 0 or more
-  double distance = 0;     ///< from the centre to the surface, negative inside
+  double distance = 0;     ///< from the center to the surface, negative inside
   double depth = 0;        ///< radius - distance: how far the ball reaches into the solid, at the nearest wall
-  SurfacePoint nearest{};  ///< of the surface, to the centre
+  SurfacePoint nearest{};  ///< of the surface, to the center
   Vec3 normal{};           ///< unit: where the ball has to go to come out
 };
 
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> component_vertices(const MeshView& mesh);
 /// Cost: that of the spheres the half line meets and of the facets in their leaves; 15 us on a body of 5,760 facets.
 class InsideQuery {
  public:
-  /// Borrows the collider; follows its placement and positions. Made once per mesh: O(F log F).
+  /// Borrows the collider; follows its transform and positions. Made once per mesh: O(F log F).
   /// Throws std::invalid_argument for an open surface, which has no inside, saying how many edges are bare.
   explicit InsideQuery(const Collider& body);
 

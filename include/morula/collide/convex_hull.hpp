@@ -25,10 +25,10 @@ class ConvexHull {
   /// that all lie in one plane. Cost: points × facets.
   explicit ConvexHull(std::span<const Vec3> points);
   /// A box, placed. Throws std::invalid_argument for one that is empty or flat, as above for one that is not finite.
-  static ConvexHull box(const Box& box, const RigidTransform& placement = {});
+  static ConvexHull box(const Box& box, const RigidTransform& transform = {});
   /// The same hull elsewhere: a rigid motion needs no new facets. Throws std::invalid_argument for a transform that
   /// queries would not take (largest_float_deviation), and as above for points too far away. Cost: points + facets.
-  ConvexHull placed(const RigidTransform& placement) const;
+  ConvexHull placed(const RigidTransform& transform) const;
 
   /// Those of the points that facets have, in the order in which they were given.
   std::span<const Vec3> vertices() const { return vertices_; }

@@ -29,7 +29,7 @@ class CrossingQuery {
   CrossingQuery& operator=(CrossingQuery&&) noexcept;
 
   /// Finds all pairs of a facet of `a` and one of `b` that intersect(). Complete, as brute force is, when the spheres
-  /// of both bodies cover (PosedTree::covers); the spheres tell which leaves may meet.
+  /// of both bodies cover (SphereState::covers); the spheres tell which leaves may meet.
   ///
   /// The verdict is about Collider::triangle: the positions as they are, placed, rounded to double, and nothing else;
   /// it is exact, touching and coplanar facets count. Refused, with the result left as it was: a body whose last update

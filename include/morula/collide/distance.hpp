@@ -15,15 +15,15 @@ namespace morula {
 struct DistanceOptions {
   /// Down to the nearest pair of facets. false: the lower bound is that of the leaf spheres, and only the facets of the
   /// nearest pair of leaves are looked at.
-  bool exact = true;
+  bool to_facets = true;
   double tolerance = 0;  ///< stop when upper - lower is not more
   /// Stop after so many pair tests, of spheres or facets, and those of one leaf; or after some time, by `clock`, looked
   /// at before each leaf and every 64 tests.
   Budget budget{};
   /// "Tell me only if nearer than": stop when lower is above.
-  double only_within = std::numeric_limits<double>::infinity();
+  double stop_above = std::numeric_limits<double>::infinity();
   /// "Tell me as soon as you know that they are as near as this": stop when upper is not above.
-  double near_enough = 0;
+  double stop_below = 0;
   /// Begin with the facets of the last answer, where the bodies are the same. That changes the work. Answers that run
   /// to the end keep their upper bound and points to the bit, and their lower bound but for rounding; answers that end
   /// early (budget, tolerance, thresholds, surfaces that cross) may be others.
@@ -39,9 +39,9 @@ struct [[nodiscard]] DistanceBounds {
   /// Surface points, upper or less apart up to rounding (when crossing, one point).
   SurfacePoint a{}, b{};
   bool crossing = false;   ///< a facet of one meets a facet of the other
-  bool farther = false;    ///< proved to be farther apart than only_within
+  bool farther = false;    ///< proved to be farther apart than stop_above
   bool complete = false;   ///< ended as asked: the nearest facets, the tolerance, a threshold; false: by the budget
-  bool certified = false;  ///< PosedTree::covers of both; else lower is not a proof
+  bool certified = false;  ///< SphereState::covers of both; else lower is not a proof
   std::size_t sphere_tests = 0, facet_tests = 0;  ///< work done
 };
 

@@ -20,13 +20,13 @@ struct Front {
 
   /// What the verdicts are about.
   struct Side {
-    std::uint64_t ownership = 0, frame = 0;
-    RigidTransform placement;
+    std::uint64_t cover_id = 0, frame = 0;
+    RigidTransform transform;
     Vec3 origin;
     std::vector<Spheref> spheres;
     /// Per node: how far it has come since the front was begun, its radius included, or the farthest of its children.
-    /// Sums that are rounded up: two of them differ by no less than what was travelled between.
-    std::vector<double> travelled;
+    /// Sums that are rounded up: two of them differ by no less than what was traveled between.
+    std::vector<double> path_length;
     bool operator==(const Side&) const = default;
   };
   enum class Verdict : std::uint8_t { untested, separated, overlapping };
@@ -45,7 +45,7 @@ struct Front {
     std::uint32_t first_mask;                ///< one per node below b; bit i: the i-th below a overlaps it
     std::uint32_t first_below, next_beside;  ///< opened pairs below this one, in a list
     double clearance;                        ///< the verdicts hold while a and b travel less in sum
-    double travelled_a, travelled_b;         ///< from here
+    double path_length_a, path_length_b;     ///< from here
     bool operator==(const Opened&) const = default;
   };
   struct Waiting {

@@ -16,9 +16,9 @@ namespace morula {
 std::size_t pair_test_kinds();
 std::string_view pair_test_kind_name(std::size_t kind);
 
-/// How many pairs of a sphere of a and a sphere of b, moved by `placement`, overlap or cannot be told apart for
+/// How many pairs of a sphere of a and a sphere of b, moved by `transform`, overlap or cannot be told apart for
 /// rounding: in blocks of eight by eight, as a tree of branching 8 asks. Coordinates: up to 2^57, radii up to 2^60.
-std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& placement,
+std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& transform,
                               std::size_t kind = pair_test_kinds() - 1);
 
 }  // namespace morula

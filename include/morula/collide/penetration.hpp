@@ -27,7 +27,7 @@ struct [[nodiscard]] Penetration {
   Vec3 center{};                ///< of the estimated volume; where there is none (0, 0, 0)
   /// The tolerance was reached; else the budget ended before, and the bounds are as they are.
   bool finished = false;
-  bool certified = false;  ///< PosedTree::covers of both; else the bounds are no proofs
+  bool certified = false;  ///< SphereState::covers of both; else the bounds are no proofs
   std::size_t probes = 0;  ///< done by this call
 };
 
@@ -50,7 +50,7 @@ class PenetrationQuery {
   /// body lacks as InsideQuery does.
   Penetration run(const PenetrationOptions& options = {});
   /// Narrows what is there, with a new budget. Refused with no_front when nothing was started, and with other_frame or
-  /// other_placement when a body has moved since.
+  /// other_transform when a body has moved since.
   Penetration resume(const PenetrationOptions& options = {});
 
  private:

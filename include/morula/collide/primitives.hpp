@@ -30,9 +30,9 @@ struct Capsule {
 struct TouchOptions {
   /// What is this far outside the shape still touches it; negative: it has to be that deep inside.
   double margin = 0;
-  bool nearest = false;  ///< look for the nearest point of the surface even if it is farther than the margin
-  bool any = false;      ///< stop at the first facet that touches: a yes or no
-  bool list = false;     ///< every facet that touches, and the leaves that own parts of them
+  bool nearest = false;        ///< look for the nearest point of the surface even if it is farther than the margin
+  bool stop_at_first = false;  ///< stop at the first facet that touches: a yes or no
+  bool collect_all = false;    ///< every facet that touches, and the leaves that own parts of them
 };
 
 /// Where a facet is deepest in the shape.
@@ -41,7 +41,7 @@ struct TouchingFacet {
   /// Of the point inside the shape; negative outside. Of a capsule at most its radius: behind its axis depth falls
   /// again.
   double depth = 0;
-  Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's centre, into the body
+  Vec3 normal{};  ///< unit, out of the shape at the point; on a capsule's axis or a sphere's center, into the body
 };
 
 struct [[nodiscard]] Touch {
@@ -49,15 +49,17 @@ struct [[nodiscard]] Touch {
   bool touches = false;  ///< the depth found, in double, is -margin or more
   /// Proof that no point of the surface is within the margin. Where the surface only just touches, up to rounding, both
   /// may be false.
-  bool clear = false;
-  bool certified = false;  ///< PosedTree::covers of the body; else `clear` and `lower` are no proofs
+  bool proven_clear = false;
+  bool certified = false;  ///< SphereState::covers of the body; else `proven_clear` and `lower` are no proofs
   /// The surface's signed distance to the shape (negative inside) is lower or more. Near the depth found, or above the
-  /// margin when `clear`; with `any` looser.
+  /// margin when `proven_clear`; with `stop_at_first` looser.
   double lower = 0;
-  /// Something within the margin, or with `nearest` anything: the lowest facet of equals; with `any` the first one met.
+  /// Something within the margin, or with `nearest` anything: the lowest facet of equals; with `stop_at_first` the
+  /// first one met.
   std::optional<TouchingFacet> deepest;
-  std::vector<TouchingFacet> facets;  ///< with `list`: ascending, each once, each with its own deepest point
-  std::vector<std::uint32_t> leaves;  ///< with `list`: those that own a part of these and whose spheres reach the shape
+  std::vector<TouchingFacet> facets;  ///< with `collect_all`: ascending, each once, each with its own deepest point
+  std::vector<std::uint32_t>
+      leaves;  ///< with `collect_all`: those that own a part of these and whose spheres reach the shape
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
@@ -97,7 +99,7 @@ struct RayPoint {
 struct [[nodiscard]] RayHit {
   Status status;
   std::optional<RayPoint> first;  ///< nothing: proof that the ray misses, when `certified`
-  bool certified = false;         ///< PosedTree::covers of the body
+  bool certified = false;         ///< SphereState::covers of the body
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 
@@ -106,7 +108,7 @@ struct [[nodiscard]] RayHit {
 /// Watertight [woop2013]: facets are sheared so that the ray becomes an axis, each vertex to the same double
 /// coordinates for all its facets, and there the sides of edges are decided exactly, edges and corners included. So no
 /// ray slips through between facets that share them; it hits the surface with vertices moved by less than 2^-48 of
-/// their largest |coordinate|. A facet seen edge-on is hit only where its neighbours are. Cost: 15 ns per sphere, 40 ns
+/// their largest |coordinate|. A facet seen edge-on is hit only where its neighbors are. Cost: 15 ns per sphere, 40 ns
 /// per facet.
 class RayQuery {
  public:

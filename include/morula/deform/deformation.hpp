@@ -15,7 +15,7 @@ namespace morula {
 /// The axis a deformation works along; automatic is the longest side of the rest box, the first of equals.
 enum class Axis { x, y, z, automatic };
 
-/// Lengthens by `factor` about the centre; the cross-section shrinks by factor^−shrink.
+/// Lengthens by `factor` about the center; the cross-section shrinks by factor^−shrink.
 struct Stretch {
   double factor = 2.0;  ///< 0.001 … 1000
   double shrink = 0.5;  ///< −1 … 2: ½ keeps the volume, 0 the cross-section, −1 the proportions
@@ -46,7 +46,7 @@ struct Noise {
   double wavelength = 0.25;  ///< of the shortest wave, as a share of the diagonal; 0.01 … 10
   std::uint64_t seed = 1;
 };
-/// Rigid rotation about the box centre.
+/// Rigid rotation about the box center.
 struct Rotate {
   double degrees = 90.0;  ///< −36000 … 36000
   Axis axis = Axis::automatic;

@@ -19,13 +19,13 @@
 namespace morula {
 
 enum class Method {
-  octree,    ///< occupied cells of a halved cube [liu1988, hubbard1993]; fastest, loosest
-  grid,      ///< per node, the smallest oriented lattice whose occupied cells number at most branching [bradshaw2002]
-  hubbard,   ///< Voronoi balls of surface samples, merged [hubbard1996]
-  spawn,     ///< spheres that all stick out equally, laid one beside the other [bradshaw2002]
-  medial,    ///< balls of an adaptive medial axis, reduced by merge, burst, expand [bradshaw2004]
-  combined,  ///< several reducers, the best for each node [bradshaw2002]
-  morula,    ///< our own: least outside volume, searched from several starts
+  octree,     ///< occupied cells of a halved cube [liu1988, hubbard1993]; fastest, loosest
+  grid,       ///< per node, the smallest oriented lattice whose occupied cells number at most branching [bradshaw2002]
+  hubbard,    ///< Voronoi balls of surface samples, merged [hubbard1996]
+  spawn,      ///< spheres that all stick out equally, laid one beside the other [bradshaw2002]
+  medial,     ///< balls of an adaptive medial axis, reduced by merge, burst, expand [bradshaw2004]
+  combined,   ///< several reducers, the best for each node [bradshaw2002]
+  optimized,  ///< our own: least outside volume, searched from several starts
 };
 std::string_view name(Method method);
 std::optional<Method> method_from_name(std::string_view name);
@@ -38,17 +38,17 @@ std::optional<Reduction> reduction_from_name(std::string_view name);
 std::span<const Reduction> all_reductions();
 
 /// What is done to proposed spheres before they are fitted to their part of the surface.
-enum class Optimiser {
+enum class Optimizer {
   none,
-  refit,    ///< each sphere moved to where it sticks out least, three rounds
-  simplex,  ///< worst sphere first, centre and radius searched, samples changing hands [bradshaw2002]
-  balance,  ///< the same, then as many spheres removed as cost nothing [bradshaw2002]
+  recenter,  ///< each sphere moved to where it sticks out least, three rounds
+  simplex,   ///< worst sphere first, center and radius searched, samples changing hands [bradshaw2002]
+  balance,   ///< the same, then as many spheres removed as cost nothing [bradshaw2002]
 };
-std::string_view name(Optimiser optimiser);
-std::optional<Optimiser> optimiser_from_name(std::string_view name);
-std::span<const Optimiser> all_optimisers();
+std::string_view name(Optimizer optimizer);
+std::optional<Optimizer> optimizer_from_name(std::string_view name);
+std::span<const Optimizer> all_optimizers();
 
-/// Time for tightness, for the method `morula`; the others have one way.
+/// Time for tightness, for the method `optimized`; the others have one way.
 /// draft is for rebuilding while a body moves: 0.7 of the time of fast.
 enum class Quality { draft, fast, standard, best };
 /// "draft", "fast", "default", "best".
@@ -64,7 +64,7 @@ struct BuildProgress {
 };
 
 struct BuildOptions {
-  Method method = Method::morula;
+  Method method = Method::optimized;
   int branching = 8;  ///< most children of a node, 2…64
   /// Levels below the root, 0…8; nothing: automatic_depth of the mesh, and the tree of a body like a ball, whose parts
   /// are as large as the whole at rest, is one sphere. Without effect when one of the next two is given.
@@ -82,9 +82,9 @@ struct BuildOptions {
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,
   /// merge and expand. Every one adds to the time; the best is taken for each node.
   std::vector<Reduction> reducers{};
-  Optimiser optimiser = Optimiser::none;  ///< for all methods but octree and morula
+  Optimizer optimizer = Optimizer::none;  ///< for all methods but octree and morula
   double balance_excess = 0;              ///< for balance: share by which the worst sphere may stick out further
-  Quality quality = Quality::standard;    ///< for method morula
+  Quality quality = Quality::standard;    ///< for method optimized
   /// 0: none. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what was
   /// left, and report.complete is false. How far it gets depends on the machine: such a result is not reproducible.
   double time_limit_seconds = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Connectivity: edges, neighbours, fans, pieces and borders of a surface. They hang on the facets alone, so no
+// Connectivity: edges, neighbors, fans, pieces and borders of a surface. They hang on the facets alone, so no
 // deformation changes them.
 #pragma once
 

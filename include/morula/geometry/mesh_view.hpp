@@ -51,7 +51,7 @@ inline double largest_coordinate(const Box& box) {
   return std::max(max_norm(box.lower), max_norm(box.upper));
 }
 double surface_area(const MeshView& mesh);
-/// Σ signed tetrahedra about the box centre: the enclosed volume when the mesh is closed and oriented outward.
+/// Σ signed tetrahedra about the box center: the enclosed volume when the mesh is closed and oriented outward.
 double signed_volume(const MeshView& mesh);
 /// 64-bit FNV-1a over positions and facets, byte order fixed: equal meshes, equal hashes.
 std::uint64_t mesh_hash(const MeshView& mesh);

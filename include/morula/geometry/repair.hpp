@@ -14,9 +14,9 @@ struct RepairOptions {
   /// vertex goes to the first one within reach that stays, so chains of vertices do not collapse.
   std::optional<double> merge_distance = 0.0;
   /// Remove facets with a repeated vertex or an area below 1e-12 × diagonal². This may open a closed mesh: where
-  /// three vertices lie on a line, the facet between them is all that joins its neighbours.
+  /// three vertices lie on a line, the facet between them is all that joins its neighbors.
   bool remove_degenerate = false;
-  /// Turn facets so that neighbours agree about which side is out, as few as possible, then closed pieces so that the
+  /// Turn facets so that neighbors agree about which side is out, as few as possible, then closed pieces so that the
   /// outermost ones face outwards; what they contain is turned along, so that cavities stay cavities.
   bool orient = true;
   /// Close holes of at most so many edges, without new vertices; 0: none. Least area; a hole that can only be closed by

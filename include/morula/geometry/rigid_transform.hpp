@@ -14,15 +14,15 @@ struct RigidTransform {
   std::array<Vec3, 3> rows{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< of the rotation matrix
   Vec3 translation{};
 
-  /// By a unit quaternion (w, x, y, z); one of another length is normalised, zero gives no rotation.
+  /// By a unit quaternion (w, x, y, z); one of another length is normalized, zero gives no rotation.
   static RigidTransform from_quaternion(double w, double x, double y, double z, const Vec3& translation = {});
   /// By an angle about an axis through the origin, right-handed; an axis of zero gives no rotation.
   static RigidTransform from_axis(const Vec3& axis, double angle_radians, const Vec3& translation = {});
 
-  Vec3 turn(const Vec3& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
+  Vec3 rotate(const Vec3& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
   /// The rotation undone: that by the transposed matrix.
-  Vec3 turn_back(const Vec3& v) const { return v.x * rows[0] + v.y * rows[1] + v.z * rows[2]; }
-  Vec3 operator()(const Vec3& p) const { return turn(p) + translation; }
+  Vec3 inverse_rotate(const Vec3& v) const { return v.x * rows[0] + v.y * rows[1] + v.z * rows[2]; }
+  Vec3 operator()(const Vec3& p) const { return rotate(p) + translation; }
 
   bool operator==(const RigidTransform&) const = default;
 };

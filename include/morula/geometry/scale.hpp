@@ -24,7 +24,7 @@ namespace morula {
 inline constexpr double least_usable_scale = 0x1p-100;    ///< about 8e-31
 inline constexpr double greatest_usable_scale = 0x1p100;  ///< about 1e30
 
-/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centres
+/// Coordinates about the origin stay below this: squared distances then cannot overflow a float, not even to centers
 /// that lie outside the hull of their anchors.
 inline constexpr float largest_local_coordinate = 0x1p57f;
 /// So does the origin stay below this: what reading at such coordinates costs, 2^-48 of them, is then below 2^52.

@@ -29,9 +29,9 @@ inline double volume(const Sphere& s) {
   return 4.0 / 3.0 * std::numbers::pi * s.radius * s.radius * s.radius;
 }
 
-/// A radius that contains points measured at `farthest_distance` from the centre in double arithmetic, whatever the
+/// A radius that contains points measured at `farthest_distance` from the center in double arithmetic, whatever the
 /// rounding: each coordinate difference is off by at most 2⁻⁵³ of the largest |coordinate|, a cut point by four times
-/// that, and the distance by a few ulps. `largest_coordinate` bounds |coordinates| of both points and centre.
+/// that, and the distance by a few ulps. `largest_coordinate` bounds |coordinates| of both points and center.
 inline double rounded_up_radius(double farthest_distance, double largest_coordinate) {
   // mutant radius-coordinates: `(1.0 + 0x1p-48) + largest_coordinate * 0x1p-48` -> `(1.0 + 0x1p-48)`
   // mutant radius-coordinates-less: `48;` -> `54;`

@@ -33,7 +33,7 @@ struct [[nodiscard]] Status {
     body_not_complete,      ///< a lazy update has left nodes behind, and there is no CollideOptions::reach
     no_surface,             ///< facets are asked for, and the collider has spheres alone
     positions_not_current,  ///< the spheres have moved, and nobody gave the positions: Collider::set_positions
-    placement_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
+    transform_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double
     surface_not_current,    ///< the body that a surface follows has moved: SurfaceTree::follow
     // Questions
     bad_option,  ///< not a number, negative where it must not be, or a vertex that is none
@@ -44,7 +44,7 @@ struct [[nodiscard]] Status {
     no_front,         ///< nothing was started
     other_bodies,     ///< the front is of another number of bodies, or of another ownership
     other_frame,      ///< a body was updated: carry() the front
-    other_placement,  ///< a body was placed elsewhere: carry() the front
+    other_transform,  ///< a body was placed elsewhere: carry() the front
     other_options,    ///< what was started is of another margin, level or distance
     bad_front,        ///< one from set_front() has indices out of range
     // Objects that are asked again

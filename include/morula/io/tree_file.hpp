@@ -21,16 +21,15 @@ struct TreeFile {
 };
 
 struct ReadTreeOptions {
-  /// Added to every centre of a .sph. The published toolkit writes centres relative to the mesh's box centre: pass that
+  /// Added to every center of a .sph. The published toolkit writes centers relative to the mesh's box center: pass that
   /// (CLI: --sph-origin bbox-center).
   Vec3 sph_origin{0, 0, 0};
 };
 
 /// Reads .morula, .sph, .json or .npz by extension, and balls without a tree, .ply, under a tree made of them
-/// (tree_over_balls). Sizes, ranges, finiteness and (native, .npz) checksums are checked. An .npz of several frames is
-/// refused: SphereFrames reads those.
-/// In a .sph, radius ≤ 0 marks an unused slot, nodes below an unused one are ignored, and text after the last node is
-/// accepted. Throws FileError.
+/// (tree_from_spheres). Sizes, ranges, finiteness and (native, .npz) checksums are checked. An .npz of several frames
+/// is refused: SphereFrames reads those. In a .sph, radius ≤ 0 marks an unused slot, nodes below an unused one are
+/// ignored, and text after the last node is accepted. Throws FileError.
 TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options = {});
 
 /// A tree with a cover for this mesh: a native file's own when it was built for exactly this mesh (else FileError), or
@@ -40,7 +39,7 @@ CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mes
 
 /// Writes .morula (bits round-trip, known poses included), .sph (spheres in mesh coordinates; refused above ten million
 /// slots), .json or .npz. Written whole or not at all.
-void write_tree(const std::filesystem::path& path, const CoveredTree& built);
+void write_tree(const std::filesystem::path& path, const CoveredTree& model);
 /// Spheres alone: .sph, .json or .npz.
 void write_tree(const std::filesystem::path& path, const SphereTree& tree);
 

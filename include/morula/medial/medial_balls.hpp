@@ -33,7 +33,7 @@ struct MedialBalls {
 MedialBalls shrinking_balls(const SignedDistance& shape, std::span<const Vec3> points, std::span<const Vec3> normals,
                             Workers& workers = serial_workers());
 
-/// Interior Voronoi balls of surface samples [hubbard1996]: centres inside the object, no sample inside a ball, to
+/// Interior Voronoi balls of surface samples [hubbard1996]: centers inside the object, no sample inside a ball, to
 /// within 2⁻²⁰ of the samples' box. Between the samples surface can be inside. Samples in one plane have none. Adjacent
 /// are balls that share three samples. Throws std::invalid_argument for samples beyond 2^100 of the origin. Cost: about
 /// 10 µs and seven signed distances a sample.
@@ -48,7 +48,7 @@ struct InnerBallOptions {
 };
 
 /// Medial balls of a mesh, each as large as its distance to the surface allows less the margin: no facet reaches into
-/// one, and the surface winds round its centre, so the whole of it is inside. None of a mesh that is not closed and
+/// one, and the surface winds round its center, so the whole of it is inside. None of a mesh that is not closed and
 /// oriented (object.has_volume()). object: of this mesh. Same bits for any number of workers.
 std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDistance& object,
                                           const InnerBallOptions& options = {}, Workers& workers = serial_workers());

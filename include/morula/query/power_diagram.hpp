@@ -32,7 +32,7 @@ struct CutFacet {
   }
 };
 
-/// A facet with what makes its cuts agree bit for bit with those of its neighbours: vertex indices give each mesh edge
+/// A facet with what makes its cuts agree bit for bit with those of its neighbors: vertex indices give each mesh edge
 /// a direction that both sides see.
 struct FacetGeometry {
   Triangle corners;
@@ -71,7 +71,7 @@ class PowerDiagram {
 
  private:
   struct Node {
-    Vec3 lower, upper;  // box of the centres
+    Vec3 lower, upper;  // box of the centers
     double largest_radius;
     std::uint32_t begin, end;  // range in order_
     std::uint32_t left;        // children are left and left + 1; 0 in a leaf

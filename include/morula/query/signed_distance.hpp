@@ -13,7 +13,7 @@ namespace morula {
 enum class SignMethod {
   pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes
                    ///< [baerentzen2005]
-  winding_number,  ///< generalised winding number above ½: a sensible answer on open, non-manifold or overlapping
+  winding_number,  ///< generalized winding number above ½: a sensible answer on open, non-manifold or overlapping
                    ///< meshes
 };
 
@@ -21,7 +21,7 @@ class SignedDistance {
  public:
   /// Chooses pseudo_normal when the mesh is closed, oriented and manifold, and at a thousand facets spread over it one
   /// side is inside and the other outside (shells that overlap, or nest without turning, fail here); else
-  /// winding_number. An inside-out closed mesh is recognised by its negative volume and read the right way round.
+  /// winding_number. An inside-out closed mesh is recognized by its negative volume and read the right way round.
   /// Copies what it needs; the mesh may go. Cost: that of the index and of inspect().
   explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
   SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());

@@ -42,10 +42,10 @@ class TriangleBvh {
   std::optional<ClosestFacetPoint> closest_point(const Vec3& p,
                                                  double max_distance = std::numeric_limits<double>::infinity()) const;
 
-  /// Facets whose closed triangle meets the closed ball (distance to the centre ≤ radius), in ascending order.
+  /// Facets whose closed triangle meets the closed ball (distance to the center ≤ radius), in ascending order.
   void facets_touching(const Sphere& ball, std::vector<std::uint32_t>& facets) const;
 
-  /// Generalised winding number of the surface about p: 1 inside a closed outward mesh, 0 outside, in between near
+  /// Generalized winding number of the surface about p: 1 inside a closed outward mesh, 0 outside, in between near
   /// holes, one more for every further layer. [jacobson2013]
   ///
   /// accuracy: a cluster of facets farther than `accuracy` × its radius counts by the first two terms of its far field

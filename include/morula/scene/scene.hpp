@@ -31,9 +31,9 @@ struct BodyId {
 struct SceneBodyOptions {
   /// Never moves: it is looked at when it is added and by wake(). Two static bodies form no pair.
   bool is_static = false;
-  /// Who may meet whom, a bit per group: a and b form a pair when of_a & with_b and of_b & with_a are not 0. `of` must
-  /// not be 0: such a body could meet nobody.
-  std::uint32_t of = 1, with = ~std::uint32_t{0};
+  /// Who may meet whom, a bit per group: a and b form a pair when category_a & mask_b and category_b & mask_a are not
+  /// 0. `category` must not be 0: such a body could meet nobody.
+  std::uint32_t category = 1, mask = ~std::uint32_t{0};
   double weight = 1;            ///< of its pairs' importance; finite, not negative
   std::uint64_t user_data = 0;  ///< whatever the caller wants to find again
 };
@@ -45,12 +45,12 @@ struct SceneOptions {
   /// Of one update(), for all pairs together. In pair tests: the same bits for any number of workers; the tests of
   /// roots with roots are not counted. In time: from the call on.
   Budget budget{};
-  bool surfaces = false;  ///< fill ScenePair::surfaces; needs positions, as CollideOptions::surfaces
-  bool exact = false;     ///< fill ScenePair::crossings; on top of any budget
-  Clock clock{};          ///< of a budget of time; none: std::chrono::steady_clock. With one, workers are not used
+  bool surfaces = false;        ///< fill ScenePair::surfaces; needs positions, as CollideOptions::surfaces
+  bool find_crossings = false;  ///< fill ScenePair::crossings; on top of any budget
+  Clock clock{};  ///< of a budget of time; none: std::chrono::steady_clock. With one, workers are not used
   /// Keeps a pair when it returns true. Asked once when two bodies come near each other, from the caller's thread, and
   /// of all near pairs again after set_masks(), set_options() and an update() that threw.
-  std::function<bool(BodyId a, BodyId b)> keeps{};
+  std::function<bool(BodyId a, BodyId b)> accepts{};
 };
 
 /// Two bodies in contact. Lists stay until the next update() or remove().
@@ -104,12 +104,13 @@ struct SceneTouch {
 /// waits for ever. Fronts are kept: a pair of bodies that rest goes on where it ended, one that moves is carried over
 /// where that saves tests.
 ///
-/// Callbacks (SceneOptions::keeps and clock) may throw, and update() then throws the same. Afterwards the scene has its
-/// bodies, and no pairs until an update() succeeds; that one has the pairs of a new scene with these bodies, and tells
-/// of every touch that has stayed, begun or ended since the last one that did. Lack of memory and an executor that
-/// throws do the same. From inside a callback has(), is_asleep(), user_data(), collider(), size() and options() may be
-/// called; all else throws std::logic_error, naming the method, and changes nothing. A callback that moves a body of
-/// the scene leaves it without pairs as well: update() is then refused with changed_during_call, and names the body.
+/// Callbacks (SceneOptions::accepts and clock) may throw, and update() then throws the same. Afterwards the scene has
+/// its bodies, and no pairs until an update() succeeds; that one has the pairs of a new scene with these bodies, and
+/// tells of every touch that has stayed, begun or ended since the last one that did. Lack of memory and an executor
+/// that throws do the same. From inside a callback has(), is_asleep(), user_data(), collider(), size() and options()
+/// may be called; all else throws std::logic_error, naming the method, and changes nothing. A callback that moves a
+/// body of the scene leaves it without pairs as well: update() is then refused with changed_during_call, and names the
+/// body.
 ///
 /// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
 /// every pair had as many contacts, unless a pair has been parted for 32 updates: it gives its memory back then.
@@ -139,7 +140,7 @@ class Scene {
   void sleep(BodyId body);
   /// It may have moved. A static body is looked at once, in the next update().
   void wake(BodyId body);
-  void set_masks(BodyId body, std::uint32_t of, std::uint32_t with);
+  void set_masks(BodyId body, std::uint32_t category, std::uint32_t mask);
   bool has(BodyId body) const;
   bool is_asleep(BodyId body) const;
   std::uint64_t user_data(BodyId body) const;
@@ -149,7 +150,7 @@ class Scene {
   /// Once a frame, after bodies were updated and placed: finds who is near, and brings contacts up to date.
   ///
   /// Refused, with nothing changed: body_not_current, body_not_complete, no_surface, positions_not_current and
-  /// placement_too_far, with the offender. Same bits for any number of workers unless the budget is a time.
+  /// transform_too_far, with the offender. Same bits for any number of workers unless the budget is a time.
   SceneStatus update(Workers& workers = serial_workers());
   /// Bodies in contact as of the last update(), in the order of their places.
   std::span<const ScenePair> pairs() const;
@@ -160,8 +161,8 @@ class Scene {
   /// The first surface that the ray hits, of bodies with surfaces. Refused with other_frame when a body has moved
   /// since update(), or update() has thrown, and as RayQuery is.
   SceneRayHit first_hit(const Ray& ray) const;
-  /// Every body that a shape touches or may touch (not Touch::clear), in the order of places; `nearest` is not asked
-  /// for. Refused as first_hit() is; what was found before is still there.
+  /// Every body that a shape touches or may touch (not Touch::proven_clear), in the order of places; `nearest` is not
+  /// asked for. Refused as first_hit() is; what was found before is still there.
   SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {});
   SceneStatus touch(const Sphere& shape, const TouchOptions& options = {});
   SceneStatus touch(const Capsule& shape, const TouchOptions& options = {});

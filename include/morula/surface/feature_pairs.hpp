@@ -34,7 +34,7 @@ struct FeaturePair {
 /// Who may meet whom, a bit per group: facets i of a and j of b are looked at when of[i] & with[j] and of[j] & with[i]
 /// are not 0. Edges and vertices are of all groups of their facets and meet what one of them meets.
 struct FacetMasks {
-  std::vector<std::uint32_t> of{}, with{};  ///< one per facet each; empty: all ones
+  std::vector<std::uint32_t> category{}, mask{};  ///< one per facet each; empty: all ones
 };
 
 /// Pairs that are left out. Of one surface with itself, pairs that share a vertex always are.
@@ -52,7 +52,7 @@ struct PairFilter {
   FacetMasks masks_a{}, masks_b{};  ///< for one surface with itself a alone
   /// Keeps a pair when it returns true. Called by workers at the same time, for pairs whose boxes are near; must give
   /// the same answer for the same pair.
-  std::function<bool(const FeaturePair&)> keeps{};
+  std::function<bool(const FeaturePair&)> accepts{};
 };
 
 /// Refused, or how far it came. Whatever has been found so far stays found; what was not looked at is open().

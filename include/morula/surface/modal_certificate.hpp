@@ -18,7 +18,7 @@ struct ModalCertificateOptions {
   double largest_norm = 1;
   /// Surfaces this near count as contact. Mesh units, finite, not negative.
   double margin = 0;
-  /// Leaves out pairs of facets that are this close at rest, as PairFilter does: neighbours, which bend before they
+  /// Leaves out pairs of facets that are this close at rest, as PairFilter does: neighbors, which bend before they
   /// touch. They are what limits a certificate of a fine mesh. 0: none.
   double rest_distance = 0;
   /// What a coordinate is divided by in the norm, one per mode: how far it usually goes. Positive; none: all 1.
@@ -40,7 +40,7 @@ class ModalCertificate {
  public:
   /// Copies what it needs. Throws std::invalid_argument for options out of range, modes of another number of vertices
   /// or with numbers that are not finite, and where require_usable() and require_usable_scale() do.
-  /// Cost: some microseconds per pair of facets that is looked at; neighbours alone where largest_norm bends little.
+  /// Cost: some microseconds per pair of facets that is looked at; neighbors alone where largest_norm bends little.
   ModalCertificate(const MeshView& rest, const Modes& modes, const ModalCertificateOptions& options = {});
   ~ModalCertificate();
   ModalCertificate(ModalCertificate&&) noexcept;

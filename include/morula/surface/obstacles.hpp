@@ -58,7 +58,7 @@ struct ObstacleOptions {
   double margin = 0;  ///< what is this far outside counts too, and as an impact; mesh units, finite, not negative
   ObstacleFeatures features = ObstacleFeatures::facets;
   /// Keeps a vertex or a facet when it returns true. Called by workers at the same time.
-  std::function<bool(std::uint32_t feature)> keeps{};
+  std::function<bool(std::uint32_t feature)> accepts{};
   Budget budget{};  ///< in tests: boxes of the tree, and eight for eight facets or vertices
   Clock clock{};
 };

@@ -55,7 +55,7 @@ class SurfaceTree {
   /// where spheres of one body are near spheres of the other; in all other cases those of all blocks. It finds the
   /// pairs that it finds after an update. So a body that touches nothing costs its update of spheres alone.
   ///
-  /// The collider must have been made from this surface's mesh; only its pose, placement and positions are borrowed,
+  /// The collider must have been made from this surface's mesh; only its pose, transform and positions are borrowed,
   /// until the next update or follow. Once the body has moved, queries refuse with surface_not_current. Refused, with
   /// nothing changed: what askable() refuses; wrong_vertex_count; non_finite_position as in update. Throws
   /// std::invalid_argument for a body of other facets. Cost: none; linear for the first collider, for one of another

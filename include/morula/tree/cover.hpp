@@ -24,13 +24,13 @@ Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionVie
 /// All leaves share the surface in one flat power partition; inner nodes own what their descendants own. A patch
 /// outside its own sphere goes to the leaf that grows least, never by power alone (a gap piece would swell a minute
 /// sphere). A sphere that contains its region stays as it is, bit for bit; one that does not gets the smaller of {same
-/// centre, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
+/// center, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, Workers& workers = serial_workers());
 
 struct CoverOptions {
-  bool nested = false;  ///< every sphere of the result contains its children's, as after nest()
+  bool nested = false;  ///< every sphere of the result contains its children's, as after make_nested()
 };
 /// The same with options. Without any, a tree that says it is nested stays so, and others need not be.
 CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options,
@@ -41,14 +41,14 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// A facet that several leaves share goes whole to one of them, the one with the most of it first, whose sphere and all
 /// spheres above reach as far already; else what one has of it to another, likewise. What a leaf has of a facet becomes
 /// one patch where it is convex, fewer where it is not. No node's farthest corner is
-/// farther from its centre than before, so spheres that covered cover, and an update at rest grows none; in motion they
+/// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
-/// longer are left out. mesh: the one that the tree was built for; validate(mesh, built) finds nothing.
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& built, Workers& workers = serial_workers());
+/// longer are left out. mesh: the one that the tree was built for; validate(mesh, model) finds nothing.
+Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, Workers& workers = serial_workers());
 
 struct [[nodiscard]] Certificate {
   bool covered = true;
-  double worst_excess = 0;  ///< largest |corner − centre| − radius over all nodes; ≤ 0 when covered
+  double worst_excess = 0;  ///< largest |corner − center| − radius over all nodes; ≤ 0 when covered
   std::uint32_t worst_node = no_node;
 };
 
@@ -69,17 +69,17 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 /// Every violated promise of a built tree, in words: array invariants, patches that do not tile their facet, regions
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. The same of the trees
 /// for known poses, at these. Empty: all hold.
-std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& built);
+std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& model);
 
 /// Mesh vertices, those of the first leaf first: leaf_order(…)[i] is the old number of what becomes vertex i. Vertices
 /// that no leaf has come last. For whoever can number the vertices of a simulation as they like; O(corners log
 /// corners).
-std::vector<std::uint32_t> leaf_order(const CoveredTree& built);
+std::vector<std::uint32_t> leaf_order(const CoveredTree& model);
 
 /// The same with vertices renumbered: old vertex order[i] is the new vertex i. Throws std::invalid_argument unless the
 /// order names every vertex once. Facets, patches and spheres keep their numbers.
 Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order);
 /// mesh: as renumbered, for its hash, which the report carries.
-CoveredTree renumbered(const CoveredTree& built, const Mesh& mesh, std::span<const std::uint32_t> order);
+CoveredTree renumbered(const CoveredTree& model, const Mesh& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace morula

@@ -85,7 +85,7 @@ struct CoveredTree;
 struct KnownPose {
   std::string name;
   std::vector<Vec3> positions;               ///< one per mesh vertex
-  std::shared_ptr<const CoveredTree> built;  ///< of the mesh with these positions; carries no poses of its own
+  std::shared_ptr<const CoveredTree> model;  ///< of the mesh with these positions; carries no poses of its own
 };
 
 /// A tree with its proof.

@@ -56,13 +56,13 @@ std::vector<std::string> validate(const SphereTree& tree);
 std::uint64_t tree_hash(const SphereTree& tree);
 
 /// A bare tree over balls that have none, such as a flat set or medial balls: its leaves are the balls, each once, in
-/// an order of their own. A node's sphere contains the balls below it; nodes are divided where their balls' centres lie
+/// an order of their own. A node's sphere contains the balls below it; nodes are divided where their balls' centers lie
 /// farthest apart.
 ///
 /// branching: 2…64. After: validate() finds nothing. Cost: O(n log² n). The same bits everywhere. Throws
 /// std::invalid_argument for no balls, for more than the levels up to max_depth hold (16 million at branching 8), and
 /// for numbers that are not finite, negative radii, and balls so large that no sphere around them is finite.
-SphereTree tree_over_balls(std::span<const Sphere> balls, std::uint32_t branching = 8);
+SphereTree tree_from_spheres(std::span<const Sphere> balls, std::uint32_t branching = 8);
 
 // Nesting: every sphere contains its children's spheres, for engines that prune that way.
 
@@ -85,10 +85,10 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
 /// Makes inner spheres contain their children's, from the deepest level up, and sets tree.nested.
 ///
 /// Leaves stay as they are. A sphere that contains its children's stays, unless the smallest sphere around these is
-/// smaller; any other becomes the smaller of {same centre, larger radius} and {smallest sphere around the children's},
+/// smaller; any other becomes the smaller of {same center, larger radius} and {smallest sphere around the children's},
 /// with radii rounded up. So what a node's leaves contain its sphere contains: a tree that covers still does, with the
 /// pads that certify() asks for. Throws std::invalid_argument, and changes nothing, for a tree that fails validate(),
 /// or when no sphere around some children is finite.
-void nest(SphereTree& tree);
+void make_nested(SphereTree& tree);
 
 }  // namespace morula

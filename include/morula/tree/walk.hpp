@@ -16,8 +16,8 @@ namespace morula {
 /// of everything that is passed by or was not reached. look(leaf, bound): false ends the walk.
 /// Cost: one bound per child of each node that is opened.
 template <class BoundOf, class Limit, class Leave, class Look>
-void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const Limit& limit, const Leave& leave,
-                        const Look& look) {
+void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const Limit& limit, const Leave& prune,
+                        const Look& visit) {
   struct Waiting {
     double bound;
     std::uint32_t node;
@@ -29,12 +29,12 @@ void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const L
   while (top > 0) {
     const Waiting here = stack[--top];
     if (here.bound > limit()) {
-      leave(here.bound);
+      prune(here.bound);
       continue;
     }
     if (tree.is_leaf(here.node)) {
-      if (look(here.node, here.bound)) continue;
-      while (top > 0) leave(stack[--top].bound);
+      if (visit(here.node, here.bound)) continue;
+      while (top > 0) prune(stack[--top].bound);
       return;
     }
     const std::size_t bottom = top;
@@ -42,7 +42,7 @@ void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const L
     for (std::uint32_t child = first + tree.child_count[here.node]; child-- > first;) {
       const double own = bound_of(child), bound = own > here.bound ? own : here.bound;
       if (bound > limit()) {
-        leave(bound);
+        prune(bound);
         continue;
       }
       assert(top < stack.size());

@@ -7,7 +7,7 @@
 #include <morula/geometry/positions.hpp>
 #include <morula/geometry/status.hpp>
 #include <morula/tree/cover.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <morula/update/rules.hpp>
 
 namespace morula {
@@ -23,17 +23,17 @@ class Body {
   /// Copies what it needs from mesh and built. The tree must be the cover's.
   ///
   /// Starts at rest, with the spheres that update(mesh.positions) makes: the tree's, narrowed to float with radii
-  /// rounded up, by approach1 and approach2; of the same centre and the radius that their rule gives, by the others.
+  /// rounded up, by approach1 and approach2; of the same center and the radius that their rule gives, by the others.
   /// Throws std::invalid_argument when mesh and built do not belong together (sizes, indices, regions, mesh hash), a
   /// rule list is empty or names no rule, an option is out of range, modes or a skin are not finite, not for this mesh
   /// or missing for a level of the rule `modal` or `skinned`, two levels ask for these two, or coordinates about the
-  /// centre reach 2^57 (1.4e17): their squares would leave the range of float. The centre itself may be as far as 2^100
+  /// center reach 2^57 (1.4e17): their squares would leave the range of float. The center itself may be as far as 2^100
   /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
   /// cannot tell.
-  Body(const Mesh& mesh, const CoveredTree& built, UpdateOptions options = {}, Workers& workers = serial_workers());
-  Body(const Mesh& mesh, CoveredTree&& built, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, const CoveredTree& model, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const Mesh& mesh, CoveredTree&& model, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
-  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> built, UpdateOptions options = {},
+  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options = {},
        Workers& workers = serial_workers());
   ~Body();
   /// Another body of the same model in the same pose, independent from now on; tree and cover are shared. Making one
@@ -56,11 +56,11 @@ class Body {
 
   /// The same spheres, bit for bit, when only vertices in these ranges may differ from the last update's positions.
   ///
-  /// positions: of all vertices. With `exact` or `wrapped` on all levels, the cost follows what moved: the leaves that
-  /// own something of it, and the leaves below nodes whose centres hang on it. Everything is updated where that is not
-  /// possible: other rules, after an update that failed, and when the vertex moved that the origin follows (the first
-  /// one that a facet uses). A range that ends before it begins or behind the last vertex gives bad_range and changes
-  /// nothing.
+  /// positions: of all vertices. With `find_crossings` or `wrapped` on all levels, the cost follows what moved: the
+  /// leaves that own something of it, and the leaves below nodes whose centers hang on it. Everything is updated where
+  /// that is not possible: other rules, after an update that failed, and when the vertex moved that the origin follows
+  /// (the first one that a facet uses). A range that ends before it begins or behind the last vertex gives bad_range
+  /// and changes nothing.
   UpdateStatus update(const PositionView& positions, std::span<const VertexRange> changed,
                       Workers& workers = serial_workers()) noexcept;
 
@@ -88,7 +88,7 @@ class Body {
                               Workers& workers = serial_workers()) noexcept;
 
   /// As update(), but only of the nodes of levels 0…level. Those below keep the spheres of an older frame, about an
-  /// older origin, until reach() is asked for them; nobody may read them before.
+  /// older origin, until refresh_children() is asked for them; nobody may read them before.
   ///
   /// Where all levels follow `exact`; other bodies are updated in full. It pays where few nodes are asked for and
   /// leaves are many: every vertex is read all the same, because the root's sphere depends on it. Once all nodes have
@@ -101,9 +101,9 @@ class Body {
   /// Brings the children of a node, which must be current itself, to the frame of the last lazy update. Not to be
   /// called by several threads at once. No allocation. Cost: what the children own, or modes; nothing when they are
   /// current. Returns how many were brought; none when an update was refused since.
-  std::size_t reach(std::uint32_t node) noexcept;
+  std::size_t refresh_children(std::uint32_t node) noexcept;
   /// Does the node's sphere belong to this frame? All do after an update that was not lazy.
-  bool is_reached(std::uint32_t node) const;
+  bool is_fresh(std::uint32_t node) const;
   /// Do those of all nodes?
   bool is_complete() const;
 
@@ -125,17 +125,17 @@ class Body {
   std::uint64_t hash() const;
 
   /// The current spheres as queries ask them, with what tells one frame from the next. At one address as long as the
-  /// body's state lives: moving the body keeps it. Assigning to the body and destroying it end it (PosedTree::ended):
+  /// body's state lives: moving the body keeps it. Assigning to the body and destroying it end it (SphereState::ended):
   /// colliders keep what they need of it, and queries refuse them with body_replaced. Its `positions` is the view of
   /// the last update, whose data the caller keeps until the next one where a query looks at facets.
-  const PosedTree& pose() const;
+  const SphereState& sphere_state() const;
 
   /// Good updates so far: tells one set of spheres from the next. 0 at rest, before the first.
   std::uint64_t frame() const;
   /// False after an update that was refused, until the next good one: the spheres are then those of an older frame.
   bool is_current() const;
   /// Tells trees and their regions apart: equal for bodies made from the same tree, whatever their positions.
-  std::uint64_t ownership() const;
+  std::uint64_t cover_id() const;
 
   const SphereTree& rest_tree() const;
   const Cover& cover() const;

@@ -19,7 +19,7 @@ struct NamedPose {
 
 struct KnownPoseOptions {
   /// Of every pose; branching and depth as those of the tree that they are added to.
-  Method method = Method::morula;
+  Method method = Method::optimized;
   Quality quality = Quality::standard;
   std::uint64_t seed = 1;
   /// A pose gets a tree of its own when the tightest of those there are has a level that is this many times as loose
@@ -28,13 +28,14 @@ struct KnownPoseOptions {
   std::size_t max_trees =
       24;  ///< largest number of trees added; principal_strains() up to twice the size has as many poses
   std::stop_token stop{};
-  /// At first, and after every tree that was built or added: KnownPosesReport::built and worst so far. May be empty.
-  std::function<void(std::size_t built, double worst)> progress{};
+  /// At first, and after every tree that was built or added: KnownPosesReport::trees_built and worst so far. May be
+  /// empty.
+  std::function<void(std::size_t count, double worst)> progress{};
 };
 
 struct KnownPosesReport {
   /// Trees, at most one for each pose: those added, and those that only show how tight a pose can be.
-  std::size_t built = 0;
+  std::size_t trees_built = 0;
   std::size_t added = 0;
   /// Over all poses that have no tree of their own, and levels: how many times as loose the tightest tree is as one
   /// built for the pose; at least 1. Poses for which none was built count beside the tightest of all trees, each at its
@@ -47,7 +48,7 @@ struct KnownPosesReport {
 /// to 16 side by side where there are workers; an update and an estimate of looseness for each pose and tree added.
 /// Same bits for any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and
 /// for a pose of another size, before anything is changed; BuildStopped.
-KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span<const NamedPose> poses,
+KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options = {}, Workers& workers = serial_workers());
 
 /// Candidates where no motion is known: the mesh stretched along each axis, at constant volume, by steps of a tenth up

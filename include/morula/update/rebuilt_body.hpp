@@ -31,8 +31,8 @@ enum class RebuildEffort : std::uint8_t {
 
 struct RebuildOptions {
   // How to rebuild; branching and depth are those of the home tree.
-  Method method = Method::morula;
-  Quality quality = Quality::draft;      ///< of Method::morula, while the body moves
+  Method method = Method::optimized;
+  Quality quality = Quality::draft;      ///< of Method::optimized, while the body moves
   Quality rest_quality = Quality::fast;  ///< the same, once it has stopped
 
   /// Looseness of some level, over that where the present tree was made, above which a rebuild is wanted; above 1.
@@ -97,7 +97,7 @@ class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
   /// an executor, and RebuildThread::background in a library built without threads.
-  RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options = {},
+  RebuiltBody(const Mesh& mesh, const CoveredTree& model, RebuildOptions options = {},
               Workers& workers = serial_workers());
   /// Stops a rebuild and waits for our own thread: at most as long as one node of a build, or the making of a Body.
   ~RebuiltBody();

@@ -18,7 +18,7 @@ namespace morula {
 
 /// How a node's sphere follows the deformed surface [garcia2005, sec. 3]. rule_table says what is known of each.
 enum class Rule : std::uint8_t {
-  traditional,  ///< centre: mean displacement of the enclosed vertices; radius: farthest of them
+  traditional,  ///< center: mean displacement of the enclosed vertices; radius: farthest of them
   weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
@@ -75,12 +75,12 @@ std::span<const Rule> position_rules();
 /// Questions that the papers leave open. Defaults are the literal readings, but for modal_bound.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
-  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's centre
+  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's center
   enum class InnerCenter : std::uint8_t { children, linked_vertices };
   InnerCenter approach1_inner_center = InnerCenter::children;
   enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
   InnerBoxes approach2_inner_boxes = InnerBoxes::child_spheres;
-  /// Of `wrapped`: the centre moves with the mean of the children's, or from there to where it has to reach least,
+  /// Of `wrapped`: the center moves with the mean of the children's, or from there to where it has to reach least,
   /// within a few percent: the smallest sphere around theirs.
   enum class WrappedCenter : std::uint8_t { children, smallest };
   WrappedCenter wrapped_center = WrappedCenter::children;
@@ -131,7 +131,7 @@ struct BindReport {
   std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
   std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
   std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
-  std::size_t carried_centers = 0;  ///< centres far outside the hull of their anchors: the remainder turns with these
+  std::size_t carried_centers = 0;  ///< centers far outside the hull of their anchors: the remainder turns with these
   std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
 };
 

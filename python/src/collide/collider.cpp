@@ -42,34 +42,34 @@ void bind_collider(nb::module_& m) {
           doc::Collider_Collider)
       .def(
           "__init__",
-          [](Side* self, MeshGiven given, std::shared_ptr<CoveredTree> built, std::shared_ptr<PosedRows> spheres) {
+          [](Side* self, MeshGiven given, std::shared_ptr<CoveredTree> model, std::shared_ptr<PosedRows> spheres) {
             Side side;
             side.mesh = mesh_of(given);
-            side.built = built;
-            side.collider = std::make_unique<Collider>(*side.mesh, built->cover, spheres->pose());
+            side.model = model;
+            side.collider = std::make_unique<Collider>(*side.mesh, model->cover, spheres->sphere_state());
             side.posed = std::move(spheres);
             new (self) Side(std::move(side));
           },
-          nb::arg("mesh"), nb::arg("built"), nb::arg("spheres"),
+          nb::arg("mesh"), nb::arg("model"), nb::arg("spheres"),
           nb::sig(
-              "def __init__(self, mesh: morula.typing.MeshLike, built: CoveredTree, spheres: PosedSpheres) -> None"),
+              "def __init__(self, mesh: morula.typing.MeshLike, model: CoveredTree, spheres: PosedSpheres) -> None"),
           doc::Collider_Collider_2)
       .def(
-          "place",
-          [](Side& self, PlacementGiven given) {
-            const RigidTransform placement = placement_of(given);
+          "set_transform",
+          [](Side& self, TransformGiven given) {
+            const RigidTransform transform = transform_of(given);
             without_gil([&] {
               const std::unique_lock lock(self.posed->mutex);
-              self.collider->place(placement);
+              self.collider->set_transform(transform);
             });
           },
-          nb::arg("placement"),
-          with_arguments(doc::Collider_place,
-                         {{"placement",
+          nb::arg("transform"),
+          with_arguments(doc::Collider_set_transform,
+                         {{"transform",
                            "a RigidTransform, a matrix (4, 4) or (3, 4) that acts on columns, or a translation alone "
                            "(x, y, z), mesh units"}})
               .c_str())
-      .def_prop_ro("placement", [](const Side& self) { return read(self, [&] { return self.collider->placement(); }); })
+      .def_prop_ro("transform", [](const Side& self) { return read(self, [&] { return self.collider->transform(); }); })
       .def(
           "set_positions",
           [](Side& self, PositionsGiven given) {

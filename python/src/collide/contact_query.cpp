@@ -19,14 +19,14 @@ namespace morula::python {
 namespace {
 
 CollideOptions collide_options(std::optional<std::uint32_t> level, double margin, const BudgetGiven& budget,
-                               PriorityName priority, bool surfaces, bool exact, bool containment) {
+                               PriorityName priority, bool surfaces, bool find_crossings, bool containment) {
   CollideOptions options;
   options.level = level;
   options.margin = margin;
   options.budget = budget_of(budget);
   options.priority = choice<Priority>(priority, "priority", priority_choices);
   options.surfaces = surfaces;
-  options.exact = exact;
+  options.find_crossings = find_crossings;
   options.containment = containment;
   return options;
 }
@@ -36,7 +36,7 @@ void reach_by(CollideOptions& options, const std::vector<const Side*>& sides) {
   options.reach = [sides](const Collider& collider, std::uint32_t node) {
     for (const Side* side : sides) {
       if (side->collider.get() != &collider) continue;
-      if (Body* body = side->posed->body()) body->reach(node);
+      if (Body* body = side->posed->body()) body->refresh_children(node);
     }
     return true;
   };
@@ -80,7 +80,7 @@ void bind_contact_query(nb::module_& m) {
       {"budget", "None: all there is; an int: pair tests; a datetime.timedelta or a text such as '200us': time"},
       {"priority", "level, overlap or importance: which pair is looked into next, when there is a budget"},
       {"surfaces", doc::CollideOptions_surfaces},
-      {"exact", doc::CollideOptions_exact},
+      {"find_crossings", doc::CollideOptions_find_crossings},
       {"containment", doc::CollideOptions_containment},
       {"reach", "brings nodes of lazily updated bodies up to date where the query goes"}};
   nb::enum_<FrontPair::State>(m, "FrontPairState", nb::is_arithmetic(), "What is known of a pair of the cut.")
@@ -120,13 +120,14 @@ void bind_contact_query(nb::module_& m) {
       .def(
           "__init__",
           [](HeldContactQuery* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
-             PriorityName priority, bool surfaces, bool exact, bool containment, bool reach) {
-            CollideOptions options = collide_options(level, margin, budget, priority, surfaces, exact, containment);
+             PriorityName priority, bool surfaces, bool find_crossings, bool containment, bool reach) {
+            CollideOptions options =
+                collide_options(level, margin, budget, priority, surfaces, find_crossings, containment);
             ContactQuery query(options);
             new (self) HeldContactQuery(std::move(query), std::move(options), reach);
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
-          nb::arg("priority") = "overlap", nb::arg("surfaces") = false, nb::arg("exact") = false,
+          nb::arg("priority") = "overlap", nb::arg("surfaces") = false, nb::arg("find_crossings") = false,
           nb::arg("containment") = false, nb::arg("reach") = false,
           with_arguments(doc::ContactQuery_ContactQuery, arguments).c_str())
       .def(
@@ -204,8 +205,9 @@ void bind_contact_query(nb::module_& m) {
   m.def(
       "collide",
       [](ColliderGiven ga, ColliderGiven gb, std::optional<std::uint32_t> level, double margin, BudgetGiven budget,
-         PriorityName priority, bool surfaces, bool exact, bool containment, bool reach) {
-        CollideOptions options = collide_options(level, margin, budget, priority, surfaces, exact, containment);
+         PriorityName priority, bool surfaces, bool find_crossings, bool containment, bool reach) {
+        CollideOptions options =
+            collide_options(level, margin, budget, priority, surfaces, find_crossings, containment);
         const auto a = side_of(ga, "a"), b = side_of(gb, "b");
         return without_gil([&] {
           const Reading reading({a.get(), b.get()}, reach);
@@ -215,7 +217,7 @@ void bind_contact_query(nb::module_& m) {
       },
       nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0,
       nb::arg("budget") = nb::none(), nb::arg("priority") = "overlap", nb::arg("surfaces") = false,
-      nb::arg("exact") = false, nb::arg("containment") = false, nb::arg("reach") = false,
+      nb::arg("find_crossings") = false, nb::arg("containment") = false, nb::arg("reach") = false,
       (with_arguments(doc::collide, arguments) +
        "\n\nA body may stand in for its collider; making one costs as much as its tree is large.")
           .c_str());

@@ -28,9 +28,9 @@ void bind_distance(nb::module_& m) {
     DistanceQuery query;
     std::mutex mutex;
   };
-  const auto run = [](DistanceQuery& query, ColliderGiven ga, ColliderGiven gb, bool exact, double tolerance,
-                      const BudgetGiven& budget, double only_within, double near_enough, bool warm_start) {
-    const DistanceOptions options{exact, tolerance, budget_of(budget), only_within, near_enough, warm_start, {}};
+  const auto run = [](DistanceQuery& query, ColliderGiven ga, ColliderGiven gb, bool to_facets, double tolerance,
+                      const BudgetGiven& budget, double stop_above, double stop_below, bool warm_start) {
+    const DistanceOptions options{to_facets, tolerance, budget_of(budget), stop_above, stop_below, warm_start, {}};
     const auto a = side_of(ga, "a"), b = side_of(gb, "b");
     const DistanceBounds bounds = without_gil([&] {
       const Reading reading({a.get(), b.get()});
@@ -41,33 +41,33 @@ void bind_distance(nb::module_& m) {
   };
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const std::initializer_list<std::pair<const char*, const char*>> arguments{
-      {"exact", doc::DistanceOptions_exact},
+      {"to_facets", doc::DistanceOptions_to_facets},
       {"tolerance", doc::DistanceOptions_tolerance},
       {"budget", doc::DistanceOptions_budget},
-      {"only_within", doc::DistanceOptions_only_within},
-      {"near_enough", doc::DistanceOptions_near_enough}};
+      {"stop_above", doc::DistanceOptions_stop_above},
+      {"stop_below", doc::DistanceOptions_stop_below}};
   nb::class_<HeldDistance>(m, "DistanceQuery", doc::DistanceQuery)
       .def(nb::init<>())
       .def(
           "run",
-          [run](HeldDistance& self, ColliderGiven a, ColliderGiven b, bool exact, double tolerance, BudgetGiven budget,
-                double only_within, double near_enough, bool warm_start) {
+          [run](HeldDistance& self, ColliderGiven a, ColliderGiven b, bool to_facets, double tolerance,
+                BudgetGiven budget, double stop_above, double stop_below, bool warm_start) {
             std::unique_lock<std::mutex> lock(self.mutex, std::defer_lock);
             without_gil([&] { lock.lock(); });
-            return run(self.query, a, b, exact, tolerance, budget, only_within, near_enough, warm_start);
+            return run(self.query, a, b, to_facets, tolerance, budget, stop_above, stop_below, warm_start);
           },
-          nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("exact") = true, nb::arg("tolerance") = 0.0,
-          nb::arg("budget") = nb::none(), nb::arg("only_within") = infinity, nb::arg("near_enough") = 0.0,
+          nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("to_facets") = true, nb::arg("tolerance") = 0.0,
+          nb::arg("budget") = nb::none(), nb::arg("stop_above") = infinity, nb::arg("stop_below") = 0.0,
           nb::arg("warm_start") = true, with_arguments(doc::DistanceQuery_run, arguments).c_str());
   m.def(
       "distance",
-      [run](ColliderGiven a, ColliderGiven b, bool exact, double tolerance, BudgetGiven budget, double only_within,
-            double near_enough) {
+      [run](ColliderGiven a, ColliderGiven b, bool to_facets, double tolerance, BudgetGiven budget, double stop_above,
+            double stop_below) {
         DistanceQuery query;
-        return run(query, a, b, exact, tolerance, budget, only_within, near_enough, true);
+        return run(query, a, b, to_facets, tolerance, budget, stop_above, stop_below, true);
       },
-      nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("exact") = true, nb::arg("tolerance") = 0.0,
-      nb::arg("budget") = nb::none(), nb::arg("only_within") = infinity, nb::arg("near_enough") = 0.0,
+      nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("to_facets") = true, nb::arg("tolerance") = 0.0,
+      nb::arg("budget") = nb::none(), nb::arg("stop_above") = infinity, nb::arg("stop_below") = 0.0,
       with_arguments("Distance of two bodies' surfaces: bounds that hold, with the points that show the upper one.",
                      arguments)
           .c_str());

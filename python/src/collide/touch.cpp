@@ -58,7 +58,7 @@ void bind_touch(nb::module_& m) {
       .field("normal", &TouchingFacet::normal, doc::TouchingFacet_normal);
   Record<Touch>(m, "Touch", "What touch() found.")
       .field("touches", &Touch::touches, doc::Touch_touches)
-      .field("clear", &Touch::clear, doc::Touch_clear)
+      .field("proven_clear", &Touch::proven_clear, doc::Touch_proven_clear)
       .field("certified", &Touch::certified, doc::Touch_certified)
       .field("lower", &Touch::lower, doc::Touch_lower)
       .field("deepest", &Touch::deepest, doc::Touch_deepest)
@@ -68,9 +68,9 @@ void bind_touch(nb::module_& m) {
       .field("facet_tests", &Touch::facet_tests);
   m.def(
       "touch",
-      [](ColliderGiven given, ShapeGiven shape, double margin, bool nearest, bool any, bool list) {
+      [](ColliderGiven given, ShapeGiven shape, double margin, bool nearest, bool stop_at_first, bool collect_all) {
         const auto side = side_of(given, "body");
-        const TouchOptions options{margin, nearest, any, list};
+        const TouchOptions options{margin, nearest, stop_at_first, collect_all};
         return with_shape(shape, [&](const auto& s) {
           return without_gil([&] {
             const Reading reading({side.get()});
@@ -79,13 +79,13 @@ void bind_touch(nb::module_& m) {
         });
       },
       nb::arg("body"), nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
-      nb::arg("any") = false, nb::arg("list") = false,
+      nb::arg("stop_at_first") = false, nb::arg("collect_all") = false,
       with_arguments("Does the body's surface touch a half space, a capsule, a ConvexHull or a sphere (x, y, z, "
                      "radius), and where?",
                      {{"margin", doc::TouchOptions_margin},
                       {"nearest", doc::TouchOptions_nearest},
-                      {"any", doc::TouchOptions_any},
-                      {"list", doc::TouchOptions_list}})
+                      {"stop_at_first", doc::TouchOptions_stop_at_first},
+                      {"collect_all", doc::TouchOptions_collect_all}})
           .c_str());
 }
 

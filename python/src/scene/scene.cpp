@@ -23,28 +23,28 @@ namespace {
 /// A scene, the colliders that it borrows, and the filter that it asks.
 struct HeldScene : Exchanging {
   SceneOptions options;
-  nb::object keeps = nb::none();
+  nb::object accepts = nb::none();
   Scene scene;
   std::vector<std::shared_ptr<Side>> sides;  // by place
   std::exception_ptr raised;                 // by the filter
   bool is_updating = false;
   mutable std::recursive_mutex mutex;  // the filter may ask the scene who its bodies are
 
-  HeldScene(SceneOptions&& given, nb::object&& filter) : options(std::move(given)), keeps(std::move(filter)) {
+  HeldScene(SceneOptions&& given, nb::object&& filter) : options(std::move(given)), accepts(std::move(filter)) {
     connect();
     scene.set_options(options);
   }
 
   /// The filter is called through this object, which does not move.
   void connect() {
-    options.keeps = {};
-    if (keeps.is_none()) return;
-    options.keeps = [this](BodyId a, BodyId b) {
+    options.accepts = {};
+    if (accepts.is_none()) return;
+    options.accepts = [this](BodyId a, BodyId b) {
       if (raised) return true;
       const nb::gil_scoped_acquire gil;
-      if (keeps.is_none()) return true;
+      if (accepts.is_none()) return true;
       try {
-        const nb::object answer = keeps(a, b);
+        const nb::object answer = accepts(a, b);
         const int truth = PyObject_IsTrue(answer.ptr());
         if (truth < 0) throw nb::python_error();
         return truth != 0;
@@ -55,14 +55,15 @@ struct HeldScene : Exchanging {
     };
   }
   void require_idle() const {
-    if (is_updating) throw std::runtime_error("keeps: the scene that asks it may not be changed or asked for contacts");
+    if (is_updating)
+      throw std::runtime_error("accepts: the scene that asks it may not be changed or asked for contacts");
   }
   /// A filter often refers to its scene.
   void visit(References& references) const {
-    references(keeps);
+    references(accepts);
     for (const auto& side : sides) references(side);
   }
-  void forget() { keeps = nb::none(); }
+  void forget() { accepts = nb::none(); }
   std::vector<const Side*> all() const {
     std::vector<const Side*> found;
     for (const auto& side : sides) {
@@ -96,15 +97,15 @@ void require_scene(const SceneStatus& status) {
 }
 
 SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, const BudgetGiven& budget, bool surfaces,
-                           bool exact, const nb::object& keeps) {
-  if (!keeps.is_none() && !PyCallable_Check(keeps.ptr()))
-    throw nb::type_error(("keeps: " + describe(keeps) + ", but None or a function of two BodyIds is needed").c_str());
+                           bool find_crossings, const nb::object& accepts) {
+  if (!accepts.is_none() && !PyCallable_Check(accepts.ptr()))
+    throw nb::type_error(("keeps: " + describe(accepts) + ", but None or a function of two BodyIds is needed").c_str());
   SceneOptions options;
   options.level = level;
   options.margin = margin;
   options.budget = budget_of(budget);
   options.surfaces = surfaces;
-  options.exact = exact;
+  options.find_crossings = find_crossings;
   return options;
 }
 
@@ -113,24 +114,24 @@ void bind_scene_bodies(Class& scene) {
   scene
       .def(
           "add",
-          [](HeldScene& self, ColliderGiven given, bool is_static, std::uint32_t of, std::uint32_t with, double weight,
-             std::uint64_t user_data) {
+          [](HeldScene& self, ColliderGiven given, bool is_static, std::uint32_t category, std::uint32_t mask,
+             double weight, std::uint64_t user_data) {
             const std::shared_ptr<Side> side = kept_side_of(given, "collider");
             return locked_idle(self, [&] {
               const Reading reading({side.get()});
-              const BodyId id = self.scene.add(side->current(), {is_static, of, with, weight, user_data});
+              const BodyId id = self.scene.add(side->current(), {is_static, category, mask, weight, user_data});
               if (self.sides.size() <= id.place) self.sides.resize(id.place + 1);
               self.sides[id.place] = side;
               return id;
             });
           },
-          nb::arg("collider"), nb::kw_only(), nb::arg("is_static") = false, nb::arg("of") = 1,
-          nb::arg("with_") = ~std::uint32_t{0}, nb::arg("weight") = 1.0, nb::arg("user_data") = 0,
+          nb::arg("collider"), nb::kw_only(), nb::arg("is_static") = false, nb::arg("category") = 1,
+          nb::arg("mask") = ~std::uint32_t{0}, nb::arg("weight") = 1.0, nb::arg("user_data") = 0,
           with_arguments(doc::Scene_add, {{"collider",
                                            "kept until remove() or replace(); a body may stand in for its "
                                            "own, and collider() gives it then"},
                                           {"is_static", doc::SceneBodyOptions_is_static},
-                                          {"of", doc::SceneBodyOptions_of},
+                                          {"category", doc::SceneBodyOptions_category},
                                           {"with_", "`with` of C++"},
                                           {"weight", doc::SceneBodyOptions_weight},
                                           {"user_data", doc::SceneBodyOptions_user_data}})
@@ -164,10 +165,10 @@ void bind_scene_bodies(Class& scene) {
           nb::arg("body"), doc::Scene_wake)
       .def(
           "set_masks",
-          [](HeldScene& self, BodyId body, std::uint32_t of, std::uint32_t with) {
-            locked_idle(self, [&] { self.scene.set_masks(body, of, with); });
+          [](HeldScene& self, BodyId body, std::uint32_t category, std::uint32_t mask) {
+            locked_idle(self, [&] { self.scene.set_masks(body, category, mask); });
           },
-          nb::arg("body"), nb::arg("of"), nb::arg("with_"), doc::SceneBodyOptions_of)
+          nb::arg("body"), nb::arg("category"), nb::arg("mask"), doc::SceneBodyOptions_category)
       .def(
           "has", [](const HeldScene& self, BodyId body) { return locked(self, [&] { return self.scene.has(body); }); },
           nb::arg("body"))
@@ -188,7 +189,7 @@ void bind_scene_bodies(Class& scene) {
             });
           },
           nb::arg("body"), nb::sig("def collider(self, body: BodyId) -> Collider"),
-          "The collider of a body: place() moves it.")
+          "The collider of a body: set_transform() moves it.")
       .def("__len__", [](const HeldScene& self) { return locked(self, [&] { return self.scene.size(); }); })
       .def(
           "__contains__",
@@ -266,8 +267,9 @@ void bind_scene_questions(Class& scene) {
           doc::Scene_first_hit)
       .def(
           "touch",
-          [](HeldScene& self, ShapeGiven shape, double margin, bool any, bool list) {
-            const TouchOptions options{.margin = margin, .nearest = false, .any = any, .list = list};
+          [](HeldScene& self, ShapeGiven shape, double margin, bool stop_at_first, bool collect_all) {
+            const TouchOptions options{
+                .margin = margin, .nearest = false, .stop_at_first = stop_at_first, .collect_all = collect_all};
             std::vector<FoundTouch> found;
             const SceneStatus status = with_shape(shape, [&](const auto& s) {
               return locked_idle(self, [&] {
@@ -281,10 +283,11 @@ void bind_scene_questions(Class& scene) {
             require_scene(status);
             return found;
           },
-          nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("any") = false, nb::arg("list") = false,
-          with_arguments(
-              doc::Scene_touch,
-              {{"margin", doc::TouchOptions_margin}, {"any", doc::TouchOptions_any}, {"list", doc::TouchOptions_list}})
+          nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("stop_at_first") = false,
+          nb::arg("collect_all") = false,
+          with_arguments(doc::Scene_touch, {{"margin", doc::TouchOptions_margin},
+                                            {"stop_at_first", doc::TouchOptions_stop_at_first},
+                                            {"collect_all", doc::TouchOptions_collect_all}})
               .c_str());
 }
 
@@ -296,8 +299,8 @@ void bind_scene_class(nb::module_& m) {
       {"margin", doc::SceneOptions_margin},
       {"budget", doc::SceneOptions_budget},
       {"surfaces", doc::SceneOptions_surfaces},
-      {"exact", doc::SceneOptions_exact},
-      {"keeps",
+      {"find_crossings", doc::SceneOptions_find_crossings},
+      {"accepts",
        "called with two BodyIds. Keeps a pair when it returns True. Asked once when two bodies come near each "
        "other; it may ask the scene whose they are, and must not move bodies. What it raises comes out of "
        "update(), and who was not asked is asked by the next one"}};
@@ -306,33 +309,36 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "__init__",
           [](HeldScene* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget, bool surfaces,
-             bool exact, nb::object keeps) {
-            new (self) HeldScene(scene_options(level, margin, budget, surfaces, exact, keeps), std::move(keeps));
+             bool find_crossings, nb::object accepts) {
+            new (self)
+                HeldScene(scene_options(level, margin, budget, surfaces, find_crossings, accepts), std::move(accepts));
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
-          nb::arg("surfaces") = false, nb::arg("exact") = false, nb::arg("keeps") = nb::none(),
-          nb::sig("def __init__(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget = "
-                  "None, surfaces: bool = False, exact: bool = False, keeps: collections.abc.Callable[[BodyId, "
-                  "BodyId], bool] | None = None) -> None"),
+          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("accepts") = nb::none(),
+          nb::sig(
+              "def __init__(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget = "
+              "None, surfaces: bool = False, find_crossings: bool = False, accepts: collections.abc.Callable[[BodyId, "
+              "BodyId], bool] | None = None) -> None"),
           with_arguments(doc::Scene_Scene, arguments).c_str())
       .def(
           "set_options",
           [](HeldScene& self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget, bool surfaces,
-             bool exact, nb::object keeps) {
-            SceneOptions options = scene_options(level, margin, budget, surfaces, exact, keeps);
+             bool find_crossings, nb::object accepts) {
+            SceneOptions options = scene_options(level, margin, budget, surfaces, find_crossings, accepts);
             locked_idle(self, [&] {
               const Scene checked(options);  // throws for what is out of range
               std::swap(self.options, options);
-              std::swap(self.keeps, keeps);
+              std::swap(self.accepts, accepts);
               self.connect();
               self.scene.set_options(self.options);
             });
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
-          nb::arg("surfaces") = false, nb::arg("exact") = false, nb::arg("keeps") = nb::none(),
+          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("accepts") = nb::none(),
           nb::sig(
               "def set_options(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget "
-              "= None, surfaces: bool = False, exact: bool = False, keeps: collections.abc.Callable[[BodyId, "
+              "= None, surfaces: bool = False, find_crossings: bool = False, accepts: "
+              "collections.abc.Callable[[BodyId, "
               "BodyId], bool] | None = None) -> None"),
           with_arguments(doc::Scene_set_options, arguments).c_str())
       .def(

@@ -37,7 +37,7 @@ struct BudgetGiven : Given {};
 struct ColliderGiven : Given {};
 struct ShapeGiven : Given {};
 struct ObstacleGiven : Given {};
-struct PlacementGiven : Given {};
+struct TransformGiven : Given {};
 
 /// An argument that is one of a few names.
 struct Chosen {
@@ -46,7 +46,7 @@ struct Chosen {
 };
 struct MethodName : Chosen {};
 struct QualityName : Chosen {};
-struct OptimiserName : Chosen {};
+struct OptimizerName : Chosen {};
 struct AxisName : Chosen {};
 struct SignMethodName : Chosen {};
 struct PriorityName : Chosen {};
@@ -109,7 +109,7 @@ MORULA_GIVEN(BudgetGiven, "morula.typing.Budget")
 MORULA_GIVEN(ColliderGiven, "morula.typing.ColliderLike")
 MORULA_GIVEN(ShapeGiven, "morula.typing.Shape")
 MORULA_GIVEN(ObstacleGiven, "morula.typing.Obstacle")
-MORULA_GIVEN(PlacementGiven, "morula.typing.Placement")
+MORULA_GIVEN(TransformGiven, "morula.typing.Transform")
 #undef MORULA_GIVEN
 
 #define MORULA_CHOSEN(Type, TypeName)                                                     \
@@ -125,7 +125,7 @@ MORULA_GIVEN(PlacementGiven, "morula.typing.Placement")
   };
 MORULA_CHOSEN(MethodName, "morula.typing.Method")
 MORULA_CHOSEN(QualityName, "morula.typing.Quality")
-MORULA_CHOSEN(OptimiserName, "morula.typing.Optimiser")
+MORULA_CHOSEN(OptimizerName, "morula.typing.Optimizer")
 MORULA_CHOSEN(AxisName, "morula.typing.Axis")
 MORULA_CHOSEN(SignMethodName, "morula.typing.SignMethod")
 MORULA_CHOSEN(PriorityName, "morula.typing.Priority")

@@ -119,10 +119,10 @@ bool says(const Callback& callback, const Args&... args) {
 template <class Query, class Options, class Seen>
 struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   Options options;
-  Callback keeps;
+  Callback accepts;
 
   HeldSurfaceQuery(Options&& given, Callback filter)
-      : HeldQuery<Query, Seen>(Query(given)), options(std::move(given)), keeps(std::move(filter)) {}
+      : HeldQuery<Query, Seen>(Query(given)), options(std::move(given)), accepts(std::move(filter)) {}
 
   /// call(query, seen, workers).
   template <class Call>
@@ -135,10 +135,10 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   }
   void visit(References& references) const {
     HeldQuery<Query, Seen>::visit(references);
-    if (keeps) references(*keeps);
+    if (accepts) references(*accepts);
   }
   void forget() {
-    if (keeps) keeps->reset();
+    if (accepts) accepts->reset();
   }
   SurfaceQueryStatus resume(Threads* workers) {
     const SurfaceQueryStatus status = this->ask(

@@ -41,7 +41,7 @@ std::shared_ptr<Side> side_of(const ColliderGiven& given, const char* name) {
     side->posed = body;
   } else if (nb::isinstance<PosedRows>(given.object)) {
     auto spheres = nb::cast<std::shared_ptr<PosedRows>>(given.object);
-    side->collider = without_gil([&] { return std::make_unique<Collider>(spheres->pose()); });
+    side->collider = without_gil([&] { return std::make_unique<Collider>(spheres->sphere_state()); });
     side->posed = spheres;
   } else {
     throw nb::type_error((std::string(name) + ": " + describe(given.object) +
@@ -56,7 +56,7 @@ std::shared_ptr<Side> kept_side_of(const ColliderGiven& given, const char* name)
   return nb::isinstance<Side>(given.object) ? side : nb::cast<std::shared_ptr<Side>>(nb::cast(side));
 }
 
-RigidTransform matrix_placement(nb::handle given, const char* name) {
+RigidTransform matrix_transform(nb::handle given, const char* name) {
   std::vector<std::size_t> shape;
   const std::vector<double> numbers = numbers_of(given, name, {-1, 4}, shape);
   const std::string argument = name;
@@ -76,11 +76,11 @@ RigidTransform matrix_placement(nb::handle given, const char* name) {
   return transform;
 }
 
-RigidTransform placement_of(const PlacementGiven& given, const char* name) {
+RigidTransform transform_of(const TransformGiven& given, const char* name) {
   if (nb::isinstance<RigidTransform>(given.object)) return nb::cast<RigidTransform>(given.object);
   RigidTransform translation;
   if (nb::try_cast(given.object, translation.translation)) return translation;
-  if (nb::hasattr(given.object, "ndim")) return matrix_placement(given.object, name);
+  if (nb::hasattr(given.object, "ndim")) return matrix_transform(given.object, name);
   refuse_type(given.object, name, "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)");
 }
 

@@ -93,7 +93,7 @@ inline void require(const Status& status) {
 /// What colliders ask: spheres that may move.
 struct Posed {
   virtual ~Posed() = default;
-  virtual const PosedTree& pose() const = 0;
+  virtual const SphereState& sphere_state() const = 0;
   /// The body whose spheres these are; nothing of spheres without one.
   virtual Body* body() { return nullptr; }
   /// Counts changes of the tree itself, whose colliders are then out of date.
@@ -109,15 +109,15 @@ struct Posed {
 
 struct PosedBody : Posed {
   std::shared_ptr<const Mesh> mesh;
-  std::shared_ptr<const CoveredTree> built;  // which the body borrows
+  std::shared_ptr<const CoveredTree> model;  // which the body borrows
   std::unique_ptr<Body> owned;
   std::vector<Positions> last;  // what the body borrows until the next update: none or one
 
   void visit(References& references) const {
     references(mesh);
-    references(built);
+    references(model);
   }
-  const PosedTree& pose() const override { return owned->pose(); }
+  const SphereState& sphere_state() const override { return owned->sphere_state(); }
   std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return owned.get(); }
 };
@@ -128,7 +128,7 @@ struct PosedRebuilt : Posed {
   std::vector<Positions> last;
 
   void visit(References& references) const { references(mesh); }
-  const PosedTree& pose() const override { return owned->body().pose(); }
+  const SphereState& sphere_state() const override { return owned->body().sphere_state(); }
   std::span<const Positions> borrowed() const override { return last; }
   Body* body() override { return const_cast<Body*>(&owned->body()); }
   std::uint64_t tree_version() const override { return owned->tree_version(); }
@@ -136,14 +136,14 @@ struct PosedRebuilt : Posed {
 
 struct PosedRows : Posed {
   std::unique_ptr<PosedSpheres> owned;
-  const PosedTree& pose() const override { return owned->pose(); }
+  const SphereState& sphere_state() const override { return owned->sphere_state(); }
 };
 
 /// A collider and what it borrows.
 struct Side {
   std::shared_ptr<Posed> posed;
   std::shared_ptr<const Mesh> mesh;          // or none
-  std::shared_ptr<const CoveredTree> built;  // or none
+  std::shared_ptr<const CoveredTree> model;  // or none
   std::unique_ptr<Collider> collider;
   std::uint64_t tree_version = 0;
   std::vector<Positions> given;  // none or one
@@ -151,7 +151,7 @@ struct Side {
   void visit(References& references) const {
     references(posed);
     references(mesh);
-    references(built);
+    references(model);
   }
   /// Throws RuntimeError when the body has another tree now.
   const Collider& current() const {
@@ -194,9 +194,9 @@ auto with_shape(const ShapeGiven& given, const F& f) {
 }
 
 /// Of a matrix (4, 4) or (3, 4) that acts on columns. Throws ValueError or TypeError.
-RigidTransform matrix_placement(nb::handle given, const char* name);
+RigidTransform matrix_transform(nb::handle given, const char* name);
 /// A RigidTransform, a matrix, or three numbers: a translation. Throws ValueError or TypeError.
-RigidTransform placement_of(const PlacementGiven& given, const char* name = "placement");
+RigidTransform transform_of(const TransformGiven& given, const char* name = "transform");
 
 /// None: unlimited; an integer: pair tests; a datetime.timedelta or a text such as "200us": time.
 Budget budget_of(const BudgetGiven& given, const char* name = "budget");

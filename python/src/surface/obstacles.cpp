@@ -80,11 +80,12 @@ Obstacle obstacle_of(const ObstacleGiven& given) {
   return sphere;
 }
 
-ObstacleOptions options_of(double margin, std::string_view features, const Callback& keeps, const BudgetGiven& budget) {
+ObstacleOptions options_of(double margin, std::string_view features, const Callback& accepts,
+                           const BudgetGiven& budget) {
   ObstacleOptions options;
   options.margin = margin;
   options.features = choice<ObstacleFeatures>(features, "features", feature_choices);
-  if (keeps) options.keeps = [keeps](std::uint32_t feature) { return says(keeps, feature); };
+  if (accepts) options.accepts = [accepts](std::uint32_t feature) { return says(accepts, feature); };
   options.budget = budget_of(budget);
   return options;
 }
@@ -120,15 +121,15 @@ nb::class_<HeldObstacleQuery<Query>> bind_query(nb::module_& m, const char* name
   nb::class_<Held> query(m, name, collected<Held>(), text);
   query.def(
       "__init__",
-      [](Held* self, double margin, std::string_view features, const nb::object& keeps, BudgetGiven budget) {
-        Callback callback = callback_of(keeps, "keeps", "None or a function of a number");
+      [](Held* self, double margin, std::string_view features, const nb::object& accepts, BudgetGiven budget) {
+        Callback callback = callback_of(accepts, "accepts", "None or a function of a number");
         ObstacleOptions options = options_of(margin, features, callback, budget);
         new (self) Held(std::move(options), std::move(callback));
       },
-      nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("keeps") = nb::none(),
+      nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("features") = "facets", nb::arg("accepts") = nb::none(),
       nb::arg("budget") = nb::none(),
       nb::sig("def __init__(self, *, margin: float = 0.0, features: morula.typing.Features = 'facets', "
-              "keeps: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
+              "accepts: collections.abc.Callable[[int], bool] | None = None, budget: morula.typing.Budget = None) "
               "-> None"),
       (std::string(doc::ObstacleQuery_ObstacleQuery) + obstacle_query_arguments).c_str());
   bind_going_on(query, doc::ObstacleQuery_resume);

@@ -18,13 +18,13 @@ namespace morula::python {
 
 namespace {
 
-/// None, or a tuple (of, with) of bits per facet.
+/// None, or a tuple (category, mask) of bits per facet.
 FacetMasks masks_of(nb::handle given, const char* name) {
   if (given.is_none()) return {};
   if (!PyTuple_Check(given.ptr()) || PyTuple_Size(given.ptr()) != 2) {
-    throw nb::type_error(
-        (std::string(name) + ": " + describe(given) + ", but None or a tuple of two arrays, of and with, is needed")
-            .c_str());
+    throw nb::type_error((std::string(name) + ": " + describe(given) +
+                          ", but None or a tuple of two arrays, category and mask, is needed")
+                             .c_str());
   }
   return {indices_of(nb::object(given[0]), (std::string(name) + "[0]").c_str()),
           indices_of(nb::object(given[1]), (std::string(name) + "[1]").c_str())};
@@ -99,21 +99,21 @@ void bind_init(nb::class_<HeldPairQuery<Query, Options>>& query, const char* own
   query.def(
       "__init__",
       [](Held* self, Own... values, std::uint32_t rings, double rest_distance, bool same_component, nb::handle masks_a,
-         nb::handle masks_b, nb::object keeps, BudgetGiven budget) {
-        Callback callback = callback_of(keeps, "keeps", pair_filter_wanted);
+         nb::handle masks_b, nb::object accepts, BudgetGiven budget) {
+        Callback callback = callback_of(accepts, "accepts", pair_filter_wanted);
         PairFilter filter = filter_of(rings, rest_distance, same_component, callback);
         filter.masks_a = masks_of(masks_a, "masks_a");
         filter.masks_b = masks_of(masks_b, "masks_b");
         new (self) Held(Options{values..., std::move(filter), budget_of(budget), {}}, std::move(callback));
       },
       nb::kw_only(), own..., nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false,
-      nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("keeps") = nb::none(),
+      nb::arg("masks_a") = nb::none(), nb::arg("masks_b") = nb::none(), nb::arg("accepts") = nb::none(),
       nb::arg("budget") = nb::none(),
       nb::sig((std::string("def __init__(self, *, ") + own_text +
                "rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, "
                "masks_a: tuple[morula.typing.Array, morula.typing.Array] | None = None, masks_b: "
                "tuple[morula.typing.Array, morula.typing.Array] | None = None, "
-               "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
+               "accepts: collections.abc.Callable[[int, int, int], bool] | None = None, budget: morula.typing.Budget = "
                "None) -> None")
                   .c_str()),
       (text + query_arguments).c_str());

@@ -40,14 +40,14 @@ Args:
 
 }  // namespace
 
-PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& keeps) {
+PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& accepts) {
   PairFilter filter;
   filter.rings = rings;
   filter.rest_distance = rest_distance;
   filter.same_component = same_component;
-  if (keeps)
-    filter.keeps = [keeps](const FeaturePair& pair) {
-      return says(keeps, static_cast<int>(pair.kind), pair.a, pair.b);
+  if (accepts)
+    filter.accepts = [accepts](const FeaturePair& pair) {
+      return says(accepts, static_cast<int>(pair.kind), pair.a, pair.b);
     };
   return filter;
 }
@@ -100,11 +100,11 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "proximity",
       [](const HeldSurface& a, const HeldSurface* b, double distance, bool nearest_features_once, std::uint32_t rings,
-         double rest_distance, bool same_component, const nb::object& keeps, Threads* workers) {
+         double rest_distance, bool same_component, const nb::object& accepts, Threads* workers) {
         ProximityQuery query(
             {distance,
              nearest_features_once,
-             filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)),
+             filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
              {},
              {}});
         ask(query, a, b, workers);
@@ -112,7 +112,7 @@ void bind_pairs(nb::module_& m) {
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance"),
       nb::arg("nearest_features_once") = false, nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
-      nb::arg("same_component") = false, nb::arg("keeps") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::arg("same_component") = false, nb::arg("accepts") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def proximity(a: SurfaceTree, b: SurfaceTree | None = None, *, distance: float, nearest_features_once: "
               "bool = False, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, keeps: "
               "collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) -> "
@@ -132,22 +132,22 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "swept",
       [](const HeldSurface& a, const HeldSurface* b, double distance, std::uint32_t rings, double rest_distance,
-         bool same_component, const nb::object& keeps, Threads* workers) {
+         bool same_component, const nb::object& accepts, Threads* workers) {
         SweptQuery query(
             {distance,
              false,
-             filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)),
+             filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
              {},
              {}});
         ask(query, a, b, workers);
         return SweptPairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("rings") = 0,
-      nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("keeps") = nb::none(),
+      nb::arg("rest_distance") = 0.0, nb::arg("same_component") = false, nb::arg("accepts") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig("def swept(a: SurfaceTree, b: SurfaceTree | None = None, *, distance: float = 0.0, rings: int = 0, "
               "rest_distance: float = 0.0, same_component: bool = False, "
-              "keeps: collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) "
+              "accepts: collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) "
               "-> SweptPairs"),
       (std::string(doc::SweptQuery) + filter_arguments).c_str());
   m.def(
@@ -162,16 +162,18 @@ void bind_pairs(nb::module_& m) {
   m.def(
       "surface_crossings",
       [](const HeldSurface& a, const HeldSurface* b, std::uint32_t rings, double rest_distance, bool same_component,
-         const nb::object& keeps, Threads* workers) {
+         const nb::object& accepts, Threads* workers) {
         SurfaceCrossingQuery query(
-            {filter_of(rings, rest_distance, same_component, callback_of(keeps, "keeps", pair_filter_wanted)), {}, {}});
+            {filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
+             {},
+             {}});
         ask(query, a, b, workers);
         return FeaturePairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
-      nb::arg("same_component") = false, nb::arg("keeps") = nb::none(), nb::arg("workers") = nb::none(),
+      nb::arg("same_component") = false, nb::arg("accepts") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def surface_crossings(a: SurfaceTree, b: SurfaceTree | None = None, *, rings: int = 0, rest_distance: "
-              "float = 0.0, same_component: bool = False, keeps: collections.abc.Callable[[int, int, int], bool] | "
+              "float = 0.0, same_component: bool = False, accepts: collections.abc.Callable[[int, int, int], bool] | "
               "None = None, workers: Workers | None = None) -> FeaturePairs"),
       (std::string(doc::SurfaceCrossingQuery) + filter_arguments).c_str());
   m.def(

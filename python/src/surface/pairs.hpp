@@ -44,7 +44,7 @@ std::vector<Pair> copy_of(std::span<const Pair> pairs) {
 
 inline constexpr const char* pair_filter_wanted = "None or a function of (kind, a, b)";
 
-PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& keeps);
+PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& accepts);
 
 /// Runs a query on two surfaces; on one with itself where the other is none, or the same.
 template <class Query>

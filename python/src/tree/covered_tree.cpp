@@ -14,24 +14,24 @@ void bind_covered_tree(nb::module_& m) {
   nb::class_<KnownPose>(m, "KnownPose", doc::KnownPose)
       .def(
           "__init__",
-          [](KnownPose* self, std::string name, ArrayGiven positions, const CoveredTree& built) {
+          [](KnownPose* self, std::string name, ArrayGiven positions, const CoveredTree& model) {
             // A copy: trees share it, and the collector of cycles could not tell whose it is.
             new (self) KnownPose{std::move(name), points_of(positions.object, "positions"),
-                                 std::make_shared<const CoveredTree>(built)};
+                                 std::make_shared<const CoveredTree>(model)};
           },
-          nb::arg("name"), nb::arg("positions"), nb::arg("built"))
+          nb::arg("name"), nb::arg("positions"), nb::arg("model"))
       .def_ro("name", &KnownPose::name)
       .def_prop_ro(
           "positions", [](nb::handle self) { return points(nb::cast<KnownPose&>(self).positions, self); },
           doc::KnownPose_positions)
       .def_prop_ro(
-          "built", [](const KnownPose& self) { return std::const_pointer_cast<CoveredTree>(self.built); },
-          doc::KnownPose_built)
+          "model", [](const KnownPose& self) { return std::const_pointer_cast<CoveredTree>(self.model); },
+          doc::KnownPose_model)
       .def(
           "__reduce__",
           [](nb::handle self) {
             return nb::make_tuple(self.type(),
-                                  nb::make_tuple(self.attr("name"), self.attr("positions"), self.attr("built")));
+                                  nb::make_tuple(self.attr("name"), self.attr("positions"), self.attr("model")));
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
 
@@ -117,11 +117,11 @@ void bind_covered_tree(nb::module_& m) {
       with_arguments(doc::cover, {{"nested", doc::CoverOptions_nested}}).c_str());
   m.def(
       "with_fewer_cuts",
-      [](MeshGiven given, const CoveredTree& built, Threads* workers) {
+      [](MeshGiven given, const CoveredTree& model, Threads* workers) {
         const auto mesh = mesh_of(given);
-        return without_gil([&] { return with_fewer_cuts(*mesh, built, CallWorkers(workers)); });
+        return without_gil([&] { return with_fewer_cuts(*mesh, model, CallWorkers(workers)); });
       },
-      nb::arg("mesh"), nb::arg("built"), nb::arg("workers") = nb::none(), doc::with_fewer_cuts);
+      nb::arg("mesh"), nb::arg("model"), nb::arg("workers") = nb::none(), doc::with_fewer_cuts);
 
   Record<Certificate>(m, "Certificate", "What certify() found. True when all is covered.")
       .field("covered", &Certificate::covered)
@@ -140,17 +140,17 @@ void bind_covered_tree(nb::module_& m) {
       },
       nb::arg("cover"), nb::arg("positions"), nb::arg("spheres"), nb::arg("workers") = nb::none(), doc::certify);
   m.def(
-      "leaf_order", [](const CoveredTree& built) { return own_indices(leaf_order(built)); }, nb::arg("built"),
+      "leaf_order", [](const CoveredTree& model) { return own_indices(leaf_order(model)); }, nb::arg("model"),
       doc::leaf_order);
   m.def(
       "renumbered",
-      [](const CoveredTree& built, MeshGiven given, ArrayGiven rows) {
+      [](const CoveredTree& model, MeshGiven given, ArrayGiven rows) {
         const std::vector<std::uint32_t> order = indices_of(rows.object, "order");
         auto mesh = std::make_shared<Mesh>(renumbered(*mesh_of(given), order));
-        auto tree = std::make_shared<CoveredTree>(renumbered(built, *mesh, order));
+        auto tree = std::make_shared<CoveredTree>(renumbered(model, *mesh, order));
         return std::make_pair(mesh, tree);
       },
-      nb::arg("built"), nb::arg("mesh"), nb::arg("order"),
+      nb::arg("model"), nb::arg("mesh"), nb::arg("order"),
       (std::string("Mesh and tree with vertices renumbered. ") + doc::renumbered).c_str());
 }
 

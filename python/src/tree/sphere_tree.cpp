@@ -117,12 +117,12 @@ void bind_sphere_tree(nb::module_& m) {
       "level_set", [](const SphereTree& tree, std::size_t level) { return own_indices(level_set(tree, level)); },
       nb::arg("tree"), nb::arg("level"), doc::level_set);
   m.def(
-      "tree_over_balls",
+      "tree_from_spheres",
       [](ArrayGiven balls, std::uint32_t branching) {
         const std::vector<Sphere> spheres = spheres_of(balls.object, "balls");
-        return without_gil([&] { return tree_over_balls(spheres, branching); });
+        return without_gil([&] { return tree_from_spheres(spheres, branching); });
       },
-      nb::arg("balls"), nb::arg("branching") = 8, doc::tree_over_balls);
+      nb::arg("balls"), nb::arg("branching") = 8, doc::tree_from_spheres);
   Record<Nesting>(m, "Nesting", doc::Nesting)
       .field("nested", &Nesting::nested)
       .field("outside", &Nesting::outside, doc::Nesting_outside)
@@ -137,13 +137,13 @@ void bind_sphere_tree(nb::module_& m) {
       },
       nb::arg("tree"), nb::arg("spheres") = nb::none(), doc::certify_nesting);
   m.def(
-      "nest",
+      "make_nested",
       [](const SphereTree& tree) {
         SphereTree nested = tree;
-        without_gil([&] { nest(nested); });
+        without_gil([&] { make_nested(nested); });
         return nested;
       },
-      nb::arg("tree"), (std::string("A copy that is nested. ") + doc::nest).c_str());
+      nb::arg("tree"), (std::string("A copy that is nested. ") + doc::make_nested).c_str());
 }
 
 }  // namespace morula::python

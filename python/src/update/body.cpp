@@ -63,14 +63,14 @@ UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view a
 
 /// A pointer that keeps nothing: the holder of the body keeps the tree, where the collector sees it, and every copy of
 /// the body has such a holder.
-std::shared_ptr<const CoveredTree> borrowed_tree(const std::shared_ptr<const CoveredTree>& built) {
-  return {std::shared_ptr<const CoveredTree>(), built.get()};
+std::shared_ptr<const CoveredTree> borrowed_tree(const std::shared_ptr<const CoveredTree>& model) {
+  return {std::shared_ptr<const CoveredTree>(), model.get()};
 }
 
 std::shared_ptr<PosedBody> copied(const PosedBody& self) {
   auto copy = std::make_shared<PosedBody>();
   copy->mesh = again(self.mesh);
-  copy->built = again(self.built);
+  copy->model = again(self.model);
   without_gil([&] {
     const std::shared_lock lock(self.mutex);
     copy->owned = std::make_unique<Body>(*self.owned);
@@ -84,7 +84,7 @@ std::shared_ptr<PosedBody> copied(const PosedBody& self) {
 template <class Frame, class Keep>
 Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to,
                                const Keep& keep) {
-  const std::size_t node_count = self.pose().spheres.size();
+  const std::size_t node_count = self.sphere_state().spheres.size();
   std::vector<Sphere> spheres;
   std::size_t at = 0;
   const UpdateStatus status = without_gil([&] {
@@ -99,7 +99,7 @@ Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
         last = update_to(*self.owned, at, static_cast<Workers&>(call));
         if (!last) break;
         reached = at;
-        const PosedTree& pose = self.pose();
+        const SphereState& pose = self.sphere_state();
         for (std::uint32_t node = 0; node < node_count; ++node) spheres.push_back(pose.sphere(node));
         check();
       }
@@ -118,7 +118,7 @@ Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads
 void bind_body_updates(nb::class_<PosedBody>& body) {
   body.def(
           "__init__",
-          [](PosedBody* self, MeshGiven given, std::shared_ptr<CoveredTree> built, nb::object rules, bool conservative,
+          [](PosedBody* self, MeshGiven given, std::shared_ptr<CoveredTree> model, nb::object rules, bool conservative,
              std::string_view approach1_weights, std::string_view approach1_inner_center,
              std::string_view approach2_inner_boxes, std::string_view wrapped_center, double distance_floor,
              std::string_view modal_bound, nb::object modes, nb::object skin, Threads* workers) {
@@ -127,19 +127,19 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                            wrapped_center, distance_floor, modal_bound, modes, skin);
             auto mesh = mesh_of(given);
             auto owned = without_gil([&] {
-              return std::make_unique<Body>(*mesh, borrowed_tree(built), std::move(options), CallWorkers(workers));
+              return std::make_unique<Body>(*mesh, borrowed_tree(model), std::move(options), CallWorkers(workers));
             });
             new (self) PosedBody();
             self->mesh = std::move(mesh);
-            self->built = std::move(built);
+            self->model = std::move(model);
             self->owned = std::move(owned);
           },
-          nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("rules") = "exact", nb::arg("conservative") = false,
+          nb::arg("mesh"), nb::arg("model"), nb::kw_only(), nb::arg("rules") = "exact", nb::arg("conservative") = false,
           nb::arg("approach1_weights") = "uniform", nb::arg("approach1_inner_center") = "children",
           nb::arg("approach2_inner_boxes") = "child_spheres", nb::arg("wrapped_center") = "children",
           nb::arg("distance_floor") = 0.0, nb::arg("modal_bound") = "gradient", nb::arg("modes") = nb::none(),
           nb::arg("skin") = nb::none(), nb::arg("workers") = nb::none(),
-          nb::sig("def __init__(self, mesh: morula.typing.MeshLike, built: CoveredTree, *, "
+          nb::sig("def __init__(self, mesh: morula.typing.MeshLike, model: CoveredTree, *, "
                   "rules: morula.typing.Rule | collections.abc.Sequence[morula.typing.Rule] = 'exact', conservative: "
                   "bool = False, "
                   "approach1_weights: morula.typing.Weights = 'uniform', approach1_inner_center: "
@@ -267,28 +267,28 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
 
 void bind_body_questions(nb::class_<PosedBody>& body) {
   body.def(
-          "reach",
+          "refresh_children",
           [](PosedBody& self, std::uint32_t node) {
-            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
+            if (node >= self.sphere_state().spheres.size()) throw nb::index_error("node");
             return without_gil([&] {
               const std::unique_lock lock(self.mutex);
-              return self.owned->reach(node);
+              return self.owned->refresh_children(node);
             });
           },
-          nb::arg("node"), doc::Body_reach)
+          nb::arg("node"), doc::Body_refresh_children)
       .def(
-          "is_reached",
+          "is_fresh",
           [](const PosedBody& self, std::uint32_t node) {
-            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
-            return self.owned->is_reached(node);
+            if (node >= self.sphere_state().spheres.size()) throw nb::index_error("node");
+            return self.owned->is_fresh(node);
           },
-          nb::arg("node"), doc::Body_is_reached)
+          nb::arg("node"), doc::Body_is_fresh)
       .def_prop_ro(
           "is_complete", [](const PosedBody& self) { return self.owned->is_complete(); }, doc::Body_is_complete)
       .def(
           "modal_sphere",
           [](const PosedBody& self, std::uint32_t node, ArrayGiven given) {
-            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
+            if (node >= self.sphere_state().spheres.size()) throw nb::index_error("node");
             std::vector<std::size_t> shape;
             return self.owned->modal_sphere(node, numbers_of(given.object, "coordinates", {-1}, shape));
           },
@@ -355,7 +355,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
       .def_prop_ro(
           "bind_report", [](const PosedBody& self) { return self.owned->bind_report(); }, doc::BindReport)
       .def_prop_ro(
-          "ownership", [](const PosedBody& self) { return self.owned->ownership(); }, doc::Body_ownership)
+          "cover_id", [](const PosedBody& self) { return self.owned->cover_id(); }, doc::Body_cover_id)
       .def_prop_ro("vertex_count", [](const PosedBody& self) { return self.owned->vertex_count(); })
       .def(
           "__copy__", [](const PosedBody& self) { return copied(self); },
@@ -366,7 +366,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
           nb::sig("def __deepcopy__(self, memo: object) -> Body"), "As __copy__().")
       .def("__repr__", [](const PosedBody& self) {
         return "<morula.Body: " + std::to_string(self.owned->vertex_count()) + " vertices, " +
-               std::to_string(self.pose().spheres.size()) + " nodes, " +
+               std::to_string(self.sphere_state().spheres.size()) + " nodes, " +
                describe_rules(self.owned->options().rules, self.owned->rest_tree().level_count()) + ", frame " +
                std::to_string(self.owned->frame()) + ">";
       });

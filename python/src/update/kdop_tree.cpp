@@ -45,12 +45,12 @@ void bind_kdop_tree(nb::module_& m) {
   nb::class_<HeldDops>(m, "KDopTree", doc::KDopTree)
       .def(
           "__init__",
-          [](HeldDops* self, MeshGiven given, const CoveredTree& built, int k, Threads* workers) {
+          [](HeldDops* self, MeshGiven given, const CoveredTree& model, int k, Threads* workers) {
             const auto mesh = mesh_of(given);
-            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, built, k, CallWorkers(workers)); }),
+            new (self) HeldDops(without_gil([&] { return KDopTree(*mesh, model, k, CallWorkers(workers)); }),
                                 mesh->vertex_count());
           },
-          nb::arg("mesh"), nb::arg("built"), nb::arg("k"), nb::arg("workers") = nb::none(), doc::KDopTree_KDopTree)
+          nb::arg("mesh"), nb::arg("model"), nb::arg("k"), nb::arg("workers") = nb::none(), doc::KDopTree_KDopTree)
       .def(
           "update",
           [](HeldDops& self, PositionsGiven given, Threads* workers) {
@@ -79,7 +79,7 @@ void bind_kdop_tree(nb::module_& m) {
       .def(
           "pose",
           [](const HeldDops& self, PosedRows& spheres) {
-            if (spheres.owned->pose().spheres.size() != self.tree.node_count())
+            if (spheres.owned->sphere_state().spheres.size() != self.tree.node_count())
               throw std::invalid_argument("spheres: those of another tree; posed() makes some");
             without_gil([&] {
               const std::unique_lock lock(self.mutex);  // it works in memory of its own

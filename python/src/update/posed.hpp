@@ -24,13 +24,13 @@ struct SpheresView {
 
   bool is_current() const { return posed->frame() == frame; }
   void visit(References& references) const { references(owner); }
-  const PosedTree& pose() const {
+  const SphereState& sphere_state() const {
     if (!is_current()) {
       throw std::runtime_error(
           "spheres of an older frame: the body has been updated since; take body.spheres again, or "
           "keep a copy (body.copy_spheres())");
     }
-    return posed->pose();
+    return posed->sphere_state();
   }
 };
 
@@ -65,21 +65,21 @@ void bind_pose(nb::class_<Holder>& type) {
           },
           "The current spheres about the origin, (nodes, 4) float32; reading them after the next update is an error.")
       .def_prop_ro(
-          "origin", [](const Holder& self) { return self.pose().origin; }, doc::PosedTree_origin)
+          "origin", [](const Holder& self) { return self.sphere_state().origin; }, doc::SphereState_origin)
       .def_prop_ro(
           "frame", [](const Holder& self) { return self.frame(); }, doc::Body_frame)
       .def_prop_ro(
-          "is_current", [](const Holder& self) { return self.pose().current; }, doc::Body_is_current)
+          "is_current", [](const Holder& self) { return self.sphere_state().current; }, doc::Body_is_current)
       .def_prop_ro(
-          "covers", [](const Holder& self) { return self.pose().covers; }, doc::PosedTree_covers)
+          "covers", [](const Holder& self) { return self.sphere_state().covers; }, doc::SphereState_covers)
       .def_prop_ro(
-          "nested", [](const Holder& self) { return self.pose().nested; }, doc::PosedTree_nested)
+          "nested", [](const Holder& self) { return self.sphere_state().nested; }, doc::SphereState_nested)
       .def(
           "copy_spheres",
           [](const Holder& self) {
             return own_spheres(without_gil([&] {
               const std::shared_lock lock(self.mutex);
-              const PosedTree& pose = self.pose();
+              const SphereState& pose = self.sphere_state();
               std::vector<Sphere> spheres(pose.spheres.size());
               for (std::uint32_t node = 0; node < spheres.size(); ++node) spheres[node] = pose.sphere(node);
               return spheres;
@@ -89,13 +89,13 @@ void bind_pose(nb::class_<Holder>& type) {
       .def(
           "sphere",
           [](const Holder& self, std::uint32_t node) {
-            if (node >= self.pose().spheres.size()) throw nb::index_error("node");
-            return self.pose().sphere(node);
+            if (node >= self.sphere_state().spheres.size()) throw nb::index_error("node");
+            return self.sphere_state().sphere(node);
           },
-          nb::arg("node"), doc::PosedTree_sphere)
+          nb::arg("node"), doc::SphereState_sphere)
       .def_prop_ro(
-          "tree", [](const Holder& self) { return *self.pose().tree; }, "The tree at rest: a copy.")
-      .def("__len__", [](const Holder& self) { return self.pose().spheres.size(); });
+          "tree", [](const Holder& self) { return *self.sphere_state().tree; }, "The tree at rest: a copy.")
+      .def("__len__", [](const Holder& self) { return self.sphere_state().spheres.size(); });
 }
 
 }  // namespace morula::python

@@ -27,7 +27,7 @@ void bind_posed_spheres(nb::module_& m) {
           "set",
           [](PosedRows& self, ArrayGiven given) {
             const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
-            require_rows(spheres.size(), self.owned->pose().spheres.size(), "spheres", 4, "the tree's nodes");
+            require_rows(spheres.size(), self.owned->sphere_state().spheres.size(), "spheres", 4, "the tree's nodes");
             // Whoever reads them may wait for the interpreter's lock.
             without_gil([&] {
               const std::unique_lock lock(self.mutex);

@@ -53,7 +53,7 @@ void bind_rebuilt_body(nb::module_& m) {
   bind_pose(body);
   body.def(
           "__init__",
-          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& built, MethodName method, QualityName quality,
+          [](PosedRebuilt* self, MeshGiven given, const CoveredTree& model, MethodName method, QualityName quality,
              QualityName rest_quality, double rebuild_threshold, int check_every, std::optional<int> rebuild_every,
              double min_improvement, bool look_ahead, double processor_share, RebuildEffortName effort,
              RebuildThreadName thread, Threads* workers) {
@@ -71,16 +71,16 @@ void bind_rebuilt_body(nb::module_& m) {
             options.thread = choice<RebuildThread>(thread, "thread", rebuild_thread_choices);
             auto mesh = mesh_of(given);
             auto owned =
-                without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, built, options, CallWorkers(workers)); });
+                without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, model, options, CallWorkers(workers)); });
             new (self) PosedRebuilt();
             self->mesh = std::move(mesh);
             self->owned = std::move(owned);
           },
-          nb::arg("mesh"), nb::arg("built"), nb::kw_only(), nb::arg("method") = "morula", nb::arg("quality") = "draft",
-          nb::arg("rest_quality") = "fast", nb::arg("rebuild_threshold") = 1.25, nb::arg("check_every") = 4,
-          nb::arg("rebuild_every") = nb::none(), nb::arg("min_improvement") = 0.05, nb::arg("look_ahead") = true,
-          nb::arg("processor_share") = 1.0, nb::arg("effort") = "standard", nb::arg("thread") = "background",
-          nb::arg("workers") = nb::none(),
+          nb::arg("mesh"), nb::arg("model"), nb::kw_only(), nb::arg("method") = "optimized",
+          nb::arg("quality") = "draft", nb::arg("rest_quality") = "fast", nb::arg("rebuild_threshold") = 1.25,
+          nb::arg("check_every") = 4, nb::arg("rebuild_every") = nb::none(), nb::arg("min_improvement") = 0.05,
+          nb::arg("look_ahead") = true, nb::arg("processor_share") = 1.0, nb::arg("effort") = "standard",
+          nb::arg("thread") = "background", nb::arg("workers") = nb::none(),
           with_arguments(doc::RebuiltBody_RebuiltBody, {{"quality", doc::RebuildOptions_quality},
                                                         {"rest_quality", doc::RebuildOptions_rest_quality},
                                                         {"rebuild_threshold", doc::RebuildOptions_rebuild_threshold},
@@ -118,7 +118,7 @@ void bind_rebuilt_body(nb::module_& m) {
       .def(
           "hash", [](const PosedRebuilt& self) { return self.owned->body().hash(); }, doc::Body_hash)
       .def("__repr__", [](const PosedRebuilt& self) {
-        return "<morula.RebuiltBody: " + std::to_string(self.pose().spheres.size()) + " nodes, tree version " +
+        return "<morula.RebuiltBody: " + std::to_string(self.sphere_state().spheres.size()) + " nodes, tree version " +
                std::to_string(self.owned->tree_version()) + ">";
       });
 }

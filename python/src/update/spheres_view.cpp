@@ -14,7 +14,7 @@ namespace {
 using LocalRows = nb::ndarray<nb::numpy, const float, nb::shape<-1, 4>>;
 
 LocalRows memory_of(const SpheresView& view, nb::handle owner) {
-  const auto spheres = view.pose().spheres;
+  const auto spheres = view.sphere_state().spheres;
   return LocalRows(reinterpret_cast<const float*>(spheres.data()), {spheres.size(), 4}, owner);
 }
 
@@ -32,9 +32,11 @@ void bind_spheres_view(nb::module_& m) {
       .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
       .def_prop_ro("is_current", &SpheresView::is_current, "False when the body has moved on.")
       .def_prop_ro(
-          "origin", [](const SpheresView& self) { return self.pose().origin; }, "Add it to the centres: mesh units.")
-      .def_prop_ro("shape",
-                   [](const SpheresView& self) { return std::make_tuple(self.posed->pose().spheres.size(), 4); })
+          "origin", [](const SpheresView& self) { return self.sphere_state().origin; },
+          "Add it to the centers: mesh units.")
+      .def_prop_ro(
+          "shape",
+          [](const SpheresView& self) { return std::make_tuple(self.posed->sphere_state().spheres.size(), 4); })
       .def_prop_ro(
           "memory", [](nb::handle self) { return memory_of(nb::cast<const SpheresView&>(self), self); },
           "The body's own memory, without a copy: the next update writes over it, and nothing warns.")
@@ -62,7 +64,7 @@ void bind_spheres_view(nb::module_& m) {
       .def(
           "__getitem__", [](nb::handle self, nb::handle index) -> nb::object { return copy_of(self)[index]; },
           nb::arg("index"), nb::sig("def __getitem__(self, index: typing.Any, /) -> typing.Any"))
-      .def("__len__", [](const SpheresView& self) { return self.posed->pose().spheres.size(); })
+      .def("__len__", [](const SpheresView& self) { return self.posed->sphere_state().spheres.size(); })
       .def("__repr__", [](const SpheresView& self) {
         return "<morula.SpheresView: frame " + std::to_string(self.frame) +
                (self.is_current() ? ">" : ", no longer current>");

@@ -19,7 +19,7 @@ void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOption
     // mutant contact-surfaces-cut: `if (result.surfaces.size() < result.finished_count) result.finished = false` -> ``
     if (result.surfaces.size() < result.finished_count) result.finished = false;
   }
-  if (options.exact) add_crossings(pairs, result);
+  if (options.find_crossings) add_crossings(pairs, result);
   if (options.containment) add_containment(pairs, result);
 }
 

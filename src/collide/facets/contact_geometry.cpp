@@ -7,11 +7,11 @@
 
 namespace morula::detail {
 
-// Let D be the distance of centres, R_a and R_b the radii grown by half the margin and by what the test allows for
+// Let D be the distance of centers, R_a and R_b the radii grown by half the margin and by what the test allows for
 // rounding: the regions' common points (with a margin, middles of near points) are in both grown spheres. The middle p
-// of their overlap, delta = R_a + R_b - D long, is s = R_a - delta / 2 from a's centre. Unless one sphere is inside the
+// of their overlap, delta = R_a + R_b - D long, is s = R_a - delta / 2 from a's center. Unless one sphere is inside the
 // other, s > 0, and the point of the lens farthest from p is on the rim where the spheres meet: from p as from anywhere
-// on that side of the centre, points of a cap grow farther towards its rim. With x the rim's distance from a's centre
+// on that side of the center, points of a cap grow farther towards its rim. With x the rim's distance from a's center
 // along the axis, |rim - p|^2 = R_a^2 - 2 x s + s^2 = delta^2 / 4 + s delta (R_b + D - R_a) / D.
 // One inside the other: p is the middle of the smaller, nothing is farther than its radius.
 void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Contact& contact) {
@@ -24,13 +24,13 @@ void describe(const PlacedPair& placed, const Spheref& a, const Spheref& b, Cont
   const double radius_a = a.radius, radius_b = b.radius;
   const double smaller = std::min(radius_a, radius_b), sum = radius_a + radius_b;
   const Vec3 between = center_a - center_b;
-  // Placements may be so far apart that squares overflow: what touches there does so only for want of digits.
+  // Transforms may be so far apart that squares overflow: what touches there does so only for want of digits.
   const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 
   const double allowance = 0.5 * placed.margin + placed.allowance(a, b);
   const double grown_a = radius_a + allowance, grown_b = radius_b + allowance;
-  // Where centres coincide but for rounding, any direction is as good.
+  // Where centers coincide but for rounding, any direction is as good.
   const bool coincide = !(distance > 0x1p-20 * sum);
   if (coincide || distance <= std::abs(radius_a - radius_b)) {
     contact.normal = coincide ? Vec3{1, 0, 0} : between / distance;

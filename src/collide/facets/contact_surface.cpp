@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's centre, of its corners
+// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's center, of its corners
 // and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M + 2^-53
 // A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. What closest_point() returns
 // is a sum of corners with shares of at least 0 and together at most 1, whatever the facet's shape, so it is in the
@@ -31,10 +31,10 @@ struct Nearest {
 };
 
 Vec3 in_coordinates_of(const Collider& collider, const Vec3& point) {
-  return collider.placement().turn_back(point - collider.placement().translation);
+  return collider.transform().inverse_rotate(point - collider.transform().translation);
 }
 SurfacePoint placed(const Collider& collider, const Nearest& nearest) {
-  return {nearest.facet, nearest.point.barycentric, collider.placement()(nearest.point.point)};
+  return {nearest.facet, nearest.point.barycentric, collider.transform()(nearest.point.point)};
 }
 
 void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& p, std::vector<float>& gaps,
@@ -73,32 +73,32 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   });
 }
 
-// Placed points lie off, for the reasons that placed_spheres.hpp gives: a placement is not quite rigid, and it rounds.
-double placement_pad(const Collider& collider, const Vec3& center, double radius) {
-  const double reach = max_norm(center) + radius + max_norm(collider.placement().translation);
+// Placed points lie off, for the reasons that placed_spheres.hpp gives: a transform is not quite rigid, and it rounds.
+double transform_pad(const Collider& collider, const Vec3& center, double radius) {
+  const double reach = max_norm(center) + radius + max_norm(collider.transform().translation);
   return radius * 0x1p-28 + reach * 0x1p-48;
 }
 double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& direction) {
-  const Sphere s = collider.pose().sphere(node);
-  return dot(collider.placement()(s.center), direction) + s.radius + placement_pad(collider, s.center, s.radius);
+  const Sphere s = collider.sphere_state().sphere(node);
+  return dot(collider.transform()(s.center), direction) + s.radius + transform_pad(collider, s.center, s.radius);
 }
 /// Of the corners of the facets that the node has a part of.
 double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
-  const Vec3 turned = collider.placement().turn_back(direction);
+  const Vec3 turned = collider.transform().inverse_rotate(direction);
   const Vec3f narrow(turned);
   LeafSurfaces& surfaces = scratch.of(collider);
   double reach = -std::numeric_limits<double>::infinity();
   surfaces.for_leaves(node, [&](const LeafSurfaces::Leaf& leaf) {
     const double beyond = static_cast<double>(facet_kernels().reach(surfaces.columns(leaf), narrow));
     const auto extent = static_cast<double>(leaf.extent);
-    const double pad = 0x1p-20 * extent + placement_pad(collider, leaf.center, 2 * extent);
+    const double pad = 0x1p-20 * extent + transform_pad(collider, leaf.center, 2 * extent);
     reach = std::max(reach, dot(leaf.center, turned) + beyond + pad);
   });
-  return reach + dot(collider.placement().translation, direction);
+  return reach + dot(collider.transform().translation, direction);
 }
 
 /// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
-/// surface and bulges with it, next to 1 where its centre is in the surface. mean: mean_normal of the node.
+/// surface and bulges with it, next to 1 where its center is in the surface. mean: mean_normal of the node.
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
   // A leaf is in many contacts.
   std::optional<double> of_no_leaf;
@@ -107,7 +107,7 @@ double standing_off(const Collider& collider, std::uint32_t node, const Vec3& me
   if (known) return *known;
   const Vec3 direction = normalized(mean);
   const double excess = sphere_reach(collider, node, direction) - facet_reach(collider, node, direction, scratch);
-  const double radius = collider.pose().sphere(node).radius;
+  const double radius = collider.sphere_state().sphere(node).radius;
   known = radius > 0 ? std::clamp(excess / radius, 0.0, 1.0) : 1.0;
   return *known;
 }
@@ -148,7 +148,7 @@ Vec3 mean_normal(const Collider& collider, std::uint32_t node, SurfaceScratch& s
     area_vector += leaf.area_vector;
     area += leaf.area;
   });
-  return area > 0 ? collider.placement().turn(area_vector / area) : Vec3{};
+  return area > 0 ? collider.transform().rotate(area_vector / area) : Vec3{};
 }
 
 double region_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {

@@ -14,7 +14,7 @@ namespace morula::detail {
 /// What questions about the same two bodies share: their leaves, read once. For one thread at a time.
 class SurfaceScratch {
  public:
-  /// Begins a batch: placements, positions and spheres stay as they are until the next. Both colliders current. The
+  /// Begins a batch: transforms, positions and spheres stay as they are until the next. Both colliders current. The
   /// same collider may be both. Allocates when the bodies are others than before, or more is read than ever before.
   void start(const Collider& a, const Collider& b);
   /// The same with shares that others keep, until the next batch: several scratches may take them from one place.
@@ -32,7 +32,7 @@ class SurfaceScratch {
 };
 
 /// The point nearest to `point`, in the world, of the facets of which the node owns a part. Distances are taken by
-/// closest_point() in the body's own coordinates, to positions that no rounding of a placement has touched; ties go to
+/// closest_point() in the body's own coordinates, to positions that no rounding of a transform has touched; ties go to
 /// the lowest facet. The same bits as brute force. Cost: 0.2 to 0.4 µs for leaves of 12 facets, twice that for 150, and
 /// 16 ns per facet of a leaf that is read.
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch);
@@ -52,7 +52,7 @@ double region_reach(const Collider& collider, std::uint32_t node, const Vec3& di
 ///
 /// The normal lies between the spheres' and the difference of the mean normals of both regions: at the former where
 /// both spheres bulge with their regions, at the latter where one stands off its region by its radius, as it does where
-/// its centre lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
+/// its center lies in the surface; at the former, too, where the regions do not face each other. The depth is at most
 /// (depth - E_a - E_b)⁺, E the excess of a sphere: how far it sticks out beyond the farthest corner of its facets,
 /// along the contact. docs/contact_surfaces.md has errors.
 ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,

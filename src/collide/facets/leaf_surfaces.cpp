@@ -61,7 +61,7 @@ float largest(const FacetColumns& facets) {
 }  // namespace
 
 bool FacetShares::is_of(const Collider& collider) const {
-  return ownership_ == collider.pose().ownership && share_.size() == collider.facets(0).size();
+  return cover_id_ == collider.sphere_state().cover_id && share_.size() == collider.facets(0).size();
 }
 
 void FacetShares::follow(const Collider& collider) {
@@ -80,7 +80,7 @@ void FacetShares::follow(const Collider& collider) {
           static_cast<float>(share_of(collider.mesh_facets()[facet], cover, patch));
     }
   }
-  ownership_ = collider.pose().ownership;
+  cover_id_ = collider.sphere_state().cover_id;
 }
 
 void LeafSurfaces::start(const Collider& collider, const FacetShares& shares) {
@@ -111,7 +111,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   leaf = {};
   leaf.begin = static_cast<std::uint32_t>(used_);
   leaf.size = static_cast<std::uint32_t>(facets.size());
-  leaf.center = collider_->pose().sphere(node).center;
+  leaf.center = collider_->sphere_state().sphere(node).center;
   const std::size_t end = used_ + filled(facets.size());
   if (facet_.size() < end) {
     const std::size_t room = std::max(end, 2 * facet_.size());
@@ -127,7 +127,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   Vec3 area_vectors;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const Triangle t = corners(facets[i]);
-    // Differences of corners about the centre are those of the corners, but for some 2^-53 of a coordinate.
+    // Differences of corners about the center are those of the corners, but for some 2^-53 of a coordinate.
     const Vec3 p = t[0] - center, q = t[1] - center, r = t[2] - center;
     column[0][i] = static_cast<float>(p.x), column[1][i] = static_cast<float>(p.y),
     column[2][i] = static_cast<float>(p.z);

@@ -23,7 +23,7 @@ class FacetShares {
   const float* data() const { return share_.data(); }
 
  private:
-  std::uint64_t ownership_ = 0;
+  std::uint64_t cover_id_ = 0;
   std::vector<float> share_;
 };
 

@@ -19,9 +19,9 @@ Registers registers(const Vec3& p) {
 }
 
 /// RigidTransform's own operations in its own order, so the same bits, two coordinates at a time.
-class Placement {
+class Transform {
  public:
-  explicit Placement(const RigidTransform& t)
+  explicit Transform(const RigidTransform& t)
       : columns_{registers({t.rows[0].x, t.rows[1].x, t.rows[2].x}), registers({t.rows[0].y, t.rows[1].y, t.rows[2].y}),
                  registers({t.rows[0].z, t.rows[1].z, t.rows[2].z})},
         translation_(registers(t.translation)) {}
@@ -67,11 +67,11 @@ const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
   // Boxes are in float, yet need no pads: "minus the origin, rounded to double, rounded to float" keeps the order of
   // coordinates, as equals at worst. Where intervals of doubles have a common number, so have these.
   const CornerReader corners(*collider_);
-  const Placement placement(collider_->placement());
+  const Transform transform(collider_->transform());
   const Registers origin = registers(origin_);
   for (const std::uint32_t facet : facets) {
     const Triangle t = corners(facet);
-    const Registers p = placement(t[0]), q = placement(t[1]), r = placement(t[2]);
+    const Registers p = transform(t[0]), q = transform(t[1]), r = transform(t[2]);
     const Double2 lower_xy = min(min(p.xy, q.xy), r.xy) - origin.xy;
     const Double2 upper_xy = max(max(p.xy, q.xy), r.xy) - origin.xy;
     const Double2 lower_z = min(min(p.z, q.z), r.z) - origin.z;

@@ -18,7 +18,7 @@ struct WorldFacet {
   double reach = 0;  // along a direction: see WorldFacets::reach
 };
 
-/// A sphere that contains a triangle: the centre is exact as it is, distances from it are off by 3 u, and by less than
+/// A sphere that contains a triangle: the center is exact as it is, distances from it are off by 3 u, and by less than
 /// 2^-510 where squares vanish, which 2^-500 pays for here and in gap_below.
 inline Sphere sphere_about(const Triangle& t) {
   const Vec3 center = (t[0] + t[1] + t[2]) * (1.0 / 3.0);

@@ -14,10 +14,10 @@ namespace {
 constexpr double verdict_rounding = 0x1p-16;
 
 void stamp(Front::Side& side, const Collider& collider) {
-  side.ownership = collider.pose().ownership;
-  side.frame = collider.pose().frame;
-  side.placement = collider.placement();
-  side.origin = collider.pose().origin;
+  side.cover_id = collider.sphere_state().cover_id;
+  side.frame = collider.sphere_state().frame;
+  side.transform = collider.transform();
+  side.origin = collider.sphere_state().origin;
 }
 
 double largest_extent(std::span<const Spheref> spheres) {
@@ -39,8 +39,8 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
   const auto take = [](Front::Side& side, std::span<const Spheref> spheres) {
     side.spheres.assign(spheres.begin(), spheres.end());
   };
-  take(bodies.a, a.pose().spheres);
-  take(bodies.b, b.pose().spheres);
+  take(bodies.a, a.sphere_state().spheres);
+  take(bodies.b, b.sphere_state().spheres);
   bodies.rounding = verdict_rounding * (largest_extent(bodies.a.spheres) + largest_extent(bodies.b.spheres) +
                                         max_norm(bodies.translation));
 }
@@ -55,10 +55,10 @@ double sum_rounded_up(double a, double b) {
   return error > 0 ? std::nextafter(sum, std::numeric_limits<double>::infinity()) : sum;
 }
 
-// moved(i): by how much the centre of node i has moved. least: added to every node's way.
+// moved(i): by how much the center of node i has moved. least: added to every node's way.
 template <class Moved>
 void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& way, const Moved& moved) {
-  const std::span<const Spheref> spheres = collider.pose().spheres;
+  const std::span<const Spheref> spheres = collider.sphere_state().spheres;
   const SphereTree& tree = collider.tree();
   way.resize(spheres.size());
   for (std::uint32_t i = 0; i < spheres.size(); ++i)
@@ -71,7 +71,7 @@ void travel(Front::Side& side, const Collider& collider, double least, std::vect
     double farthest = way[i];
     // mutant front-way-of-children: `farthest = std::max(farthest, way[tree.first_child[i] + k])` -> ``
     for (std::uint32_t k = 0; k < tree.child_count[i]; ++k) farthest = std::max(farthest, way[tree.first_child[i] + k]);
-    side.travelled[i] = sum_rounded_up(side.travelled[i], farthest);
+    side.path_length[i] = sum_rounded_up(side.path_length[i], farthest);
   }
 }
 
@@ -85,15 +85,15 @@ void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, con
   } else {
     bodies.a.spheres.clear(), bodies.b.spheres.clear();
   }
-  bodies.a.travelled.assign(bodies.a.spheres.size(), 0.0);
-  bodies.b.travelled.assign(bodies.b.spheres.size(), 0.0);
+  bodies.a.path_length.assign(bodies.a.spheres.size(), 0.0);
+  bodies.b.path_length.assign(bodies.b.spheres.size(), 0.0);
 }
 
 void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch) {
-  const std::span<const Spheref> now_a = a.pose().spheres, now_b = b.pose().spheres;
+  const std::span<const Spheref> now_a = a.sphere_state().spheres, now_b = b.sphere_state().spheres;
   const bool same_place = bodies.rows == placed.rows && bodies.translation == placed.translation &&
-                          bodies.a.origin == a.pose().origin && bodies.b.origin == b.pose().origin;
+                          bodies.a.origin == a.sphere_state().origin && bodies.b.origin == b.sphere_state().origin;
   // A pad that has changed is a radius that has: one side takes it for both. Far from the origin pads are large, and
   // bodies that come back have none of it, even if they have not moved against each other.
   const double pad_change = std::abs(static_cast<double>(placed.narrow.pad) - bodies.pad);
@@ -103,14 +103,14 @@ void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, co
   const bool moved_a = pad_change > 0 || has_moved(bodies.a, now_a), moved_b = has_moved(bodies.b, now_b);
   const double least = same_place ? 0 : placed.rounding;
   if (moved_a) {
-    const Vec3 shift = a.pose().origin - bodies.a.origin;
+    const Vec3 shift = a.sphere_state().origin - bodies.a.origin;
     // mutant front-pad-of-another-place: `least + pad_change` -> `least`
     travel(bodies.a, a, least + pad_change, scratch,
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }
   if (moved_b) {
     // In a's coordinates: M c + u + origin of a, then and now.
-    const Vec3 shift = (placed.translation + a.pose().origin) - (bodies.translation + bodies.a.origin);
+    const Vec3 shift = (placed.translation + a.sphere_state().origin) - (bodies.translation + bodies.a.origin);
     const std::array<Vec3, 3> then = bodies.rows;
     travel(bodies.b, b, least, scratch, [&](std::uint32_t i) {
       const Vec3 c_now(now_b[i].center), c_then(bodies.b.spheres[i].center);

@@ -14,9 +14,9 @@ namespace morula::detail {
 void begin_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                   bool with_spheres);
 
-/// Adds to `travelled` what the bodies have moved since, against each other, and takes over the present frame. Nodes
+/// Adds to `path_length` what the bodies have moved since, against each other, and takes over the present frame. Nodes
 /// that kept every bit, in a frame that did, travel nothing. Travel is measured in a's coordinates without its
-/// placement, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
+/// transform, so bodies that are placed elsewhere together have not moved. Cost: linear in nodes.
 void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, const PlacedPair& placed,
                    std::vector<double>& scratch);
 

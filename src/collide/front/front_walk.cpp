@@ -31,15 +31,15 @@ void FrontWalk::place(const CollideOptions& options) {
     trees_.emplace_back(*pair.a, *pair.b, options.margin, options.level.value_or(none));
 }
 
-void FrontWalk::start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result) {
+void FrontWalk::start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result) {
   place(options);
-  keeps_ = keeps;
+  keeps_ = accepts;
   front.level = options.level.value_or(none);
   front.margin = options.margin;
   front.pairs.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    begin_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), keeps);
+    begin_travel(bodies, *pairs[i].a, *pairs[i].b, trees_[i].placed(), accepts);
     bodies.roots = Front::Verdict::untested;
     bodies.opened_roots = none;
   }
@@ -88,16 +88,17 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
 
 // Of each side by itself: a short way of one is not lost beside a long one of the other. What rounding takes from a
 // difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
-double FrontWalk::travelled_since(const Front::Opened& before) const {
+double FrontWalk::traveled_since(const Front::Opened& before) const {
   const Front::Pair& bodies = front.pairs[before.pair];
-  return (bodies.a.travelled[before.a] - before.travelled_a) + (bodies.b.travelled[before.b] - before.travelled_b);
+  return (bodies.a.path_length[before.a] - before.path_length_a) +
+         (bodies.b.path_length[before.b] - before.path_length_b);
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
   if (pair.before == none || options.reach) return false;
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
-  const double since = travelled_since(before);
+  const double since = traveled_since(before);
   // mutant front-rounding: `+ front.pairs[pair.pair].rounding <` -> `<`
   return since == 0 || since + front.pairs[pair.pair].rounding < before.clearance;
 }
@@ -142,11 +143,11 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
   if (slot.knows_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
-    // mutant front-forgets-the-way: `before.travelled_a, entry.travelled_b = before.travelled_b` -> `front.pairs[pair.pair].a.travelled[before.a], entry.travelled_b = front.pairs[pair.pair].b.travelled[before.b]`
-    entry.travelled_a = before.travelled_a, entry.travelled_b = before.travelled_b;
+    // mutant front-forgets-the-way: `before.path_length_a, entry.path_length_b = before.path_length_b` -> `front.pairs[pair.pair].a.path_length[before.a], entry.path_length_b = front.pairs[pair.pair].b.path_length[before.b]`
+    entry.path_length_a = before.path_length_a, entry.path_length_b = before.path_length_b;
   } else if (keeps_) {
     const Front::Pair& bodies = front.pairs[pair.pair];
-    entry.travelled_a = bodies.a.travelled[pair.a], entry.travelled_b = bodies.b.travelled[pair.b];
+    entry.path_length_a = bodies.a.path_length[pair.a], entry.path_length_b = bodies.b.path_length[pair.b];
   }
   std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
   entry.next_beside = std::exchange(head, opened);
@@ -174,7 +175,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
 void FrontWalk::test_roots(Run& run) {
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
-    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.takes(1)) continue;
+    if (bodies.roots != Front::Verdict::untested || run.meter.out_of_time() || !run.meter.try_spend(1)) continue;
     ++run.meter.done;
     const bool overlap = trees_[i].overlaps(0, 0);
     bodies.roots = overlap ? Front::Verdict::overlapping : Front::Verdict::separated;
@@ -192,7 +193,7 @@ void FrontWalk::fill_round(Run& run) {
     const TreePair& trees = trees_[pair.pair];
     const Slot slot{pair, trees.below_a(pair.a, pair.depth), trees.below_b(pair.b, pair.depth),
                     still_holds(run.options, pair), std::numeric_limits<double>::infinity()};
-    if (!run.meter.takes(slot.tests())) {
+    if (!run.meter.try_spend(slot.tests())) {
       aside_.push_back(pair);
     } else if (!reachable(run.options, pair)) {
       run.meter.give_back(slot.tests());

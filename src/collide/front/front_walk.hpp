@@ -21,7 +21,7 @@ class FrontWalk {
   ContactExtras extras;
 
   /// Arguments have been checked. keeps: the front is to be carried into the next frame, which costs a little.
-  void start(const CollideOptions& options, bool keeps, Workers& workers, Contacts& result);
+  void start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result);
   void resume(const CollideOptions& options, Workers& workers, Contacts& result);
   void carry(const CollideOptions& options, Workers& workers, Contacts& result);
   /// A front from outside. Before anything else is done with it, it has to be of these pairs, and well formed: with no
@@ -59,7 +59,7 @@ class FrontWalk {
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;
   /// How far both nodes have come since a pair was opened in an earlier frame.
-  double travelled_since(const Front::Opened& before) const;
+  double traveled_since(const Front::Opened& before) const;
   void test_roots(Run& run);
   void fill_round(Run& run);
   void test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const;

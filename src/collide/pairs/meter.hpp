@@ -35,7 +35,7 @@ class Meter {
     return late_;
   }
   /// May so many tests be done? Once the answer was no it stays no. Zero tests are always allowed.
-  bool takes(std::uint32_t tests) {
+  bool try_spend(std::uint32_t tests) {
     if (tests == 0) return true;
     blocked_ = blocked_ || tests > left_;
     if (!blocked_) left_ -= tests;

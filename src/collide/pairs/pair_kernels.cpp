@@ -13,8 +13,8 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // mutant pair-radius-a: `1 + 0x1p-20f` -> `1`
 // mutant pair-radius-b: `1 + 0x1p-19f` -> `1`
-// mutant pair-centre: `0x1p-20f;` -> `0;`
-// mutant pair-centre-less: `20f;` -> `24f;`
+// mutant pair-center: `0x1p-20f;` -> `0;`
+// mutant pair-center-less: `20f;` -> `24f;`
 constexpr float grown_a = 1 + 0x1p-20f, grown_b = 1 + 0x1p-19f, center_share = 0x1p-20f;
 // Keeps 0 / 0 away where two grown radii and a distance vanish.
 constexpr float tiny = 0x1p-125f;

@@ -22,12 +22,12 @@ std::string_view pair_test_kind_name(std::size_t kind) {
   return kind_name(kind);
 }
 
-std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& placement,
+std::size_t count_overlapping(std::span<const Spheref> a, std::span<const Spheref> b, const RigidTransform& transform,
                               std::size_t kind) {
   const StandardFloats standard;
   assert(kind < pair_test_kinds());
   const PairKernels& kernels = all_pair_kernels()[kind];
-  const NarrowPair pair = placed_pair(placement, 0, 0).narrow;
+  const NarrowPair pair = placed_pair(transform, 0, 0).narrow;
   constexpr std::size_t side = 8;
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.size(); i += side)

@@ -39,10 +39,10 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
 }
 
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin) {
-  const RigidTransform &place_a = a.placement(), &place_b = b.placement();
-  const Vec3 origin_a = a.pose().origin, origin_b = b.pose().origin;
+  const RigidTransform &place_a = a.transform(), &place_b = b.transform();
+  const Vec3 origin_a = a.sphere_state().origin, origin_b = b.sphere_state().origin;
   const Vec3 world_a = place_a(origin_a), shift = place_b(origin_b) - world_a;
-  const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.turn_back(shift)};
+  const RigidTransform relative{relative_to(place_a, place_b).rows, place_a.inverse_rotate(shift)};
   const double coordinates =
       max_norm(origin_a) + max_norm(origin_b) + max_norm(place_a.translation) + max_norm(place_b.translation);
   PlacedPair pair = placed_pair(relative, coordinates, margin);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Placed pair: one body's spheres seen from the other, and how pair tests survive rounding.
 //
-// Local coordinates of a body are about its origin, without its placement. A test looks at a sphere (c_a, r_a) of a and
+// Local coordinates of a body are about its origin, without its transform. A test looks at a sphere (c_a, r_a) of a and
 // a sphere (c_b, r_b) of b, moved into a's coordinates by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and
 // W = R origin + t. It says "separated" only when no point of the world lies in both regions. Let e = 2^-24, v = 2^-53,
 // |.|_1 the sum of absolute coordinates, U the largest |coordinate| of u, A the sum over both bodies of the largest
@@ -12,7 +12,7 @@
 // r_b, so |c_a - c'| <= r_a + |M| r_b + |E l_a| with E = R_a^T R_a - I, and |l_a| is below |u| + |l_b| and a little:
 //   not quite rigid entries of R R^T - I up to d = 1e-9: |M| <= 1 + 4 d, |E l_a| <= 3 d |l_a|. Together below
 //                   16 d (|c_b|_1 + U + r_b) = 0.3 e of it
-//   world           vertices R x + t rounded to double, W, origin + centre, the difference of the W: below
+//   world           vertices R x + t rounded to double, W, origin + center, the difference of the W: below
 //                   60 v (A + |c_b|_1 + U + r_b). Allowed: 2^-46 A = 128 v A; the rest is nothing beside the next lines
 //   moving          M and u narrowed, three products, three sums in float: per coordinate below 4 e (|c_b|_1 + U), as a
 //                   length 7 e of it. Allowed with what is not rigid: 2^-20 = 16 e of |c_b|_1, U and r_b

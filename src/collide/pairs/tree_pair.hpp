@@ -25,8 +25,8 @@ class TreePair {
   /// level: of the nodes at which to end; larger than both depths for the leaves.
   TreePair(const Collider& a, const Collider& b, double margin, std::uint32_t level)
       : placed_(placed_pair(a, b, margin)),
-        spheres_a_(a.pose().spheres),
-        spheres_b_(b.pose().spheres),
+        spheres_a_(a.sphere_state().spheres),
+        spheres_b_(b.sphere_state().spheres),
         tree_a_(&a.tree()),
         tree_b_(&b.tree()),
         level_(level) {}
@@ -44,7 +44,7 @@ class TreePair {
   void test(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     pair_kernels().test(placed_.narrow, block(a, b), masks);
   }
-  /// The same, and a length by which centres and radii of a pair may change together, in sum, without changing an
+  /// The same, and a length by which centers and radii of a pair may change together, in sum, without changing an
   /// answer but for rounding; see PairKernels.
   double test_and_measure(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     const double least = pair_kernels().test_and_measure(placed_.narrow, block(a, b), masks);

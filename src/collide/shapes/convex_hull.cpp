@@ -99,7 +99,7 @@ ConvexHull::ConvexHull(std::span<const Vec3> points) {
   measure();
 }
 
-ConvexHull ConvexHull::box(const Box& box, const RigidTransform& placement) {
+ConvexHull ConvexHull::box(const Box& box, const RigidTransform& transform) {
   const StandardFloats standard;
   std::array<Vec3, 8> corners;
   for (std::size_t k = 0; k < 8; ++k)
@@ -108,12 +108,12 @@ ConvexHull ConvexHull::box(const Box& box, const RigidTransform& placement) {
   const Vec3 extent = box.extent();
   if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
     throw std::invalid_argument("a box that is empty or flat is no hull");
-  return ConvexHull(corners).placed(placement);
+  return ConvexHull(corners).placed(transform);
 }
 
-ConvexHull ConvexHull::placed(const RigidTransform& placement) const {
+ConvexHull ConvexHull::placed(const RigidTransform& transform) const {
   const StandardFloats standard;
-  const RigidTransform rigid = rigid_or_throw(placement, "the placement of a hull");
+  const RigidTransform rigid = rigid_or_throw(transform, "the transform of a hull");
   ConvexHull hull = *this;
   for (Vec3& p : hull.vertices_) p = rigid(p);
   require_near(hull.vertices_);

@@ -31,10 +31,10 @@ double greatest(std::span<const Heights> planes, const Barycentric& b) {
 Barycentric where_greatest_is_least(std::span<const Heights> planes) {
   Barycentric best{1, 0, 0};
   double least = greatest(planes, best);
-  const auto look = [&](const Barycentric& b) {
+  const auto visit = [&](const Barycentric& b) {
     if (const double value = greatest(planes, b); value < least) least = value, best = b;
   };
-  look({0, 1, 0}), look({0, 0, 1});
+  visit({0, 1, 0}), visit({0, 0, 1});
   for (std::size_t i = 0; i < planes.size(); ++i)
     for (std::size_t j = i + 1; j < planes.size(); ++j) {
       const Heights d{planes[i][0] - planes[j][0], planes[i][1] - planes[j][1], planes[i][2] - planes[j][2]};
@@ -44,14 +44,14 @@ Barycentric where_greatest_is_least(std::span<const Heights> planes) {
         if (!(s > 0 && s < 1)) continue;
         Barycentric b{};
         b[k] = 1 - s, b[l] = s;
-        look(b);
+        visit(b);
       }
       for (std::size_t m = j + 1; m < planes.size(); ++m) {
         const Heights e{planes[i][0] - planes[m][0], planes[i][1] - planes[m][1], planes[i][2] - planes[m][2]};
         const Vec3 c = cross(Vec3{d[0], d[1], d[2]}, Vec3{e[0], e[1], e[2]});
         const double sum = c.x + c.y + c.z;
         const Barycentric b{c.x / sum, c.y / sum, c.z / sum};
-        if (b[0] >= 0 && b[1] >= 0 && b[2] >= 0 && b[0] <= 1 && b[1] <= 1 && b[2] <= 1) look(b);
+        if (b[0] >= 0 && b[1] >= 0 && b[2] >= 0 && b[0] <= 1 && b[1] <= 1 && b[2] <= 1) visit(b);
       }
     }
   return best;

@@ -22,7 +22,7 @@ bool is_usable(const ConvexHull& shape);
 inline Vec3 abs(const Vec3& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
-/// How far a box of such halves reaches from its centre along a direction.
+/// How far a box of such halves reaches from its center along a direction.
 inline double width(const Vec3& direction, const Vec3& half) {
   return dot(abs(direction), half);
 }

@@ -30,25 +30,25 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
   const auto add = [&](std::uint32_t facet, const Triangle& corners, const FoundOnShape& found) {
     const bool is_first = found.distance < best || (found.distance == best && facet < result.deepest->point.facet);
     const bool touches = found.distance <= margin;
-    if (!(options.nearest || touches) || !(is_first || (options.list && touches))) return;
+    if (!(options.nearest || touches) || !(is_first || (options.collect_all && touches))) return;
     const TouchingFacet touching{
         {facet, found.barycentric, found.point}, 0.0 - found.distance, shape.normal_at(found.point, corners)};
-    if (options.list && touches) result.facets.push_back(touching);
+    if (options.collect_all && touches) result.facets.push_back(touching);
     if (!is_first) return;
     best = found.distance;
     result.deepest = touching;
     result.touches = touches;
     // A list needs everything within the margin.
-    limit = std::min(limit, options.list ? std::max(best, margin) : best);
+    limit = std::min(limit, options.collect_all ? std::max(best, margin) : best);
   };
 
   const auto bound = [&](std::uint32_t node) {
     ++result.sphere_tests;
     return shape.bound(spheres(node));
   };
-  const auto leave = [&](double b) { result.lower = std::min(result.lower, b); };
+  const auto prune = [&](double b) { result.lower = std::min(result.lower, b); };
   walk_nearest_first(
-      body.tree(), bound, [&] { return limit; }, leave,
+      body.tree(), bound, [&] { return limit; }, prune,
       [&](std::uint32_t leaf, double leaf_bound) {
         bool touched = false;
         for (const std::uint32_t facet : body.facets(leaf)) {
@@ -56,24 +56,24 @@ void search(const Collider& body, const Shape& shape, const TouchOptions& option
           if constexpr (Shape::looks_at_spheres_first) {
             const double facet_bound = shape.bound(sphere_about(corners));
             if (facet_bound > limit) {
-              leave(facet_bound);
+              prune(facet_bound);
               continue;
             }
           }
           ++result.facet_tests;
           const FoundOnShape found = shape.look_at(corners);
-          leave(std::max(found.lower, leaf_bound));
+          prune(std::max(found.lower, leaf_bound));
           touched = touched || found.distance <= margin;
           add(facet, corners, found);
-          if (options.any && result.touches) {
-            leave(leaf_bound);
+          if (options.stop_at_first && result.touches) {
+            prune(leaf_bound);
             return false;
           }
         }
-        if (options.list && touched) result.leaves.push_back(leaf);
+        if (options.collect_all && touched) result.leaves.push_back(leaf);
         return true;
       });
-  result.clear = !result.touches && result.lower > margin;
+  result.proven_clear = !result.touches && result.lower > margin;
   std::sort(result.leaves.begin(), result.leaves.end());
   std::sort(result.facets.begin(), result.facets.end(),
             [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet < b.point.facet; });
@@ -90,14 +90,14 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.status = askable(body);
   if (result.status && !good_shape) result.status = {Status::Code::bad_shape};
   if (result.status && !std::isfinite(options.margin)) result.status = {Status::Code::bad_option};
-  result.touches = result.clear = result.certified = false;
+  result.touches = result.proven_clear = result.certified = false;
   result.lower = 0;
   result.deepest.reset();
   result.facets.clear();
   result.leaves.clear();
   result.sphere_tests = result.facet_tests = 0;
   if (!result.status) return false;
-  result.certified = body.pose().covers;
+  result.certified = body.sphere_state().covers;
   // An exception leaves a result that says that it ended so: search() sets it right at its end.
   result.status = {Status::Code::ended_by_exception};
   return true;

@@ -114,7 +114,7 @@ RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
   result.status = askable(body);
   if (result.status && !is_good(ray)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
-  result.certified = body.pose().covers;
+  result.certified = body.sphere_state().covers;
   const PlacedSpheres spheres(body);
   const ShearedRay sheared(ray);
   // Bounds of spheres that are missed are infinite: the limit stays below.

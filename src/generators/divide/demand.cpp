@@ -11,11 +11,11 @@ namespace {
 
 // The square root of what a leaf takes in, by area. A part that needs κ / n with n spheres and one that needs λ / m do
 // best together when n to m is as √κ to √λ: roots are what is shared out evenly.
-std::vector<float> leaf_demands(const FitInput& input, const CoveredTree& built, std::span<const std::uint32_t> leaves,
+std::vector<float> leaf_demands(const FitInput& input, const CoveredTree& model, std::span<const std::uint32_t> leaves,
                                 Workers& workers) {
   std::vector<float> demands(leaves.size());
   workers.run(leaves.size(), [&](std::size_t i) {
-    const Sphere& s = built.tree.spheres[leaves[i]];
+    const Sphere& s = model.tree.spheres[leaves[i]];
     Box box;
     box.add(s.center - Vec3{s.radius, s.radius, s.radius});
     box.add(s.center + Vec3{s.radius, s.radius, s.radius});
@@ -23,9 +23,9 @@ std::vector<float> leaf_demands(const FitInput& input, const CoveredTree& built,
     const double cost =
         grid.new_outside({grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())}) * grid.cell_volume();
     double surface = 0;
-    for (std::uint32_t p = built.cover.region_begin[leaves[i]]; p < built.cover.region_end[leaves[i]]; ++p) {
-      const auto patch = built.cover.patch(p);
-      const auto at = [&](std::size_t k) { return corner_position(built.cover, patch[k], input.mesh.positions); };
+    for (std::uint32_t p = model.cover.region_begin[leaves[i]]; p < model.cover.region_end[leaves[i]]; ++p) {
+      const auto patch = model.cover.patch(p);
+      const auto at = [&](std::size_t k) { return corner_position(model.cover, patch[k], input.mesh.positions); };
       for (std::size_t k = 2; k < patch.size(); ++k) surface += area({at(0), at(k - 1), at(k)});
     }
     demands[i] = surface > 0 ? static_cast<float>(std::sqrt(std::max(0.0, cost)) / surface) : 0.0F;

@@ -7,7 +7,7 @@
 
 namespace morula::detail {
 
-/// Method morula at its fastest.
+/// Method optimized at its fastest.
 CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& workers);
 
 /// Demand of surface points, from the leaves of such a tree. Borrows nothing.

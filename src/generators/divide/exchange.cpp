@@ -33,7 +33,7 @@ bool contains(const Sphere& sphere, std::span<const Vec3> corners, double pad) {
 // Where the ball around the points takes in least of the space: a compass search from its middle or, where that is
 // better, from `start`. radius: of the ball about the middle.
 Vec3f best_center(const FreeSpace& space, const GroupPoints& points, const Vec3f& start, float radius) {
-  // On a tube a centre that is 2 % of a radius off the axis costs more than all else that a thin slab takes in.
+  // On a tube a center that is 2 % of a radius off the axis costs more than all else that a thin slab takes in.
   constexpr float first_step = 0.06F, last_step = 0.005F;
   // Of two balls without free space the smaller is better.
   constexpr float whole_volume_share = 1e-4F;
@@ -145,7 +145,7 @@ class Exchange {
   Exchange(const FitInput& input, std::vector<BuildNode>& nodes)
       : mesh_(input.mesh), lines_(input.lines), nodes_(nodes), pad_(input.pad), boxes_(nodes.size()) {}
 
-  void look(Workers& workers) {
+  void visit(Workers& workers) {
     workers.run(nodes_.size(), [&](std::size_t i) {
       std::vector<Vec3> corners;
       corner_positions(mesh_, nodes_[i].region, corners);
@@ -292,7 +292,7 @@ class Exchange {
 
 void exchange(const FitInput& input, std::vector<BuildNode>& nodes, int rounds, Workers& workers) {
   Exchange level(input, nodes);
-  level.look(workers);
+  level.visit(workers);
   for (int round = 0; round < rounds; ++round) {
     level.trade(workers);
     level.refit(workers);

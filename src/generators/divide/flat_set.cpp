@@ -53,8 +53,8 @@ std::vector<Rung> rungs_up_to(std::size_t spheres, bool has_other_start) {
 
 // How far a set has grown: what is known of its leaves while they stay as they are.
 struct Growth {
-  std::vector<double> worth;  // per leaf: what it takes in by itself
-  std::vector<int> tried;     // parts that it was divided into in vain; 1: none
+  std::vector<double> gain;  // per leaf: what it takes in by itself
+  std::vector<int> tried;    // parts that it was divided into in vain; 1: none
   int parts = 2, failures = 0;
 };
 
@@ -166,7 +166,7 @@ class FlatSet {
     }
   }
 
-  // Spheres that sit side by side like slabs: their centres are much nearer than their surfaces are.
+  // Spheres that sit side by side like slabs: their centers are much nearer than their surfaces are.
   static bool is_slender(const Set& set) {
     constexpr double much_nearer = 0.5;
     if (set.leaves.size() < 2) return false;
@@ -235,7 +235,7 @@ class FlatSet {
   void grow(Set& set, std::size_t most) {
     if (set.leaves.size() >= most) return;
     Growth& known = set.growth;
-    if (!by_.grows || known.worth.size() != set.leaves.size()) known = growth_of(set);
+    if (!by_.grows || known.gain.size() != set.leaves.size()) known = growth_of(set);
     // Halves first. Where they do not help, quarters may: of a plate, two spheres take in as much as one.
     constexpr int most_failures = 3;
     while (set.leaves.size() + static_cast<std::size_t>(known.parts) <= most + 1 && !run_.out_of_time()) {
@@ -246,7 +246,7 @@ class FlatSet {
         continue;
       }
       const std::size_t worst = worst_of(known);
-      if (worst == known.worth.size())
+      if (worst == known.gain.size())
         known.failures = most_failures;
       else if (!divide(set, worst, known.parts == 2 ? halve_ : quarter_))
         known.tried[worst] = known.parts, ++known.failures;
@@ -255,17 +255,17 @@ class FlatSet {
 
   Growth growth_of(const Set& set) const {
     Growth growth;
-    for (const BuildNode& leaf : set.leaves) growth.worth.push_back(union_.outside(leaf.sphere));
+    for (const BuildNode& leaf : set.leaves) growth.gain.push_back(union_.outside(leaf.sphere));
     growth.tried.assign(set.leaves.size(), 1);
     return growth;
   }
 
   // The leaf to divide next; as many as there are: none.
   static std::size_t worst_of(const Growth& known) {
-    std::size_t worst = known.worth.size();
-    for (std::size_t i = 0; i < known.worth.size(); ++i)
-      if (known.tried[i] < known.parts && known.worth[i] > 0 &&
-          (worst == known.worth.size() || known.worth[i] > known.worth[worst]))
+    std::size_t worst = known.gain.size();
+    for (std::size_t i = 0; i < known.gain.size(); ++i)
+      if (known.tried[i] < known.parts && known.gain[i] > 0 &&
+          (worst == known.gain.size() || known.gain[i] > known.gain[worst]))
         worst = i;
     return worst;
   }
@@ -286,11 +286,10 @@ class FlatSet {
     set.outside = now;
     set.leftover_patches += parts.leftover_patches;
     Growth& known = set.growth;
-    known.worth[at] = union_.outside(set.leaves[at].sphere);
-    for (std::size_t i = before; i < set.leaves.size(); ++i)
-      known.worth.push_back(union_.outside(set.leaves[i].sphere));
+    known.gain[at] = union_.outside(set.leaves[at].sphere);
+    for (std::size_t i = before; i < set.leaves.size(); ++i) known.gain.push_back(union_.outside(set.leaves[i].sphere));
     known.tried[at] = 1;
-    known.tried.resize(known.worth.size(), 1);
+    known.tried.resize(known.gain.size(), 1);
     known.parts = 2, known.failures = 0;
     return true;
   }
@@ -341,9 +340,9 @@ class FlatSet {
     std::vector<std::uint32_t> order(leaves.size());
     std::iota(order.begin(), order.end(), 0u);
     report_.protrusion_bound = largest_protrusion(input_.mesh, input_.shape, leaves);  // before their regions go
-    CoveredTree built;
-    built.tree.branching = report_.branching;
-    built.tree.append_level({}, std::span(leaves.size() > 1 ? &root_.sphere : &leaves[0].sphere, 1));
+    CoveredTree model;
+    model.tree.branching = report_.branching;
+    model.tree.append_level({}, std::span(leaves.size() > 1 ? &root_.sphere : &leaves[0].sphere, 1));
     std::vector<Region> regions;
     std::vector<Span> level{{0, leaves.size()}};
     while (!level.empty()) {
@@ -364,16 +363,16 @@ class FlatSet {
         const auto of = std::span(order).subspan(next[i].begin, next[i].end - next[i].begin);
         spheres[i] = of.size() == 1 ? leaves[of[0]].sphere : around(leaves, of);
       });
-      if (!next.empty()) built.tree.append_level(counts, spheres);
+      if (!next.empty()) model.tree.append_level(counts, spheres);
       level = std::move(next);
     }
-    built.cover = assemble_cover(input_.mesh, built.tree, std::move(regions));
-    report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
-    report_.level_seconds.assign(built.tree.level_count(), 0.0);
+    model.cover = assemble_cover(input_.mesh, model.tree, std::move(regions));
+    report_.depth = static_cast<std::uint32_t>(model.tree.level_count() - 1);
+    report_.level_seconds.assign(model.tree.level_count(), 0.0);
     report_.level_seconds[std::min<std::size_t>(1, report_.depth)] = run_.seconds();
     report_.leftover_patches = set.leftover_patches;
-    for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
-      report_.early_leaves += built.tree.is_leaf(i);
+    for (std::uint32_t i = 0; i < model.tree.level_begin[model.tree.level_count() - 1]; ++i)
+      report_.early_leaves += model.tree.is_leaf(i);
     if (out_of_time) {
       report_.complete = false;
       report_.notes.push_back("the time limit of " + short_number(run_.time_limit_seconds) + " s was over at " +
@@ -390,8 +389,8 @@ class FlatSet {
     if (std::string note = winners.note(); !note.empty()) report_.notes.push_back(std::move(note));
     run_.tell(1, static_cast<int>(report_.depth), 0.0);
     run_.throw_if_stopped();
-    built.report = std::move(report_);
-    return built;
+    model.report = std::move(report_);
+    return model;
   }
 
   const FitInput& input_;

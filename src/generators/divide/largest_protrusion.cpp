@@ -53,7 +53,7 @@ class Parts {
     look_at(own);
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
       const Sphere& other = leaves_[i].sphere;
-      // mutant protrusion-only-where-the-centre-is: `(std::sqrt(least) + other.radius)` -> `std::sqrt(least)`
+      // mutant protrusion-only-where-the-center-is: `(std::sqrt(least) + other.radius)` -> `std::sqrt(least)`
       if (i != own && distance(p, other.center) <= (std::sqrt(least) + other.radius) * (1 + rounding)) look_at(i);
     }
     return std::sqrt(least);

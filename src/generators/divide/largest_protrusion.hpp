@@ -12,7 +12,7 @@ namespace morula::detail {
 
 /// max of (r + φ(c))⁺ over the leaves, as SignedDistance::protrusion_bound has it. leaves: their regions are the whole
 /// surface, and each lies in its sphere. A shape that has an index is asked, and so is that of a mesh which is not
-/// closed, or of a centre on the surface but for rounding. Cost: O(leaves · facets that spheres near by own).
+/// closed, or of a center on the surface but for rounding. Cost: O(leaves · facets that spheres near by own).
 double largest_protrusion(const Mesh& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves);
 
 }  // namespace morula::detail

@@ -20,7 +20,7 @@ constexpr double room = 1.5;
 // Of two samples nearer to each other than this share of their spacing one is enough.
 constexpr double thinning = 0.7;
 
-// One sample of each neighbourhood: a set of cells, open addressing, insertion only.
+// One sample of each neighborhood: a set of cells, open addressing, insertion only.
 class ThinnedPoints {
  public:
   ThinnedPoints(const Vec3& origin, double width, std::vector<Vec3>& points)
@@ -185,7 +185,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       if (divided.regions[i].empty()) continue;
       corner_positions(input_.mesh, divided.regions[i], corners);
-      // The smallest ball is the best one about a thin slab of a tube, and the search finds its centre only roughly.
+      // The smallest ball is the best one about a thin slab of a tube, and the search finds its center only roughly.
       const std::array<Vec3f, 3> starts{grid_->to_grid(spheres[i].center),
                                         grid_->to_grid(enclosing_sphere(corners).center),
                                         grid_->to_grid(node_.sphere.center)};

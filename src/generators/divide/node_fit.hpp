@@ -72,7 +72,7 @@ class NodeFit {
   Exact exact(bool wants_cost = true) {
     return exact_from(children_->spheres(), settings_.exact_rounds, wants_cost, false);
   }
-  /// Once, from other spheres, each also tried at the node's own centre: what one ball does as well as many.
+  /// Once, from other spheres, each also tried at the node's own center: what one ball does as well as many.
   Exact divided_anyway(std::vector<Sphere> spheres);
 
  private:

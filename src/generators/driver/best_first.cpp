@@ -35,7 +35,7 @@ struct Candidates {
 
 class Pruner {
  public:
-  Pruner(std::vector<Grown>& nodes, const Judge& judge) : nodes_(nodes), judge_(judge), candidates_(nodes.size()) {
+  Pruner(std::vector<Grown>& nodes, const LeafScore& score) : nodes_(nodes), score_(score), candidates_(nodes.size()) {
     parent_.resize(nodes.size(), no_node);
     for (std::uint32_t i = 0; i < nodes.size(); ++i)
       for (const std::uint32_t child : nodes[i].children) parent_[child] = i;
@@ -90,7 +90,7 @@ class Pruner {
       const Grown &a = nodes_[pair.first], &b = nodes_[pair.second];
       auto known = of.joins.find(pair);
       if (known == of.joins.end())
-        known = of.joins.emplace(pair, judge_.join(a.node, a.verdict, b.node, b.verdict)).first;
+        known = of.joins.emplace(pair, score_.join(a.node, a.verdict, b.node, b.verdict)).first;
       if (!of.best || known->second.cost < of.joins.at(*of.best).cost) of.best = pair;
     }
   }
@@ -123,7 +123,7 @@ class Pruner {
     children.clear();
     nodes_[kept].node.region = {};
     nodes_[parent].node.region = std::move(node.region);
-    if (join.verdict.worth < nodes_[parent].verdict.worth) {
+    if (join.verdict.gain < nodes_[parent].verdict.gain) {
       nodes_[parent].node.sphere = join.sphere;
       nodes_[parent].verdict = join.verdict;
     }
@@ -135,7 +135,7 @@ class Pruner {
   }
 
   std::vector<Grown>& nodes_;
-  const Judge& judge_;
+  const LeafScore& score_;
   std::vector<Candidates> candidates_;  // of each node
   std::vector<std::uint32_t> parent_;
   std::set<std::pair<double, std::uint32_t>> queue_;  // the cheapest first
@@ -144,8 +144,8 @@ class Pruner {
 // Joins two sibling leaves after the other, those first that then take in least more, until at most `most` leaves are
 // left; a node whose children have become one is that leaf. nodes: the root first. Nodes that are joined away are no
 // longer among their parent's children.
-void prune(std::vector<Grown>& nodes, std::size_t most, const Judge& judge, const BuildRun& run, Workers& workers) {
-  Pruner(nodes, judge)(most, run, workers);
+void prune(std::vector<Grown>& nodes, std::size_t most, const LeafScore& score, const BuildRun& run, Workers& workers) {
+  Pruner(nodes, score)(most, run, workers);
 }
 
 // Grown to so many times the number of spheres asked for, then pruned: where the divisions gain most shows only when
@@ -158,7 +158,7 @@ class BestFirst {
       : mesh_(mesh),
         run_(run),
         divide_(divide),
-        judge_(mesh, shape, run),
+        score_(mesh, shape, run),
         workers_(workers),
         too_small_(smallest_radius(run)),
         wanted_(leaves_wanted(run)) {}
@@ -167,7 +167,7 @@ class BestFirst {
     run_.tell(0, 0);
     report_ = new_report(mesh_, run_);
     BuildNode root = root_node(mesh_, run_, root_cell);
-    const Verdict verdict = judge_(root.sphere);
+    const Verdict verdict = score_(root.sphere);
     add(std::move(root), verdict);
     all_patches_ = std::max<std::size_t>(1, nodes_[0].node.region.size());
     told_ = run_.seconds();
@@ -180,7 +180,7 @@ class BestFirst {
     }
     grown_ = leaves_;
     if (run_.spheres > 0 && leaves_ > run_.spheres) {
-      prune(nodes_, run_.spheres, judge_, run_, workers_);
+      prune(nodes_, run_.spheres, score_, run_, workers_);
       leaves_ = run_.spheres;
     }
     return finish();
@@ -199,7 +199,7 @@ class BestFirst {
     const auto index = static_cast<std::uint32_t>(nodes_.size());
     const bool good_enough = run_.max_protrusion > 0 && verdict.bound <= run_.max_protrusion;
     if (good_enough) patches_done_ += node.region.size();
-    if (!good_enough && node.level < max_depth) waiting_.insert({-verdict.worth, index});
+    if (!good_enough && node.level < max_depth) waiting_.insert({-verdict.gain, index});
     nodes_.push_back({std::move(node), verdict});
   }
 
@@ -219,7 +219,7 @@ class BestFirst {
       if (run_.stop.stop_requested() || run_.out_of_time()) return;
       prepared[i].emplace();
       Division& division = prepared[i]->division = children_of(nodes_[chosen[i]].node, divide_, too_small_);
-      if (run_.max_protrusion > 0) judge_.make_few(division);
+      if (run_.max_protrusion > 0) score_.make_few(division);
       prepared[i]->verdicts = verdicts(division);
     });
     run_.throw_if_stopped();
@@ -246,7 +246,7 @@ class BestFirst {
 
   std::vector<Verdict> verdicts(const Division& division) const {
     std::vector<Verdict> all;
-    for (const BuildNode& child : division.children) all.push_back(judge_(child.sphere));
+    for (const BuildNode& child : division.children) all.push_back(score_(child.sphere));
     return all;
   }
 
@@ -281,11 +281,11 @@ class BestFirst {
   // The tree, level by level.
   CoveredTree finish() {
     run_.throw_if_stopped();
-    CoveredTree built;
-    built.tree.branching = report_.branching;
+    CoveredTree model;
+    model.tree.branching = report_.branching;
     std::vector<Region> regions;
     std::vector<std::uint32_t> level{0};
-    built.tree.append_level({}, std::span(&nodes_[0].node.sphere, 1));
+    model.tree.append_level({}, std::span(&nodes_[0].node.sphere, 1));
     std::vector<std::uint32_t> leaves;
     double worst = 0;
     while (!level.empty()) {
@@ -304,21 +304,21 @@ class BestFirst {
           spheres.push_back(nodes_[child].node.sphere);
         }
       }
-      if (!next.empty()) built.tree.append_level(counts, spheres);
+      if (!next.empty()) model.tree.append_level(counts, spheres);
       level = std::move(next);
     }
-    built.cover = assemble_cover(mesh_, built.tree, std::move(regions));
-    report_.depth = static_cast<std::uint32_t>(built.tree.level_count() - 1);
-    report_.level_seconds.resize(built.tree.level_count());
-    for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
-      report_.early_leaves += built.tree.is_leaf(i);
+    model.cover = assemble_cover(mesh_, model.tree, std::move(regions));
+    report_.depth = static_cast<std::uint32_t>(model.tree.level_count() - 1);
+    report_.level_seconds.resize(model.tree.level_count());
+    for (std::uint32_t i = 0; i < model.tree.level_begin[model.tree.level_count() - 1]; ++i)
+      report_.early_leaves += model.tree.is_leaf(i);
     report_.protrusion_bound = worst;
     write_notes(leaves);
     if (std::string note = winners_.note(); !note.empty()) report_.notes.push_back(std::move(note));
-    built.report = std::move(report_);
+    model.report = std::move(report_);
     run_.tell(1, deepest_, 0.0);
     run_.throw_if_stopped();
-    return built;
+    return model;
   }
 
   /// Where both limits were given: the one that ended the division.
@@ -366,7 +366,7 @@ class BestFirst {
   const Mesh& mesh_;
   const BuildRun& run_;
   const Divider& divide_;
-  const Judge judge_;
+  const LeafScore score_;
   Workers& workers_;
   double too_small_;
   std::size_t wanted_;

@@ -28,12 +28,12 @@ std::vector<std::uint8_t> nodes_with_equal_children(const SphereTree& tree, bool
 
 }  // namespace
 
-std::size_t remove_equal_children(CoveredTree& built, bool root_too) {
-  const SphereTree& tree = built.tree;
+std::size_t remove_equal_children(CoveredTree& model, bool root_too) {
+  const SphereTree& tree = model.tree;
   const std::vector<std::uint8_t> ends = nodes_with_equal_children(tree, root_too);
   SphereTree result;
   result.branching = tree.branching;
-  Cover& cover = built.cover;
+  Cover& cover = model.cover;
   std::vector<std::uint32_t> region_begin, region_end;
   std::size_t removed = 0;
   for (std::vector<std::uint32_t> level{0}, counts; !level.empty();) {
@@ -54,14 +54,14 @@ std::size_t remove_equal_children(CoveredTree& built, bool root_too) {
     level = std::move(next);
   }
   if (removed == 0) return 0;
-  built.tree = std::move(result);
+  model.tree = std::move(result);
   cover.region_begin = std::move(region_begin);
   cover.region_end = std::move(region_end);
-  BuildReport& report = built.report;
-  report.level_seconds.resize(std::min(report.level_seconds.size(), built.tree.level_count()));
+  BuildReport& report = model.report;
+  report.level_seconds.resize(std::min(report.level_seconds.size(), model.tree.level_count()));
   report.early_leaves = 0;
-  for (std::uint32_t i = 0; i < built.tree.level_begin[built.tree.level_count() - 1]; ++i)
-    report.early_leaves += built.tree.is_leaf(i);
+  for (std::uint32_t i = 0; i < model.tree.level_begin[model.tree.level_count() - 1]; ++i)
+    report.early_leaves += model.tree.is_leaf(i);
   return removed;
 }
 

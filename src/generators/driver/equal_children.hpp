@@ -15,6 +15,6 @@ namespace morula::detail {
 /// The leaf owns the patches of its descendants, which its sphere contains as that of every inner node does. Patches
 /// and their order stay. The report has the new number of early leaves. Returns how many nodes became leaves. Cost:
 /// linear in nodes.
-std::size_t remove_equal_children(CoveredTree& built, bool root_too);
+std::size_t remove_equal_children(CoveredTree& model, bool root_too);
 
 }  // namespace morula::detail

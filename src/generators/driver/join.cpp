@@ -44,23 +44,23 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere) {
   return node;
 }
 
-Judge::Judge(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run)
+LeafScore::LeafScore(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run)
     : mesh_(mesh), shape_(shape), max_protrusion_(run.max_protrusion), pad_(run.largest_coordinate()) {}
 
 // Outside volume is what looseness adds up, and dividing by it gave sets up to 17 % tighter than by the bound times r².
-Verdict Judge::operator()(const Sphere& sphere) const {
+Verdict LeafScore::operator()(const Sphere& sphere) const {
   const double bound = shape_.protrusion_bound(sphere);
   if (max_protrusion_ > 0) return {bound, bound};
   if (shape_.has_volume()) return {bound, outside_volume(shape_, sphere)};
   return {bound, bound * sphere.radius * sphere.radius};
 }
 
-Sphere Judge::fitted(const std::vector<Vec3>& points, const Vec3& start) const {
-  const Sphere sphere = refit(points, start, shape_);
+Sphere LeafScore::fitted(const std::vector<Vec3>& points, const Vec3& start) const {
+  const Sphere sphere = recenter(points, start, shape_);
   return {sphere.center, rounded_up_radius(sphere.radius, std::max(pad_, max_norm(sphere.center)))};
 }
 
-Sphere Judge::common_sphere(const BuildNode& a, const BuildNode& b) const {
+Sphere LeafScore::common_sphere(const BuildNode& a, const BuildNode& b) const {
   std::vector<Vec3> points, more;
   corner_positions(mesh_, a.region, points);
   corner_positions(mesh_, b.region, more);
@@ -68,13 +68,13 @@ Sphere Judge::common_sphere(const BuildNode& a, const BuildNode& b) const {
   return fitted(points, (a.sphere.center + b.sphere.center) * 0.5);
 }
 
-Join Judge::join(const BuildNode& a, const Verdict& of_a, const BuildNode& b, const Verdict& of_b) const {
+Join LeafScore::join(const BuildNode& a, const Verdict& of_a, const BuildNode& b, const Verdict& of_b) const {
   const Sphere sphere = common_sphere(a, b);
   const Verdict verdict = (*this)(sphere);
-  return {max_protrusion_ > 0 ? verdict.bound : verdict.worth - of_a.worth - of_b.worth, sphere, verdict};
+  return {max_protrusion_ > 0 ? verdict.bound : verdict.gain - of_a.gain - of_b.gain, sphere, verdict};
 }
 
-void Judge::make_few(Division& division) const {
+void LeafScore::make_few(Division& division) const {
   const auto good = [&](const Sphere& sphere) { return shape_.protrusion_bound(sphere) <= max_protrusion_; };
   std::vector<BuildNode>& nodes = division.children;
   std::vector<Vec3> points;

@@ -9,7 +9,7 @@ namespace morula::detail {
 
 struct Verdict {
   double bound;  // of how far the sphere sticks out
-  double worth;  // what there is to gain by dividing the node; the greatest is divided first
+  double gain;   // what there is to gain by dividing the node; the greatest is divided first
 };
 
 /// What two siblings would be as one.
@@ -24,10 +24,10 @@ double common_radius(const Sphere& a, const Sphere& b);
 /// The siblings' regions and cells as one, with the sphere given.
 BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
 
-class Judge {
+class LeafScore {
  public:
   /// run.max_protrusion: 0 where only the number of spheres matters.
-  Judge(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run);
+  LeafScore(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run);
 
   Verdict operator()(const Sphere& sphere) const;
 

@@ -21,7 +21,7 @@ float cube(float x) {
   return x * x * x;
 }
 
-// Near the centre of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
+// Near the center of the smallest ball [badoiu2003]: steps towards the farthest point, shorter and shorter.
 Vec3f near_smallest_center(const GroupPoints& points) {
   Box box;
   for (std::size_t i = 0; i < points.size(); ++i) box.add({points.x[i], points.y[i], points.z[i]});
@@ -42,14 +42,14 @@ float farthest_from(const GroupPoints& points, const Vec3f& center) {
   return std::sqrt(farthest_kernels().squared_distance(points.columns(), center));
 }
 
-GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight,
                    float first_step, float last_step) {
   constexpr float least_radius = 1e-4F;  // a point's ball
   const Vec3f middle = near_smallest_center(points);
   const float smallest = std::max(least_radius, farthest_from(points, middle));
-  // A ball whose centre is a step away reaches as far as that from here, and is larger by as much at most.
+  // A ball whose center is a step away reaches as far as that from here, and is larger by as much at most.
   const float longest_step = first_step * smallest, of_steps = 2.02F;
-  grid.prepare(middle, smallest + of_steps * longest_step, taken);
+  grid.prepare(middle, smallest + of_steps * longest_step, overlap_weight);
 
   GroupBall about{middle, smallest, infinity};  // the best so far: what is asked next is a step from it
   const auto evaluate = [&](const Vec3f& center, float enough) {
@@ -58,8 +58,8 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
     if (!grid.is_prepared(center, radius)) {
       const Vec3f step = center - about.center;
       const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
-      if (length < 1.01F * longest_step) grid.prepare(about.center, about.radius + of_steps * length, taken);
-      if (!grid.is_prepared(center, radius)) grid.prepare(center, radius + of_steps * longest_step, taken);
+      if (length < 1.01F * longest_step) grid.prepare(about.center, about.radius + of_steps * length, overlap_weight);
+      if (!grid.is_prepared(center, radius)) grid.prepare(center, radius + of_steps * longest_step, overlap_weight);
     }
     const float extra = whole_volume_share * unit_ball_volume * cube(radius);
     const GroupBall ball{center, radius, grid.cost(center, radius, enough - extra) + extra};

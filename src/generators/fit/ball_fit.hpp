@@ -49,10 +49,10 @@ inline float distance_between(const Vec3f& a, const Vec3f& b) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-/// The ball around the points that takes in least, found by compass search from the smallest ball's centre and
+/// The ball around the points that takes in least, found by compass search from the smallest ball's center and
 /// `starts`. The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step:
 /// shares of the smallest ball's radius. points: at least one. Cost: some thirty evaluations of the grid.
-GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float taken,
+GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight,
                    float first_step, float last_step = 0.02F);
 
 }  // namespace morula::detail

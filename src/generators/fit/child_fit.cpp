@@ -21,7 +21,7 @@ void ChildFit::split_from_one() {
   const GroupBall first{start_, 0, 0};
   state_.set_balls({&first, 1});
   state_.give_all_to_first();
-  state_.refit(0, settings_.overlap_weight_while_splitting, 0.25F);
+  state_.recenter(0, settings_.overlap_weight_while_splitting, 0.25F);
   scale_ = balls()[0].cost / 4;
   fill(settings_.overlap_weight_while_splitting);
   scale_ = -1;
@@ -64,7 +64,7 @@ void ChildFit::sweep(float overlap_weight, bool exclusive) {
                    [&](std::size_t a, std::size_t b) { return balls()[a].cost > balls()[b].cost; });
   for (const std::size_t b : order) {
     if (exclusive && is_used(b)) state_.give_what_others_contain(b);
-    state_.refit(b, overlap_weight, 0.12F);
+    state_.recenter(b, overlap_weight, 0.12F);
   }
   fill(overlap_weight);
 }
@@ -79,7 +79,7 @@ void ChildFit::sweep_inscribed(float overlap_weight) {
     squares[b] = inscribed * inscribed;
   }
   state_.assign_by_power(squares);
-  for (std::size_t b = 0; b < most(); ++b) state_.refit(b, overlap_weight, 0.12F);
+  for (std::size_t b = 0; b < most(); ++b) state_.recenter(b, overlap_weight, 0.12F);
   fill(overlap_weight);
 }
 
@@ -184,7 +184,7 @@ void ChildFit::nudge() {
   const float shift = amount * settings_.child_width * (2 * static_cast<float>(random_.uniform()) - 1);
   squares[ball] += 2 * nearest * shift;
   state_.assign_by_power(squares);
-  for (std::size_t b = 0; b < most(); ++b) state_.refit(b, settings_.overlap_weight, 0.06F);
+  for (std::size_t b = 0; b < most(); ++b) state_.recenter(b, settings_.overlap_weight, 0.06F);
 }
 
 void ChildFit::try_changes(int count, int move_every) {
@@ -229,7 +229,7 @@ void ChildFit::try_inscribed(int inscribed_sweeps, int sweeps) {
 void ChildFit::try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps) {
   keep_if_better([&] {
     take_in_grid(seeds);
-    for (std::size_t b = 0; b < most(); ++b) state_.refit(b, settings_.overlap_weight, 0.12F);
+    for (std::size_t b = 0; b < most(); ++b) state_.recenter(b, settings_.overlap_weight, 0.12F);
     settle(inscribed_sweeps, sweeps);
   });
 }

@@ -6,12 +6,12 @@
 //   ChildFit       the search: splits, sweeps, random changes; keeps a state or restores the one before
 //      |           draws random numbers, sums the objective
 //      v
-//   ChildState     one step: refit a ball, split it, remove it, reassign points; snapshot and restore
+//   ChildState     one step: recenter a ball, split it, remove it, reassign points; snapshot and restore
 //      |           keeps the three below in step
 //      +--> PlacedBalls   the balls, counted in the OutsideGrid that fits go by
 //      +--> Assignment    the ball that owns each point; count, hash and demand per ball
 //      |       +--> PowerCells   the ball of least power at each point, updated for the balls that moved
-//      +--> FitCache      the time of each ball's last change and fit: a refit that would change nothing is skipped
+//      +--> FitCache      the time of each ball's last change and fit: a recenter that would change nothing is skipped
 //
 //   WholeBalls     (of ChildFit) balls that proved better whole than split
 //

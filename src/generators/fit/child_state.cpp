@@ -134,7 +134,7 @@ void ChildState::place_fit(std::size_t ball, const GroupBall& fitted, float over
   balls_.place(ball, fitted);
 }
 
-void ChildState::refit(std::size_t ball, float overlap_weight, float first_step) {
+void ChildState::recenter(std::size_t ball, float overlap_weight, float first_step) {
   const bool is_used = assignment_.is_used(ball);
   if (is_used && fits_.has_fit(ball, fit_inputs(ball, overlap_weight), balls_)) return;
   if (!is_used) return place_fit(ball, {}, overlap_weight);

@@ -113,7 +113,7 @@ class ChildState {
   void give_what_others_contain(std::size_t ball);
 
   /// Fits the ball to its points, unless it is; first_step: see fit_ball. A ball without points vanishes.
-  void refit(std::size_t ball, float overlap_weight, float first_step);
+  void recenter(std::size_t ball, float overlap_weight, float first_step);
   /// A ball for other points, while the ball nearest to the first start is lifted. Changes nothing.
   GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight);
   /// Two balls for one: the points fall apart along one of their principal axes. `into`, an unused ball, gets some of

@@ -55,7 +55,7 @@ float outside(const GridLines& lines, const LineBall& ball) {
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on) {
+void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float overlap_weight, bool go_on) {
   for (std::size_t k = 0; k < lines.count; ++k) {
     const OutsideCell* const cells = lines.cells + k * lines.along;
     const std::uint8_t* const over = lines.over + k * lines.over_across;
@@ -63,7 +63,7 @@ void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, floa
     float sum = go_on ? steps[begin - 1].after : 0;
     for (std::size_t w = begin; w < end; ++w) {
       const OutsideCell& cell = cells[w];
-      const float counts = over[w * lines.over_along] != 0 ? taken : 1.0F, after = sum + cell.total * counts;
+      const float counts = over[w * lines.over_along] != 0 ? overlap_weight : 1.0F, after = sum + cell.total * counts;
       steps[w] = {sum, cell.start, cell.slope * counts, after};
       sum = after;
     }

@@ -73,7 +73,7 @@ struct FitKernels {
   float (*outside)(const GridLines& lines, const LineBall& ball);
   /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have. go_on: sums begin with
   /// that of the cell before the first, else with nothing.
-  void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on);
+  void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float overlap_weight, bool go_on);
   /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
   /// a higher number.
   void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,
@@ -82,7 +82,7 @@ struct FitKernels {
   void (*at_most)(const float* numbers, std::size_t count, float limit, std::uint64_t* bits);
   /// The same for doubles that are numbers.
   void (*at_most_in_double)(const double* numbers, std::size_t count, double limit, std::uint64_t* bits);
-  /// Of points from a centre. Sums are in the order x, y, z.
+  /// Of points from a center. Sums are in the order x, y, z.
   void (*squared_distances_in_double)(const DoublePointColumns& points, const Vec3& center, double* squares);
   /// The most that a point of the ball, going along its direction, travels before it leaves the ball; at least 0.
   /// points: in the ball, to rounding. directions: as many unit vectors.

@@ -169,8 +169,8 @@ float outside(const GridLines& lines, const LineBall& ball) {
 
 // A step is a register. With a line to each lane, taking cells apart and putting steps together costs more than the
 // sums do; those wait for each other along a line only, so the next line is on its way before one is done.
-void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float taken, bool go_on) {
-  const Four shares[2]{{1, 1, 1, 1}, {1, taken, taken, 1}};  // of start, slope and total
+void make_steps(const OpenLines& lines, std::size_t begin, std::size_t end, float overlap_weight, bool go_on) {
+  const Four shares[2]{{1, 1, 1, 1}, {1, overlap_weight, overlap_weight, 1}};  // of start, slope and total
   const std::size_t over_along = lines.over_along;
   for (std::size_t k = 0; k < lines.count; ++k) {
     const float* cells = reinterpret_cast<const float*>(lines.cells + k * lines.along + begin);

@@ -41,12 +41,12 @@ class LatticePoints {
   explicit LatticePoints(std::span<const Vec3> points);
   const Box& box() const { return box_; }
 
-  /// Centres of the cells that points lie in, in the order of first use. Returns false where they are more than `most`,
+  /// Centers of the cells that points lie in, in the order of first use. Returns false where they are more than `most`,
   /// with the first of them.
   /// lattice: no point before its origin, and few cells to the points' box: there is a bit for each.
   bool occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const;
 
-  /// A greedy choice of centres whose spheres of this radius contain all points: most new points first, lowest index
+  /// A greedy choice of centers whose spheres of this radius contain all points: most new points first, lowest index
   /// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more
   /// than `most`, the first most + 1 of them.
   std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::size_t most) const;

@@ -97,11 +97,11 @@ ObjectLines::Axis ObjectLines::trace(const Mesh& mesh, const std::vector<Vec3>& 
   return result;
 }
 
-// Sums of three numbers a block, each spread twice over the block's neighbours along every axis.
-static void spread_to_neighbours(std::vector<float>& sums, const std::array<std::size_t, 3>& step,
-                                 const std::array<int, 3>& block_count) {
+// Sums of three numbers a block, each spread twice over the block's neighbors along every axis.
+static void spread_to_neighbors(std::vector<float>& sums, const std::array<std::size_t, 3>& step,
+                                const std::array<int, 3>& block_count) {
   std::vector<float> spread(sums.size());
-  // Each block and its two neighbours along an axis: numbers `apart` before and after in a row of the block's own.
+  // Each block and its two neighbors along an axis: numbers `apart` before and after in a row of the block's own.
   for (int pass = 0; pass < 2; ++pass)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count[axis]);
@@ -121,7 +121,7 @@ static void spread_to_neighbours(std::vector<float>& sums, const std::array<std:
     }
 }
 
-// Normals where lines cross the surface, spread over neighbouring blocks.
+// Normals where lines cross the surface, spread over neighboring blocks.
 void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
   constexpr int most_blocks = 64;
   const int longest = *std::max_element(count_.begin(), count_.end());
@@ -161,7 +161,7 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
         }
       }
   }
-  spread_to_neighbours(sums, step, block_count_);
+  spread_to_neighbors(sums, step, block_count_);
   weights_.resize(blocks);
   for (std::size_t i = 0; i < blocks; ++i) {
     const float *const w = &sums[3 * i], sum = w[0] + w[1] + w[2];

@@ -14,13 +14,13 @@
 
 namespace morula::detail {
 
-/// A lattice of cubic cells over the object. Lines run through the cell centres along every axis; positions are in
+/// A lattice of cubic cells over the object. Lines run through the cell centers along every axis; positions are in
 /// cells, so that cell i of an axis spans [i, i + 1].
 class ObjectLines {
  public:
   /// cells: along the longest side of the mesh's box, at least 8.
   /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
-  /// when two of the three lines through its centre say so, and lines enter and leave at cell walls.
+  /// when two of the three lines through its center say so, and lines enter and leave at cell walls.
   /// Cost: O(F + lines crossed).
   ObjectLines(const Mesh& mesh, const ObjectShape& shape, int cells, Workers& workers)
       : ObjectLines(mesh, shape.bounding_box(), shape.has_volume(), cells, workers) {}

@@ -224,10 +224,10 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   axes_[axis].traced[line] = 1;
 }
 
-void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
-  if (taken != taken_) {
+void OutsideGrid::prepare(const Vec3f& center, float reach, float overlap_weight) {
+  if (overlap_weight != overlap_weight_) {
     for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), Extent{});
-    taken_ = taken;
+    overlap_weight_ = overlap_weight;
   }
   prepared_center_ = center;
   prepared_reach_ = reach;
@@ -269,7 +269,7 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float taken) {
                              step_[a],
                              &own.steps[line * n],
                              at(u - first)};
-        fit_kernels().make_steps(open, is_longer ? has.end : extent.begin, extent.end, taken, is_longer);
+        fit_kernels().make_steps(open, is_longer ? has.end : extent.begin, extent.end, overlap_weight, is_longer);
       }
     });
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Outside grid: the empty space that a ball takes in and no sibling has taken in already. Every fit minimises it.
+// Outside grid: the empty space that a ball takes in and no sibling has taken in already. Every fit minimizes it.
 //
 // A ball's outside volume is integrated along lines of all three axes at once. A point of empty space belongs to axis k
 // with weight n_k², n the normal of the surface next to it: the weights sum to 1, and each thin layer between ball and
@@ -40,7 +40,7 @@ class OutsideGrid {
 
   /// Readies cost() for balls inside the ball of radius `reach` about `center`. taken: what space that a ball has taken
   /// in still counts, 0…1.
-  void prepare(const Vec3f& center, float reach, float taken);
+  void prepare(const Vec3f& center, float reach, float overlap_weight);
   /// Whether cost() can answer for this ball.
   bool is_prepared(const Vec3f& center, float radius) const;
   bool is_inside(const Vec3f& center, float radius) const;  ///< the ball is inside the grid
@@ -105,7 +105,7 @@ class OutsideGrid {
   std::vector<Chord> chords_;                                   // scratch of outside_together
   std::vector<std::int32_t> first_chord_;                       // per line; −1 but while it looks
   std::vector<std::array<int, 2>> lines_met_;
-  float taken_ = -1;
+  float overlap_weight_ = -1;
   Vec3f prepared_center_{};
   float prepared_reach_ = -1;
 };

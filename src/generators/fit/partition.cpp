@@ -6,7 +6,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
 
-#include "query/owner_by_power.hpp"
+#include "query/power_cell_of.hpp"
 #include "tree/vertex_memo.hpp"
 
 namespace morula::detail {
@@ -37,7 +37,7 @@ Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphe
   const auto owner_of = [&](std::uint32_t v) {
     return owners.of(v, [&] {
       const Vec3& x = mesh.positions[v];
-      const std::uint32_t owner = owner_by_power(x, spheres, all);
+      const std::uint32_t owner = power_cell_of(x, spheres, all);
       return VertexOwner{owner, contains(spheres[owner], x)};
     });
   };

@@ -66,7 +66,7 @@ class Search {
 
 }  // namespace
 
-Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
+Sphere recenter(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape) {
   const Sphere smallest = enclosing_sphere(points);
   Search search(points, shape);
   Search::Trial best = search.evaluate(smallest.center);

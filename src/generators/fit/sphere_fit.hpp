@@ -9,10 +9,10 @@
 
 namespace morula::detail {
 
-/// Searches a centre c that makes r(c) + φ(c) small, r(c) the farthest point's distance and φ the signed distance to
+/// Searches a center c that makes r(c) + φ(c) small, r(c) the farthest point's distance and φ the signed distance to
 /// the object: the bound of how far the sphere sticks out. Starts from the better of `start` and the smallest sphere's
-/// centre. Returns the exact radius max |x − c|, without pad.
+/// center. Returns the exact radius max |x − c|, without pad.
 /// Cost: some forty evaluations, each over a few hundred extreme points and one closest-point query.
-Sphere refit(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
+Sphere recenter(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
 
 }  // namespace morula::detail

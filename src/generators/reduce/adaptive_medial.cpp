@@ -66,7 +66,7 @@ class AdaptiveMedial {
   struct Slot {
     SampleSet contains;
     bool usable = false;   // alive, finite, reaching into the node's sphere
-    bool inner = false;    // centre inside the object
+    bool inner = false;    // center inside the object
     bool cover = false;    // taken from outside for samples in no inner ball
     bool blocked = false;  // its surface point cannot be added
     double protrusion = 0;
@@ -111,7 +111,7 @@ class AdaptiveMedial {
   }
 
   // Samples in no inner ball promote one of the balls about their nearest point: the one that sticks out furthest from
-  // its centre's side, so that it is the first to be replaced.
+  // its center's side, so that it is the first to be replaced.
   void choose_covers() {
     SampleSet covered(node_.samples.size());
     for (Slot& s : slots_) {

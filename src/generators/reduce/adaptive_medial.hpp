@@ -10,7 +10,7 @@ namespace morula::detail {
 
 /// Voronoi balls of points of the surface about the node. Points are added where a ball sticks out most, until all
 /// stick out less than half as far as the node's sphere or there are enough. Nearly every sample is in a ball with its
-/// centre inside the object, or in one from outside that was taken for its sake. Balls inscribed at some of the samples
+/// center inside the object, or in one from outside that was taken for its sake. Balls inscribed at some of the samples
 /// come on top: there are such on flat parts too.
 ///
 /// May be empty: fewer than four samples, or all in one plane and none with a normal that a ball fits under. Same bits

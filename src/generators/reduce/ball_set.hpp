@@ -15,15 +15,15 @@ namespace morula::detail {
 /// Balls with what the reductions ask of them again and again.
 class BallSet {
  public:
-  /// balls, distances: equally many; distances are the signed ones of the centres. All copied.
+  /// balls, distances: equally many; distances are the signed ones of the centers. All copied.
   BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::span<const Vec3> samples);
 
   std::size_t size() const { return balls_.size(); }
   const Sphere& ball(std::size_t i) const { return balls_[i]; }
-  /// Signed distance of the centre of ball i to the object.
+  /// Signed distance of the center of ball i to the object.
   double distance(std::size_t i) const { return distances_[i]; }
   const std::vector<Vec3>& samples() const { return samples_; }
-  /// Distances of the centre of ball i to all samples.
+  /// Distances of the center of ball i to all samples.
   std::span<const double> to_samples(std::size_t i) const {
     return std::span(to_samples_).subspan(i * samples_.size(), samples_.size());
   }
@@ -57,15 +57,15 @@ struct BallPair {
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 
 /// Balls grow out of the object by equal power, r² = s − φ(c)·|φ(c)|, so that balls of all sizes come to touch equally
-/// large spots. The s from which on a ball with its centre `distance` from the object contains a point `away` from the
-/// centre.
+/// large spots. The s from which on a ball with its center `distance` from the object contains a point `away` from the
+/// center.
 inline double growth_to_contain(double distance, double away) {
   return away * away + distance * std::abs(distance);
 }
 
-/// The spheres' centres with the radii of the least growth at which they contain all samples together: by power, such
+/// The spheres' centers with the radii of the least growth at which they contain all samples together: by power, such
 /// spheres relieve one another, because one that could reach further takes samples off one that sticks out more. Those
-/// that no sample needs are left out. distances: signed ones of the centres.
+/// that no sample needs are left out. distances: signed ones of the centers.
 std::vector<Sphere> equally_grown(std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples);
 
@@ -80,13 +80,13 @@ struct Reduced {
 // Each reduction returns nothing for no balls or samples.
 
 /// Joins two balls again and again. The joint ball is the one that sticks out least among the smallest around the
-/// samples of both and those about either centre. First choice: a neighbour of the ball that sticks out most, if the
+/// samples of both and those about either center. First choice: a neighbor of the ball that sticks out most, if the
 /// joint ball sticks out less than it; else the pair whose joint ball sticks out least.
 /// Cost: some ten thousand small steps and one closest-point query a pair, for 300 balls.
 Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
-/// Removes a ball again and again and gives its samples to its neighbours, which are fitted to them. First choice: the
-/// ball that sticks out most among those whose neighbours then all stick out less; else the least sum of sixth powers.
+/// Removes a ball again and again and gives its samples to its neighbors, which are fitted to them. First choice: the
+/// ball that sticks out most among those whose neighbors then all stick out less; else the least sum of sixth powers.
 Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
 /// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Burst [bradshaw2004]: a ball goes and its neighbours take its samples, again and again.
+// Burst [bradshaw2004]: a ball goes and its neighbors take its samples, again and again.
 //
 // Departure: costs wait in a heap and are worked out again only when they come up. What bursts make around a ball
 // hardly ever lowers its cost, so the first entry that is up to date is taken for the best.
@@ -116,11 +116,11 @@ class Bursting {
       }
       changes[change_of[heir]].samples.add(sample);
     });
-    for (Change& change : changes) refit(change);
+    for (Change& change : changes) recenter(change);
     return changes;
   }
 
-  void refit(Change& change) {
+  void recenter(Change& change) {
     const Member& before = members_[change.member];
     points_.clear();
     change.samples.for_each([&](std::size_t k) { points_.push_back(samples_[k]); });
@@ -165,7 +165,7 @@ class Bursting {
     }
     gone.alive = false;
     --alive_;
-    // Neighbours of the removed one become each other's where they overlap.
+    // Neighbors of the removed one become each other's where they overlap.
     for (const std::uint32_t a : neighbors) {
       outdate(a);
       std::erase(members_[a].neighbors, k);

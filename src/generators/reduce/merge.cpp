@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Merge [bradshaw2004]: two balls become one, again and again.
 //
-// Departures: balls are neighbours where they are side by side on the samples, which needs no diagram; a pair is
+// Departures: balls are neighbors where they are side by side on the samples, which needs no diagram; a pair is
 // evaluated once, when it comes up, and waits in a heap whose entries die with either ball.
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 struct Cluster {
   SampleSet samples;
   Sphere ball;
-  double distance;    // signed, of the centre
+  double distance;    // signed, of the center
   double protrusion;  // (r + φ(c))⁺
   bool alive = true;
   std::vector<std::uint32_t> pairs;  // dead ones included
@@ -52,12 +52,12 @@ class Merging {
   Reduced run() {
     bool all_pairs = false;
     while (alive_ > branching_) {
-      // Near the end few neighbours are left, and every pair is worth a look.
+      // Near the end few neighbors are left, and every pair is worth a look.
       if (!all_pairs && alive_ <= 3 * branching_) consider_all(), all_pairs = true;
       std::uint32_t pair = beneficial();
       if (pair == none) pair = cheapest();
       if (pair == none) {
-        // The neighbourhood fell apart into islands.
+        // The neighborhood fell apart into islands.
         consider_all();
         continue;
       }

@@ -13,7 +13,7 @@ Proposals propose_spawn(const ReducerInput& node);
 /// One adaptive medial axis of the node, reduced in each of these ways: merge, burst, expand.
 Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions);
 
-/// All of them, in this order, each proposal optimised as the options say. Nodes without any proposal get their own
+/// All of them, in this order, each proposal optimized as the options say. Nodes without any proposal get their own
 /// sphere, marked `no_proposal`: the fit halves it.
 Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options);
 

@@ -3,7 +3,7 @@
 // Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all
 // samples; the least s for which few enough do.
 //
-// Departures: a sphere has r = s − φ(c), so its centre is all there is to search; its gain is the number of new samples
+// Departures: a sphere has r = s − φ(c), so its center is all there is to search; its gain is the number of new samples
 // with a soft edge, which has a slope where a plain count has none; every sphere must contain the remotest sample left,
 // so no stray is left behind for the end; it starts from the best of the medial balls there instead of the previous
 // sphere; s is bisected by its logarithm, and the spheres of the last success are tried again for the next. What is
@@ -104,7 +104,7 @@ class Spawn {
   }
 
   // How many samples a sphere would take; those just outside count for a part. squares: their squared distances from
-  // the centre. No less for a larger radius.
+  // the center. No less for a larger radius.
   static double gain(double radius, const std::vector<double>& squares) {
     constexpr double edge = 1.2, edge_worth = 0.3;  // shares of the radius and of a sample
     const double inner = radius * radius, outer = edge * edge * inner;
@@ -118,7 +118,7 @@ class Spawn {
     return sum;
   }
 
-  // The sphere of protrusion s that contains `must` and takes most of `left`, sought about good centres.
+  // The sphere of protrusion s that contains `must` and takes most of `left`, sought about good centers.
   class Best {
    public:
     Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left)
@@ -136,7 +136,7 @@ class Spawn {
       stand_at(center);
       return consider_radius(s_ - signed_distance);
     }
-    /// The same, but asks for the distance only if the sphere can be better: samples lie on the surface, so the centre
+    /// The same, but asks for the distance only if the sphere can be better: samples lie on the surface, so the center
     /// is no deeper than the nearest sample is far, and a larger radius gains no less. The allowance is for rounding.
     bool consider(const Vec3& center) {
       stand_at(center);

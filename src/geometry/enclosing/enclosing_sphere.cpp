@@ -18,7 +18,7 @@ namespace {
 // Smallest sphere with all points of a support on it. Those that are affinely dependent on the earlier ones are left
 // out.
 Sphere circumsphere(std::span<const Vec3> support) {
-  // Centre = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
+  // Center = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
   // dependence as a vanishing remainder.
   std::array<Vec3, 3> basis;
   Vec3 center = support[0];
@@ -31,7 +31,7 @@ Sphere circumsphere(std::span<const Vec3> support) {
     const double height = length(rest);
     if (!(height * height > 1e-20 * squared)) continue;
     const Vec3 direction = rest / height;
-    // Move the centre along the new direction until the new point is as far as the others.
+    // Move the center along the new direction until the new point is as far as the others.
     const Vec3 to_point = support[i] - center;
     const double shift = (squared_length(to_point) - squared_radius) / (2 * dot(to_point, direction));
     center += direction * shift;
@@ -54,7 +54,7 @@ class SmallestOfFew {
   unsigned subset() const { return best_; }
 
  private:
-  // A sphere through the last point and some others, its centre in what directions span.
+  // A sphere through the last point and some others, its center in what directions span.
   struct Partial {
     Vec3 center;
     double squared_radius;
@@ -71,7 +71,7 @@ class SmallestOfFew {
         rest -= partial.directions[k] * (dot(rest, partial.directions[k]) * partial.inverse_squares[k]);
       const double height = squared_length(rest);
       if (!(height > 1e-20 * squared)) continue;
-      // The centre moves along what is new until the new point is as far as the others.
+      // The center moves along what is new until the new point is as far as the others.
       const Vec3 to_point = points_[i] - partial.center;
       const double shift = (squared_length(to_point) - partial.squared_radius) / (2 * dot(to_point, rest));
       Partial larger = partial;

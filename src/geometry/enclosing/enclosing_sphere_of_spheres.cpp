@@ -21,7 +21,7 @@ struct Support {
 };
 
 // The two spheres that all spheres of a support touch from inside, the smaller first; fewer where there are fewer, or
-// where the centres are affinely dependent. With x the centre from the first one's, R = rho + r0 and s_i = r0 - r_i,
+// where the centers are affinely dependent. With x the center from the first one's, R = rho + r0 and s_i = r0 - r_i,
 // |x - d_i| = R - r_i is 2 d_i x = |d_i|^2 - s_i^2 - 2 rho s_i: x = a + rho b in the span of the d_i, and |x| = rho.
 struct Tangents {
   std::array<Sphere, 2> spheres;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The farthest of many points: from a centre, or along directions. One source, farthest.inl, compiled for each kind of
+// The farthest of many points: from a center, or along directions. One source, farthest.inl, compiled for each kind of
 // processor and chosen at run time.
 #pragma once
 
@@ -24,9 +24,9 @@ using DoublePointColumns = BasicPointColumns<double>;
 
 /// Sums of three products are in the order x, y, z.
 struct FarthestKernels {
-  /// The square of the largest distance from a centre.
+  /// The square of the largest distance from a center.
   float (*squared_distance)(const PointColumns& points, const Vec3f& center);
-  /// The point farthest from a centre, the first of equals.
+  /// The point farthest from a center, the first of equals.
   std::size_t (*from)(const PointColumns& points, const Vec3f& center);
   std::size_t (*from_in_double)(const DoublePointColumns& points, const Vec3& center);
   /// The point farthest along a direction, the first of equals.

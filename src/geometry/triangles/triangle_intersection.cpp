@@ -177,7 +177,7 @@ bool all_off_plane(const Sides& s) {
 }
 
 /// Nothing: the triangles are apart. Where they are in one plane or nearly so, exact signs are dear, but in the plane
-/// they are often clearly apart, such as neighbours in a flat sheet.
+/// they are often clearly apart, such as neighbors in a flat sheet.
 std::optional<Sides> sides_unless_apart(const TrianglePlane& plane, const Triangle& of_plane, const Triangle& t) {
   const Sides sides{plane.certain_side(t[0]), plane.certain_side(t[1]), plane.certain_side(t[2])};
   if (on_one_side(sides)) return {};

@@ -92,7 +92,7 @@ std::vector<std::uint32_t> Accessors::indices(int index, int type, const std::st
       a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
     document_.fail(owner + " has numbers that are no unsigned integers");
   std::vector<std::uint32_t> result;
-  if (a.normalized) document_.fail(owner + " has normalised numbers, which are no indices");
+  if (a.normalized) document_.fail(owner + " has normalized numbers, which are no indices");
   const std::vector<double> values = numbers(index, type, owner);
   result.reserve(values.size());
   AskNowAndThen ask_now_and_then(1u << 16);

@@ -80,7 +80,7 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshRead
   while (in.next_line()) {
     const std::string_view keyword = in.word();
     if (keyword == "v") {
-      // Braces: evaluated from left to right. Weights and colours after the third number are ignored.
+      // Braces: evaluated from left to right. Weights and colors after the third number are ignored.
       mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
     } else if (keyword == "f" || keyword == "fo") {  // fo: of versions before 3.0
       const auto known = static_cast<std::int64_t>(mesh.vertex_count());

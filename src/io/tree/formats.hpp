@@ -22,7 +22,7 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes);
 /// Trees and covers must be valid. Throws FileError, for which path is, when the format cannot hold the tree.
 std::string sph_text(const std::filesystem::path& path, const SphereTree& tree);
 std::string json_tree_text(const SphereTree& tree);
-std::string native_bytes(const CoveredTree& built);
+std::string native_bytes(const CoveredTree& model);
 
 /// FileError with the first of validate()'s findings, if there are any.
 void require_valid(const std::filesystem::path& path, const SphereTree& tree);

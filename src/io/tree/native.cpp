@@ -266,34 +266,34 @@ std::vector<KnownPose> read_poses(const std::filesystem::path& path, const JsonF
     const std::string owner = "a pose", prefix = pose_prefix(poses.size());
     KnownPose pose;
     pose.name = text_member(file, file.member(entry, "name", owner), "the name of a pose");
-    auto built = std::make_shared<CoveredTree>();
-    built->tree = read_nodes(path, file, arrays, prefix, index_member(file, entry, "branching", owner));
-    built->cover = read_cover(file, arrays, prefix, mesh);
-    if (const auto faults = validate(built->tree, built->cover); !faults.empty())
+    auto model = std::make_shared<CoveredTree>();
+    model->tree = read_nodes(path, file, arrays, prefix, index_member(file, entry, "branching", owner));
+    model->cover = read_cover(file, arrays, prefix, mesh);
+    if (const auto faults = validate(model->tree, model->cover); !faults.empty())
       file.fail("pose " + std::to_string(poses.size()) + ": " + faults.front());
-    built->report = read_report(file, file.member(entry, "report", owner));
-    built->report.mesh_hash = from_hex(file, file.member(entry, "hash", owner));
-    built->report.most_patches_of_a_facet = built->cover.most_patches_of_a_facet();
+    model->report = read_report(file, file.member(entry, "report", owner));
+    model->report.mesh_hash = from_hex(file, file.member(entry, "hash", owner));
+    model->report.most_patches_of_a_facet = model->cover.most_patches_of_a_facet();
     const std::vector<double> numbers = arrays.numbers(prefix + "positions", 3);
     for (std::size_t i = 0; i + 3 <= numbers.size(); i += 3)
       pose.positions.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-    if (pose.positions.size() != built->cover.vertex_count)
+    if (pose.positions.size() != model->cover.vertex_count)
       file.fail("pose " + std::to_string(poses.size()) + " has " + std::to_string(pose.positions.size()) +
-                " positions for " + std::to_string(built->cover.vertex_count) + " vertices");
-    pose.built = std::move(built);
+                " positions for " + std::to_string(model->cover.vertex_count) + " vertices");
+    pose.model = std::move(model);
     poses.push_back(std::move(pose));
   }
   return poses;
 }
 
-void add_tree(ArrayWriter& arrays, const std::string& prefix, const CoveredTree& built) {
-  const Cover& cover = built.cover;
+void add_tree(ArrayWriter& arrays, const std::string& prefix, const CoveredTree& model) {
+  const Cover& cover = model.cover;
   std::vector<double> numbers;
-  for (const Sphere& s : built.tree.spheres)
+  for (const Sphere& s : model.tree.spheres)
     numbers.insert(numbers.end(), {s.center.x, s.center.y, s.center.z, s.radius});
   arrays.add(prefix + "spheres", 4, numbers);
-  arrays.add(prefix + "child_count", 1, built.tree.child_count);
-  arrays.add(prefix + "level_begin", 1, built.tree.level_begin);
+  arrays.add(prefix + "child_count", 1, model.tree.child_count);
+  arrays.add(prefix + "level_begin", 1, model.tree.level_begin);
   std::vector<std::uint32_t> vertices;
   numbers.clear();
   for (const CutPoint& point : cover.cut_points) {
@@ -315,11 +315,11 @@ void add_poses(ArrayWriter& arrays, nlohmann::ordered_json& json, std::span<cons
   for (std::size_t k = 0; k < poses.size(); ++k) {
     nlohmann::ordered_json entry;
     entry["name"] = poses[k].name;
-    entry["hash"] = hex(poses[k].built->report.mesh_hash);
-    entry["branching"] = poses[k].built->tree.branching;
-    entry["report"] = report_json(poses[k].built->report);
+    entry["hash"] = hex(poses[k].model->report.mesh_hash);
+    entry["branching"] = poses[k].model->tree.branching;
+    entry["report"] = report_json(poses[k].model->report);
     json["poses"].push_back(std::move(entry));
-    add_tree(arrays, pose_prefix(k), *poses[k].built);
+    add_tree(arrays, pose_prefix(k), *poses[k].model);
     std::vector<double> numbers;
     for (const Vec3& p : poses[k].positions) numbers.insert(numbers.end(), {p.x, p.y, p.z});
     arrays.add(pose_prefix(k) + "positions", 3, numbers);
@@ -328,19 +328,19 @@ void add_poses(ArrayWriter& arrays, nlohmann::ordered_json& json, std::span<cons
 
 }  // namespace
 
-std::string native_bytes(const CoveredTree& built) {
-  const Cover& cover = built.cover;
+std::string native_bytes(const CoveredTree& model) {
+  const Cover& cover = model.cover;
   ArrayWriter arrays;
-  add_tree(arrays, "", built);
+  add_tree(arrays, "", model);
 
   nlohmann::ordered_json json;
-  json["mesh"]["hash"] = hex(built.report.mesh_hash);
+  json["mesh"]["hash"] = hex(model.report.mesh_hash);
   json["mesh"]["vertices"] = cover.vertex_count;
   json["mesh"]["facets"] = cover.facet_count;
-  json["tree"]["branching"] = built.tree.branching;
-  if (built.tree.nested) json["tree"]["nested"] = true;
-  json["report"] = report_json(built.report);
-  add_poses(arrays, json, built.poses);
+  json["tree"]["branching"] = model.tree.branching;
+  if (model.tree.nested) json["tree"]["nested"] = true;
+  json["report"] = report_json(model.report);
+  add_poses(arrays, json, model.poses);
   json["arrays"] = arrays.table();
   // Notes are free text; a byte that is not UTF-8 is no reason to lose the tree.
   std::string header = json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';

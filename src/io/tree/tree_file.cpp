@@ -31,7 +31,7 @@ bool is_tree_extension(std::string_view extension) {
 SphereTree tree_of_ply(const std::filesystem::path& path, std::string_view bytes) {
   const std::vector<Sphere> balls = read_ply_balls(path, bytes);
   try {
-    return tree_over_balls(balls);
+    return tree_from_spheres(balls);
   } catch (const std::invalid_argument& problem) {
     throw FileError(path.string() + ": " + problem.what());
   }
@@ -97,24 +97,24 @@ CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile fi
                     " vertices and " + std::to_string(file.cover->facet_count) + " facets there, " +
                     std::to_string(mesh.vertex_count()) + " and " + std::to_string(mesh.facet_count()) +
                     " here); give the mesh it was built for, or build it again");
-  CoveredTree built{std::move(file.tree), std::move(*file.cover), std::move(file.report), std::move(file.poses)};
-  if (const auto faults = validate(mesh, built); !faults.empty())
+  CoveredTree model{std::move(file.tree), std::move(*file.cover), std::move(file.report), std::move(file.poses)};
+  if (const auto faults = validate(mesh, model); !faults.empty())
     throw FileError(path.string() + ": " + faults.front() +
                     "; the file was not written by this library, build it again");
-  return built;
+  return model;
 }
 
-void write_tree(const std::filesystem::path& path, const CoveredTree& built) {
-  if (lower_extension(path) != ".morula") return write_tree(path, built.tree);
-  require_writable(built.tree);
-  if (const auto faults = validate(built.tree, built.cover); !faults.empty())
+void write_tree(const std::filesystem::path& path, const CoveredTree& model) {
+  if (lower_extension(path) != ".morula") return write_tree(path, model.tree);
+  require_writable(model.tree);
+  if (const auto faults = validate(model.tree, model.cover); !faults.empty())
     throw std::invalid_argument("the cover cannot be written: " + faults.front());
-  for (const KnownPose& pose : built.poses)
-    if (!pose.built || pose.positions.size() != built.cover.vertex_count || !pose.built->poses.empty() ||
-        !validate(pose.built->tree).empty() || !validate(pose.built->tree, pose.built->cover).empty())
+  for (const KnownPose& pose : model.poses)
+    if (!pose.model || pose.positions.size() != model.cover.vertex_count || !pose.model->poses.empty() ||
+        !validate(pose.model->tree).empty() || !validate(pose.model->tree, pose.model->cover).empty())
       throw std::invalid_argument("the known pose \"" + pose.name +
                                   "\" cannot be written: its tree is broken, or not " + "of this mesh");
-  write_whole(path, native_bytes(built));
+  write_whole(path, native_bytes(model));
 }
 
 void write_tree(const std::filesystem::path& path, const SphereTree& tree) {

@@ -17,16 +17,16 @@ struct FollowedBody {
 
   /// Where it was, and with all of its spheres there.
   bool is_current() const {
-    const PosedTree& pose = spheres.pose();
+    const SphereState& pose = spheres.sphere_state();
     // mutant follow-moved: `pose.frame` -> `frame`
     return pose.frame == frame && pose.current && pose.complete;
   }
-  bool covers() const { return spheres.pose().covers; }
+  bool covers() const { return spheres.sphere_state().covers; }
 };
 
 /// Which blocks have a facet of which a leaf owns a part; leaves by their nodes.
 struct BlocksOfLeaves {
-  std::uint64_t ownership = 0;
+  std::uint64_t cover_id = 0;
   std::vector<std::uint32_t> begin, blocks;
 
   std::span<const std::uint32_t> operator[](std::uint32_t node) const {

@@ -64,7 +64,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
         for (std::size_t i = 0; i < count; ++i) {
           const Vec3 p = read(s.vertex_of_slot[slots_[begin + i]]);
           // mutant follow-placed: `s.followed->is_placed` -> `false`
-          points[i] = (s.followed->is_placed ? s.followed->spheres.placement()(p) : p) - s.origin;
+          points[i] = (s.followed->is_placed ? s.followed->spheres.transform()(p) : p) - s.origin;
         }
         make_boxes(points.data(), points.data(), count, made.data());
         for (std::size_t i = 0; i < count; ++i) boxes_.vertices[slots_[begin + i]] = made[i];

@@ -32,7 +32,7 @@ BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body)
   for (std::uint32_t i = 0; i < s.order.size(); ++i) block_of_facet[s.order[i]] = i / 8;
   BlocksOfLeaves found;
   const SphereTree& tree = body.tree();
-  found.ownership = body.pose().ownership;
+  found.cover_id = body.sphere_state().cover_id;
   found.begin.push_back(0);
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const auto first = static_cast<std::ptrdiff_t>(found.blocks.size());
@@ -49,11 +49,12 @@ BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body)
 
 double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
   const Collider& body = of.spheres;
-  const Sphere root = body.pose().sphere(0);
-  const double coordinates = max_norm(body.pose().origin) + max_norm(body.placement().translation) + max_norm(origin);
-  // A placement is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
+  const Sphere root = body.sphere_state().sphere(0);
+  const double coordinates =
+      max_norm(body.sphere_state().origin) + max_norm(body.transform().translation) + max_norm(origin);
+  // A transform is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
   // them.
-  return (max_norm(body.placement()(root.center) - origin) + max_norm(origin) + root.radius) * (1 + 0x1p-20) +
+  return (max_norm(body.transform()(root.center) - origin) + max_norm(origin) + root.radius) * (1 + 0x1p-20) +
          0x1p-40 * coordinates;
 }
 
@@ -167,14 +168,15 @@ Status SurfaceTree::follow(const Collider& body) {
   SurfaceTreeState& s = *state_;
   if (s.call.is_running) return {.code = Status::Code::in_use};
   if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
-  FollowedBody followed{Collider(body.pose()), body.pose().frame, !(body.placement() == RigidTransform{})};
-  followed.spheres.place(body.placement());
+  FollowedBody followed{Collider(body.sphere_state()), body.sphere_state().frame,
+                        !(body.transform() == RigidTransform{})};
+  followed.spheres.set_transform(body.transform());
   // Spheres that cover say that all vertices are near; else each is looked at.
   if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
     for (std::uint32_t v = 0; v < s.rest.size(); ++v)
       if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
         return {.code = Status::Code::non_finite_position, .index = v};
-  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.ownership != body.pose().ownership)
+  if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.cover_id != body.sphere_state().cover_id)
     s.blocks_of_leaves = blocks_of_leaves(s, body);
   s.followed = std::move(followed);
   s.from = body.positions();

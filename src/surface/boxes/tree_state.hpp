@@ -50,7 +50,7 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   std::vector<std::uint32_t> own_edges_begin;  // its edges are
   std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
   std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
-  std::vector<std::uint32_t> ring_begin, ring;  // neighbours of a vertex along edges, ascending
+  std::vector<std::uint32_t> ring_begin, ring;  // neighbors of a vertex along edges, ascending
   std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
   Vec3 origin;                                  // what boxes are about
   double rest_reach = 0;                        // the largest |coordinate| at rest of a vertex that a facet uses
@@ -70,7 +70,7 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   std::uint32_t block_count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
   Vec3 from_of(std::uint32_t vertex) const {
     const Vec3 p = from ? (*from)[vertex] : rest[vertex];
-    return followed && followed->is_placed ? followed->spheres.placement()(p) : p;
+    return followed && followed->is_placed ? followed->spheres.transform()(p) : p;
   }
   Vec3 to_of(std::uint32_t vertex) const { return to ? (*to)[vertex] : from_of(vertex); }
 

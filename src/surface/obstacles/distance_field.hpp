@@ -27,7 +27,7 @@ class PlacedField {
   double bound(const Vec3& center, const Vec3& half) const { return bound(Sphere{center, scaled_length(half)}); }
 
   /// The least value on a facet within the tolerance, or within half of what it is above `margin`: by quarters, whose
-  /// centres are asked. A quarter is done when it cannot be so much below the least value known. What is done is no
+  /// centers are asked. A quarter is done when it cannot be so much below the least value known. What is done is no
   /// less than the least value that remains, less that allowance, since the allowance falls more slowly than the value.
   FoundOnShape look_at(const Triangle& t, double margin) const {
     const double edge = std::max({length(t[1] - t[0]), length(t[2] - t[1]), length(t[0] - t[2])});

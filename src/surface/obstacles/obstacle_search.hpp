@@ -76,11 +76,11 @@ class ObstacleSearch {
                          const Narrow& narrow) {
     if (chunks_.empty()) chunks_.resize(1);
     chunks_[0].clear();
-    while (!open_.empty() && meter.takes(1)) {
+    while (!open_.empty() && meter.try_spend(1)) {
       const BoxNode node = open_.back();
       open_.pop_back();
       if (node.is_block()) {
-        look(node.number, options, narrow, chunks_[0]);
+        visit(node.number, options, narrow, chunks_[0]);
         continue;
       }
       for (std::uint32_t bits = near_boxes(node, is_far); bits != 0;) {
@@ -123,7 +123,7 @@ class ObstacleSearch {
       const StandardFloats standard;
       Chunk& chunk = chunks_[begin / blocks_at_once];
       chunk.clear();
-      for (std::size_t b = begin; b < end; ++b) look(blocks_[b].number, options, narrow, chunk);
+      for (std::size_t b = begin; b < end; ++b) visit(blocks_[b].number, options, narrow, chunk);
     });
     gather(count);
   }
@@ -149,9 +149,9 @@ class ObstacleSearch {
   }
 
   template <class Narrow>
-  void look(std::uint32_t block, const ObstacleOptions& options, const Narrow& narrow, Chunk& chunk) const {
+  void visit(std::uint32_t block, const ObstacleOptions& options, const Narrow& narrow, Chunk& chunk) const {
     const auto take = [&](std::uint32_t feature, std::span<const std::uint32_t> corners) {
-      if (options.keeps && !options.keeps(feature)) return;
+      if (options.accepts && !options.accepts(feature)) return;
       std::optional<Found> found;
       if (!narrow(corners, found)) return;
       ++chunk.candidates;

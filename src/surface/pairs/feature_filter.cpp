@@ -14,7 +14,7 @@ bool fits(const FacetMasks& masks, const SurfaceTreeState& s) {
   const auto fits_one = [&](const std::vector<std::uint32_t>& mask) {
     return mask.empty() || mask.size() == s.facets.size();
   };
-  return fits_one(masks.of) && fits_one(masks.with);
+  return fits_one(masks.category) && fits_one(masks.mask);
 }
 
 void gather(std::span<const std::uint32_t> facet_bits, const SurfaceTreeState& s, std::vector<std::uint32_t>& vertices,
@@ -43,21 +43,23 @@ void FeatureFilter::require_usable(const PairFilter& filter) {
 }
 
 void FeatureFilter::Masks::start(const FacetMasks& masks, const SurfaceTreeState& s) {
-  facet_of = masks.of, facet_with = masks.with;
-  if (!facet_of.empty()) gather(facet_of, s, vertex_of, edge_of);
-  if (!facet_with.empty()) gather(facet_with, s, vertex_with, edge_with);
+  facet_category = masks.category, facet_mask = masks.mask;
+  if (!facet_category.empty()) gather(facet_category, s, vertex_of, edge_of);
+  if (!facet_mask.empty()) gather(facet_mask, s, vertex_with, edge_with);
 }
 
 std::uint32_t FeatureFilter::Masks::of(Feature feature, std::uint32_t number) const {
-  if (facet_of.empty()) return 0xffffffffu;
-  return feature == Feature::vertex ? vertex_of[number] : feature == Feature::edge ? edge_of[number] : facet_of[number];
+  if (facet_category.empty()) return 0xffffffffu;
+  return feature == Feature::vertex ? vertex_of[number]
+         : feature == Feature::edge ? edge_of[number]
+                                    : facet_category[number];
 }
 
 std::uint32_t FeatureFilter::Masks::with(Feature feature, std::uint32_t number) const {
-  if (facet_with.empty()) return 0xffffffffu;
+  if (facet_mask.empty()) return 0xffffffffu;
   return feature == Feature::vertex ? vertex_with[number]
          : feature == Feature::edge ? edge_with[number]
-                                    : facet_with[number];
+                                    : facet_mask[number];
 }
 
 Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b,
@@ -76,7 +78,7 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
   excluded_ = is_one && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
   tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
   const bool within = is_one && (filter.same_component || tests_each_);
-  keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.keeps;
+  keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.accepts;
   return {};
 }
 
@@ -93,7 +95,7 @@ bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
        // mutant feature-mask-back: `(masks_b_.of(of_b, pair.b) & masks_a_.with(of_a, pair.a)) == 0` -> `false`
        (masks_b_.of(of_b, pair.b) & masks_a_.with(of_a, pair.a)) == 0))
     return false;
-  return !filter_->keeps || filter_->keeps(pair);
+  return !filter_->accepts || filter_->accepts(pair);
 }
 
 }  // namespace morula::detail

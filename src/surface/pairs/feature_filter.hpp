@@ -62,15 +62,15 @@ class FeatureFilter {
     return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
   }
   /// For pairs that share no vertex.
-  bool keeps(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
+  bool accepts(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
 
  private:
   /// Masks of features: the bits of all facets that a vertex or an edge is of.
   struct Masks {
-    std::span<const std::uint32_t> facet_of, facet_with;
+    std::span<const std::uint32_t> facet_category, facet_mask;
     std::vector<std::uint32_t> vertex_of, vertex_with, edge_of, edge_with;
     void start(const FacetMasks& masks, const SurfaceTreeState& s);
-    bool are_given() const { return !facet_of.empty() || !facet_with.empty(); }
+    bool are_given() const { return !facet_category.empty() || !facet_mask.empty(); }
     std::uint32_t of(Feature feature, std::uint32_t number) const;
     std::uint32_t with(Feature feature, std::uint32_t number) const;
   };

@@ -49,14 +49,15 @@ class FeaturePoints {
 
 /// For FeatureQuery: look(a, b, pair) is what is found of one pair, if anything.
 template <class Look>
-auto one_by_one(const Look& look) {
-  return [look](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
-    AskNowAndThen ask_now_and_then(128);
-    for (const FeaturePair& pair : pairs) {
-      ask_now_and_then();
-      if (const auto one = look(a, b, pair)) found.push_back(*one);
-    }
-  };
+auto one_by_one(const Look& visit) {
+  return
+      [visit](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
+        AskNowAndThen ask_now_and_then(128);
+        for (const FeaturePair& pair : pairs) {
+          ask_now_and_then();
+          if (const auto one = visit(a, b, pair)) found.push_back(*one);
+        }
+      };
 }
 
 template <class Found>
@@ -132,7 +133,7 @@ class FeatureQuery {
           for (std::size_t i = 0; i < chunks; ++i) chunks_[i].found.clear(), chunks_[i].candidates = 0;
         },
         [&](std::size_t chunk, const FeaturePair& pair) {
-          if (filter_.keeps(pair)) chunks_[chunk].pairs.push_back(pair);
+          if (filter_.accepts(pair)) chunks_[chunk].pairs.push_back(pair);
         },
         [&](std::size_t chunk) {
           Chunk& c = chunks_[chunk];

@@ -39,7 +39,7 @@ bool may_touch(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Proje
 }
 
 /// Do segments pq and qr have more in common than q? None is a point. Where p is on qr, or r on pq, the edges beyond
-/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbour's edge.
+/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbor's edge.
 bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projection) {
   // mutant height-field-folds-back: `orient2d(p, q, r, projection) == 0` -> `false`
   return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;
@@ -262,8 +262,8 @@ void HeightFields::find_directions(std::uint32_t first_block, std::uint32_t last
   const SurfaceTreeState& s = *state_;
   const bool is_placed = s.followed && s.followed->is_placed;
   with_reader(s.from, s.rest, [&](const auto& read) {
-    // mutant height-field-placed: `s.followed->spheres.placement()(read(v))` -> `read(v)`
-    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.placement()(read(v)) : read(v); };
+    // mutant height-field-placed: `s.followed->spheres.transform()(read(v))` -> `read(v)`
+    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.transform()(read(v)) : read(v); };
     for (std::uint32_t block = first_block; block < last_block; ++block) {
       const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
       unsigned directions = 63;

@@ -18,7 +18,7 @@
 //
 // Let facets F and G, which share no vertex, have a point x in common. It is a point a of the surface in F, and another
 // point b in G: points of the surface as a complex, where facets meet in common vertices and edges alone. Projected,
-// both are at p. If all of a neighbourhood of p is covered by facets that have a, none of which is G, then points near
+// both are at p. If all of a neighborhood of p is covered by facets that have a, none of which is G, then points near
 // p inside of G have N >= 2. That is so if a is inside of F; or on an edge with a facet on either side, neither of
 // which is G, since both have a vertex in common with F, or are F; or a vertex about which some facets close a fan,
 // since a fan that turns one way all along closes no sooner than after a whole turn. Else a is on the border: on an

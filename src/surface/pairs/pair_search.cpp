@@ -74,7 +74,7 @@ std::chrono::nanoseconds SurfaceMeter::now() const {
   return *clock_ ? (*clock_)() : std::chrono::steady_clock::now().time_since_epoch();
 }
 
-bool SurfaceMeter::takes(std::size_t groups) {
+bool SurfaceMeter::try_spend(std::size_t groups) {
   ask_to_go_on();
   if (is_over_) return false;
   // The first piece of work is done whatever it costs, so that whoever resumes again and again comes to the end.

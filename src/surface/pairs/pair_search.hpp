@@ -34,7 +34,7 @@ class SurfaceMeter {
   bool is_unlimited() const { return budget_.is_unlimited(); }
   /// May so many groups of boxes be tested against as many others, 64 pairs each? Once the answer was no it stays no.
   /// The first time it is no only where the budget is nothing.
-  bool takes(std::size_t groups);
+  bool try_spend(std::size_t groups);
   std::size_t groups_tested = 0;
 
  private:
@@ -76,7 +76,7 @@ class PairSearch {
   /// different chunks at the same time. Chunks are numbered from 0 on; chunks(count) is called before any of them.
   /// Every pair is found once, over all calls since start(). True when nothing is left to do.
   template <class Chunks, class Find, class Look>
-  bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& look);
+  bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit);
 
   void open(std::vector<OpenFacets>& facets) const;
 
@@ -111,7 +111,7 @@ class PairSearch {
   void expand(const NodePair& pair, std::vector<NodePair>& below) const;
   void find_block_pairs(SurfaceMeter& meter, Workers& workers);
   template <class Find, class Look>
-  void run_within_budget(SurfaceMeter& meter, const Find& find, const Look& look);
+  void run_within_budget(SurfaceMeter& meter, const Find& find, const Look& visit);
   FeatureBoxes& boxes_b() { return is_with_itself() ? boxes_a_ : boxes_b_; }
   const FeatureBoxes& boxes_b() const { return is_with_itself() ? boxes_a_ : boxes_b_; }
   void want(const BlockPair& pair) {
@@ -258,8 +258,8 @@ void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* exclu
 
 // One pair after the other, so that what a budget in tests reaches is always the same.
 template <class Find, class Look>
-void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const Look& look) {
-  while (!open_.empty() && meter.takes(cost(open_.back()))) {
+void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const Look& visit) {
+  while (!open_.empty() && meter.try_spend(cost(open_.back()))) {
     const NodePair pair = open_.back();
     open_.pop_back();
     if (!pair.is_pair_of_blocks()) {
@@ -271,15 +271,15 @@ void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const 
     want(blocks);
     fill_boxes(serial_workers());
     compare(blocks, [&](const FeaturePair& found) { find(0, found); });
-    look(0);
+    visit(0);
   }
 }
 
 template <class Chunks, class Find, class Look>
-bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& look) {
+bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit) {
   if (!meter.is_unlimited()) {
     chunks(1);
-    run_within_budget(meter, find, look);
+    run_within_budget(meter, find, visit);
     return open_.empty();
   }
   if (is_with_itself() && features_ == Features::facets) fields_.find_all(workers);
@@ -298,7 +298,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     const std::size_t chunk = begin / pairs_at_once;
     for (std::size_t i = begin; i < end; ++i) {
       compare(pairs_[i], [&](const FeaturePair& found) { find(chunk, found); });
-      if (i % pairs_at_a_look == 0 || i + 1 == end) look(chunk);
+      if (i % pairs_at_a_look == 0 || i + 1 == end) visit(chunk);
     }
   });
   return true;

@@ -132,21 +132,21 @@ struct KDopTree::State {
   }
 };
 
-KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& built, int k, Workers& workers) {
+KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& model, int k, Workers& workers) {
   const StandardFloats standard;
   require_known(k);
-  require_belonging(mesh, built);
-  LeafOrder order = depth_first_leaves(built.tree);
+  require_belonging(mesh, model);
+  LeafOrder order = depth_first_leaves(model.tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
-  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, hull_tolerance);
-  assert(ownership_faults(mesh, built.tree, built.cover, order, ownership, every_leaf, hull_tolerance).empty());
-  state_ = std::make_unique<State>(State{built.tree, mesh.vertex_count(), k, slab_directions(k),
-                                         LocalPoints(mesh, built.cover, ownership), std::move(order.leaves)});
+  const Ownership ownership = share_points(mesh, model.cover, order, every_leaf, hull_tolerance);
+  assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, every_leaf, hull_tolerance).empty());
+  state_ = std::make_unique<State>(State{model.tree, mesh.vertex_count(), k, slab_directions(k),
+                                         LocalPoints(mesh, model.cover, ownership), std::move(order.leaves)});
   state_->bind(ownership);
   const LocalPoints::Frame rest = state_->local.move(mesh.positions, workers);
   if (!rest.finite)
     throw std::invalid_argument("vertex " + std::to_string(rest.first_bad_vertex) +
-                                " is too far from the centre for an update");
+                                " is too far from the center for an update");
   state_->write_bounds(rest, workers);
 }
 
@@ -201,7 +201,7 @@ void KDopTree::pose(PosedSpheres& spheres) const {
     const float *const low = s.lower(node), *const high = s.upper(node);
     const auto middle = [&](int i) { return 0.5f * low[i] + 0.5f * high[i]; };
     const Vec3f center{middle(0), middle(1), middle(2)};
-    // From the rounded centre to the farthest corner, in double: below 2^-50 off.
+    // From the rounded center to the farthest corner, in double: below 2^-50 off.
     const auto reach = [&](int i, float c) {
       return std::max(static_cast<double>(high[i]) - static_cast<double>(c),
                       static_cast<double>(c) - static_cast<double>(low[i]));

@@ -4,7 +4,7 @@
 // Why nothing is lost. Two steps, each with its own proof.
 //   hull     Two chains from the least to the greatest point [andrew1979], with exact signs of orientation and exact
 //            comparisons of coordinates: what they return is the convex hull of real numbers. A point on the line of
-//            its neighbours is dropped as well, and lies between them: points come in lexicographic order, which along
+//            its neighbors is dropped as well, and lies between them: points come in lexicographic order, which along
 //            a line is the order on it.
 //   thinning A corner of the hull is dropped when it is near the segment between the two corners *kept* on either side
 //            of it, as a witness shows: a point of that segment not farther off than the tolerance. The witness is

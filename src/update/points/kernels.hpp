@@ -18,7 +18,7 @@ namespace morula::detail {
 /// Lists of points come in groups of this many; short ones repeat their last entry, which changes no maximum.
 inline constexpr std::size_t points_per_group = 16;
 inline constexpr std::size_t most_centers = 4;
-/// Points that stand for all that a node owns when its centre is pulled.
+/// Points that stand for all that a node owns when its center is pulled.
 inline constexpr std::size_t core_size = 32;
 
 /// Points [begin, end), a multiple of points_per_group.
@@ -26,7 +26,7 @@ struct PointRun {
   std::uint32_t begin, end;
 };
 
-/// Nodes whose centres are moved at once, one in each lane or a few times that.
+/// Nodes whose centers are moved at once, one in each lane or a few times that.
 inline constexpr std::size_t nodes_at_once = 16;
 /// Nodes whose anchors lie side by side: anchor i of the group's node j at 4 i + j.
 inline constexpr std::size_t nodes_per_group = 4;
@@ -53,8 +53,8 @@ struct Remainders {
 /// What the radii of a frame allow for (Rounding::allowances). rounding.hpp proves that it is enough.
 struct RadiusAllowances {
   double coordinate;      ///< of the origin and the points
-  double per_coordinate;  ///< a length, for every unit of that and of the centre's coordinates
-  double least;           ///< a length, whatever the centre
+  double per_coordinate;  ///< a length, for every unit of that and of the center's coordinates
+  double least;           ///< a length, whatever the center
 
   /// What a distance is multiplied with that was squared in float, and what is added for squares that vanish.
   // mutant covering-distance: `1 + 0x1p-22` -> `1`
@@ -71,18 +71,18 @@ struct LeafLists {
   const std::uint32_t *run_begin, *points, *point_begin, *point_end, *chain, *chain_begin, *nodes;
 };
 
-/// A centre on its way: see pull.
+/// A center on its way: see pull.
 struct Pull {
   const std::uint32_t* core;  ///< core_size points
   float enough;               ///< squared: a largest squared distance at or below this ends the pull
   float rest_radius;          ///< largest distance to the core at rest
 };
 
-/// Points of the surface that tell how near it comes to a leaf's centre.
+/// Points of the surface that tell how near it comes to a leaf's center.
 inline constexpr std::size_t near_size = 16;
-/// Leaves whose centres are fitted, nodes_at_once of them: point i of leaf k is cores[nodes_at_once * i + k], one of
+/// Leaves whose centers are fitted, nodes_at_once of them: point i of leaf k is cores[nodes_at_once * i + k], one of
 /// the core_size outermost that it owns, or near[nodes_at_once * i + k]. A leaf costs r² - d², where r is the largest
-/// distance from the centre to its core, and d the least one to its near points: how deep, as a power, the nearest of
+/// distance from the center to its core, and d the least one to its near points: how deep, as a power, the nearest of
 /// the surface lies in the sphere.
 struct Fits {
   const std::uint32_t *cores, *near;
@@ -104,14 +104,14 @@ struct Kernels {
   float (*farthest_of_some)(const LocalPoint* points, std::span<const PointRun> runs,
                             std::span<const std::uint32_t> index, const Vec3f& center, const float* groups,
                             float least);
-  /// The centre moved towards the farthest point of its core, up to pull_steps times: the best place on the way
+  /// The center moved towards the farthest point of its core, up to pull_steps times: the best place on the way
   /// [badoiu2003], so never one farther from the core than it was.
   Vec3f (*pull)(const LocalPoint* points, const Pull& pull, const Vec3f& center);
-  /// The same for nodes_at_once centres, in place, each with its own radius and core of core_count points: point i of
-  /// centre k is cores[nodes_at_once * i + k]. enough: most_growth times the radius, squared.
+  /// The same for nodes_at_once centers, in place, each with its own radius and core of core_count points: point i of
+  /// center k is cores[nodes_at_once * i + k]. enough: most_growth times the radius, squared.
   void (*pull_many)(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count,
                     const float* rest_radii, LocalPoint* centers);
-  /// Centres moved to where they cost less, in place: up to fit_steps times the way from the nearest of the near points
+  /// Centers moved to where they cost less, in place: up to fit_steps times the way from the nearest of the near points
   /// to the farthest of the core, which is where the cost falls most; the best place on the way, so never one that
   /// costs more than where it was, nor one from where r² is more than most_squared_growth times as large.
   void (*fit_many)(const LocalPoint* points, const Fits& fits, LocalPoint* centers);
@@ -124,10 +124,10 @@ struct Kernels {
   void (*carry)(const LocalPoint* points, const Remainders& remainders, std::size_t begin, std::size_t end,
                 LocalPoint* moves);
   /// For the leaves [begin, end), and the nodes of their chains whose place is below `count`: squared[e] = largest
-  /// squared distance from the centre of node chain[e] to a point of the leaf that it looks at.
+  /// squared distance from the center of node chain[e] to a point of the leaf that it looks at.
   void (*farthest_of_leaves)(const LocalPoint* points, const LeafLists& lists, std::size_t begin, std::size_t end,
                              std::size_t count, const Spheref* spheres, float* squared);
-  /// radii[i] = Rounding::covering_radius of squared[i], about a centre whose largest |coordinate| is norms[i].
+  /// radii[i] = Rounding::covering_radius of squared[i], about a center whose largest |coordinate| is norms[i].
   void (*covering_radii)(const float* squared, const float* norms, std::size_t count,
                          const RadiusAllowances& allowances, float* radii);
   /// out[i] = where cuts[i] is.

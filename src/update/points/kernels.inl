@@ -217,7 +217,7 @@ void pull_many(const LocalPoint* points, const std::uint32_t* cores, std::size_t
     pull_lanes(points, cores + k, core_count, rest_radii + k, centers + k);
 }
 
-// A leaf in each lane; a good one goes nowhere. No share is above 1/2, so centres stay finite. The nearest point is the
+// A leaf in each lane; a good one goes nowhere. No share is above 1/2, so centers stay finite. The nearest point is the
 // farthest by negative distances.
 void fit_lanes(const LocalPoint* points, const Fits& fits, LocalPoint* centers) {
   WidePoints core[core_size], near[near_size];

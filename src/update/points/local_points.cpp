@@ -119,7 +119,7 @@ void LocalPoints::mark(const VertexRange& range) noexcept {
   for (auto s = first; s != stretches_.end() && s->begin < range.end; ++s) {
     changed_stretches_.add(static_cast<std::uint32_t>(s - stretches_.begin()));
     const std::uint32_t begin = std::max(s->begin, range.begin), end = std::min(s->end, range.end);
-    // Vertices in the mesh's order share blocks with their neighbours.
+    // Vertices in the mesh's order share blocks with their neighbors.
     for (std::uint32_t v = begin; v < end; v = mesh_order_ ? (v / per_block + 1) * per_block : v + 1)
       changed_blocks_.add(point_of(v) / per_block);
   }

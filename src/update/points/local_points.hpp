@@ -93,7 +93,7 @@ class LocalPoints {
   Marks changed_stretches_, changed_blocks_, changed_cuts_;
   std::size_t changed_vertices_ = 0, changed_cut_points_ = 0;
   Vec3 origin_;       // of the last frame
-  Vec3 rest_origin_;  // the centre of the rest box
+  Vec3 rest_origin_;  // the center of the rest box
   Vec3 guide_rest_;   // the vertex that the origin moves with
   std::uint32_t guide_ = 0;
   double weight_slack_ = 0;

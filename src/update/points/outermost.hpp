@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The few points of a node that decide where its centre is best: its core.
+// The few points of a node that decide where its center is best: its core.
 #pragma once
 
 #include <cstdint>

@@ -109,9 +109,9 @@ bool is_on_edge(const CutPoint& c) {
   return std::count(c.weight.begin(), c.weight.end(), 0.0) > 0;
 }
 
-void require_belonging(const Mesh& mesh, const CoveredTree& built) {
+void require_belonging(const Mesh& mesh, const CoveredTree& model) {
   require_usable(mesh);
-  if (const auto faults = validate(built.tree); !faults.empty())
+  if (const auto faults = validate(model.tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
   const auto differ = [](const std::string& how) {
     throw std::invalid_argument("mesh and tree do not belong together: " + how);
@@ -120,11 +120,11 @@ void require_belonging(const Mesh& mesh, const CoveredTree& built) {
     if (in_cover != in_mesh)
       differ("the cover is for " + std::to_string(in_cover) + what + ", the mesh has " + std::to_string(in_mesh));
   };
-  expect_count(built.cover.vertex_count, mesh.vertex_count(), " vertices");
-  expect_count(built.cover.facet_count, mesh.facet_count(), " facets");
-  if (const auto faults = validate(built.tree, built.cover); !faults.empty()) differ(faults.front());
+  expect_count(model.cover.vertex_count, mesh.vertex_count(), " vertices");
+  expect_count(model.cover.facet_count, mesh.facet_count(), " facets");
+  if (const auto faults = validate(model.tree, model.cover); !faults.empty()) differ(faults.front());
   // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
-  if (built.report.mesh_hash != 0 && built.report.mesh_hash != mesh_hash(mesh))
+  if (model.report.mesh_hash != 0 && model.report.mesh_hash != mesh_hash(mesh))
     differ("the tree was made from a mesh of another hash");
 }
 

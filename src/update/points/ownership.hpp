@@ -12,7 +12,7 @@ namespace morula::detail {
 /// Throws std::invalid_argument unless mesh and tree are usable, mesh, tree and cover have the right sizes for each
 /// other, every index is in range, regions are the disjoint unions of their children's, and the tree was made from a
 /// mesh of the same hash, as far as it says.
-void require_belonging(const Mesh& mesh, const CoveredTree& built);
+void require_belonging(const Mesh& mesh, const CoveredTree& model);
 
 /// Leaves in depth-first order, so that the leaves below any node are one range.
 struct LeafOrder {

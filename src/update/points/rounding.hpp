@@ -3,7 +3,7 @@
 // Rounding of radii: the error budget of every distance that an update takes.
 //
 // Let e = 2^-24, M the largest |coordinate| of a vertex about the frame's origin (after narrowing to float), A the
-// largest |coordinate| of origin, points and centre in mesh units, and s the largest |1 - sum of weights| over the
+// largest |coordinate| of origin, points and center in mesh units, and s the largest |1 - sum of weights| over the
 // cover's cut points. Per coordinate:
 //   narrowing       p - origin in double, then to float                                        e M
 //   cut points      v0 + w1 (v1 - v0) + w2 (v2 - v0) in float, where v0 has the largest weight, so w1 + w2 <= 2/3 and
@@ -18,7 +18,7 @@
 //                   and the root is taken in double. Allowed: 2^-22 of it = 4 e.
 //   underflow       products below 2^-126 may vanish, even a processor that flushes to zero loses no more:
 //                   3 x 2^-126 of the square, below 2^-62 of the distance. Allowed: 2^-62.
-//   reading         origin + centre in double 2^-53 A, a cut point as a weighted sum of mesh coordinates
+//   reading         origin + center in double 2^-53 A, a cut point as a weighted sum of mesh coordinates
 //                   3 x 2^-53 A and s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same
 //                   combination of those tested as far as x and y go; their first weights differ by up to 2 s, which
 //                   moves it by up to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which is also

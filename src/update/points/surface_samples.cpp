@@ -67,8 +67,8 @@ struct SurfaceSamples::Pieces {
   std::vector<std::uint32_t> of_sample{};  // empty where there is one piece only
   std::vector<std::size_t> sample_count{};
 
-  // A piece with too few samples for a ring has neighbours wherever they are, as have loose facets.
-  bool may_be_neighbours(std::uint32_t a, std::uint32_t b) const {
+  // A piece with too few samples for a ring has neighbors wherever they are, as have loose facets.
+  bool may_be_neighbors(std::uint32_t a, std::uint32_t b) const {
     // mutant sample-pieces-mixed: `of_sample.empty` -> `true || of_sample.empty`
     return of_sample.empty() || of_sample[a] == of_sample[b] || sample_count[of_sample[a]] <= ring_size;
   }
@@ -134,8 +134,8 @@ void SurfaceSamples::choose_rings(double spacing, const Pieces& pieces) {
   for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing, pieces);
 }
 
-// One neighbour in each of six sectors about the normal: the nearest that is not so near that rounding and facets
-// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbour, nor is a piece of
+// One neighbor in each of six sectors about the normal: the nearest that is not so near that rounding and facets
+// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbor, nor is a piece of
 // surface that lies through this one, or leaves it when the body moves.
 std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample, double spacing,
                                                                              const Pieces& pieces) const {
@@ -157,7 +157,7 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
       const Vec3f offset = point_[other] - point_[sample];
       const double gap = length(offset);
       if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
-      if (!pieces.may_be_neighbours(sample, other)) continue;
+      if (!pieces.may_be_neighbors(sample, other)) continue;
       const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
       const auto sector =
           std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));

@@ -23,7 +23,7 @@ struct SampleBlock {
   using Lanes = std::array<float, block_size>;
   Lanes x, y, z;  ///< place, about origin(), in units of 1 / per_mesh_unit()
   Lanes dx, dy,
-      dz;      ///< unit direction outward: normals averaged over the neighbours, so that neighbouring rays fan out
+      dz;      ///< unit direction outward: normals averaged over the neighbors, so that neighboring rays fan out
   Lanes flux;  ///< area, times the cosine between direction and normal
   Lanes growth1, growth2;  ///< area of the surface moved out by t, over its own: 1 + growth1 t + growth2 t²; 2H and K
 };
@@ -65,7 +65,7 @@ class SurfaceSamples {
     Facet facet;
     std::array<double, 3> barycentric;
     double share;                                 // area of the sample over that of its facet, at rest
-    std::array<std::uint32_t, ring_size> ring{};  // neighbours, counter-clockwise; repeated where there are fewer
+    std::array<std::uint32_t, ring_size> ring{};  // neighbors, counter-clockwise; repeated where there are fewer
   };
 
   void sort_into_blocks(std::vector<Vec3f> points);

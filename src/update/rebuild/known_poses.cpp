@@ -20,10 +20,10 @@ namespace {
 
 constexpr std::size_t most_side_by_side = 16;  // builds; each holds what a build holds
 
-void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses,
+void require_in_range(const Mesh& mesh, const CoveredTree& model, std::span<const NamedPose> poses,
                       const KnownPoseOptions& options) {
   if (!(options.pose_threshold > 1)) throw std::invalid_argument("known poses: pose_threshold must be above 1");
-  if (built.cover.vertex_count != mesh.vertex_count())
+  if (model.cover.vertex_count != mesh.vertex_count())
     throw std::invalid_argument("known poses: the tree is for another number of vertices");
   for (const NamedPose& pose : poses)
     // mutant known-size-when-added: `pose.positions.size() != mesh.vertex_count()` -> `false`
@@ -35,19 +35,19 @@ void require_in_range(const Mesh& mesh, const CoveredTree& built, std::span<cons
 // How every pose is served by the trees that there are, beside what a tree built for it would do.
 class Service {
  public:
-  Service(const Mesh& mesh, const CoveredTree& built, std::span<const NamedPose> poses, Workers& workers)
+  Service(const Mesh& mesh, const CoveredTree& model, std::span<const NamedPose> poses, Workers& workers)
       : poses_(poses),
         workers_(workers),
         estimator_(mesh),
-        home_(built.tree.level_count()),
+        home_(model.tree.level_count()),
         own_(poses.size()),
         serving_(poses.size()) {
-    Body body(mesh, CoveredTree{built.tree, built.cover, built.report}, {}, workers);
+    Body body(mesh, CoveredTree{model.tree, model.cover, model.report}, {}, workers);
     home_ = looseness_of(body, mesh.positions);
     tightest_ = home_;
     activate(body);
-    for (const KnownPose& pose : built.poses) {
-      Body known({pose.positions, mesh.facets}, pose.built, {}, workers);
+    for (const KnownPose& pose : model.poses) {
+      Body known({pose.positions, mesh.facets}, pose.model, {}, workers);
       learn(looseness_of(known, pose.positions));
       activate(known);
     }
@@ -80,9 +80,9 @@ class Service {
   std::shared_ptr<const CoveredTree> tree(std::size_t pose) const { return own_[pose].tree; }
 
   /// A tree built for a pose: from now on it is known how tight that one can be.
-  void keep(std::size_t pose, const Mesh& posed, std::shared_ptr<const CoveredTree> built) {
-    Body body(posed, built, {}, workers_);
-    own_[pose] = {std::move(built), looseness_of(body, posed.positions), false};
+  void keep(std::size_t pose, const Mesh& posed, std::shared_ptr<const CoveredTree> model) {
+    Body body(posed, model, {}, workers_);
+    own_[pose] = {std::move(model), looseness_of(body, posed.positions), false};
     learn(own_[pose].looseness);
   }
 
@@ -143,22 +143,22 @@ class Service {
 
 }  // namespace
 
-KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span<const NamedPose> poses,
+KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options, Workers& workers) {
   const StandardFloats standard;
-  require_in_range(mesh, built, poses, options);
+  require_in_range(mesh, model, poses, options);
   KnownPosesReport report;
   if (poses.empty()) return report;
   const BuildOptions build_options{.method = options.method,
-                                   .branching = static_cast<int>(built.tree.branching),
-                                   .depth = depth_of_rebuilds(built),
+                                   .branching = static_cast<int>(model.tree.branching),
+                                   .depth = depth_of_rebuilds(model),
                                    .seed = options.seed,
                                    .quality = options.quality,
                                    .stop = options.stop};
-  Service service(mesh, built, poses, workers);
+  Service service(mesh, model, poses, workers);
   const auto posed = [&](std::size_t pose) { return Mesh{poses[pose].positions, mesh.facets}; };
   const auto tell = [&] {
-    if (options.progress) options.progress(report.built, report.worst);
+    if (options.progress) options.progress(report.trees_built, report.worst);
   };
   std::vector<KnownPose> added;
   while (true) {
@@ -173,7 +173,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
     }
     // Several side by side, since a build keeps few threads busy. Some may turn out not to be needed, where one that
     // comes to serve serves them, too: so no more than a quarter of those built before.
-    const std::size_t count = std::clamp<std::size_t>(report.built / 4, 1, most_side_by_side);
+    const std::size_t count = std::clamp<std::size_t>(report.trees_built / 4, 1, most_side_by_side);
     const std::vector<std::size_t> next = service.worst_without_tree(options.pose_threshold, count);
     std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());
     workers.run(next.size(), [&](std::size_t i) {
@@ -182,12 +182,12 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& built, std::span
     });
     for (std::size_t i = 0; i < next.size(); ++i) {
       service.keep(next[i], posed(next[i]), std::move(trees[i]));
-      ++report.built;
+      ++report.trees_built;
       if (i + 1 < next.size()) tell();
     }
   }
   report.added = added.size();
-  std::move(added.begin(), added.end(), std::back_inserter(built.poses));
+  std::move(added.begin(), added.end(), std::back_inserter(model.poses));
   return report;
 }
 

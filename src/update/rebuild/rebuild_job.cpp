@@ -50,7 +50,7 @@ void RebuildJob::set_pose(std::size_t which, const PositionView& positions) {
 }
 
 void RebuildJob::queue(int steps, Quality quality) {
-  if (build_.method == Method::morula) build_.quality = quality;
+  if (build_.method == Method::optimized) build_.quality = quality;
   steps_ = steps;
   stop_ = std::stop_source();
   build_.stop = stop_.get_token();
@@ -84,9 +84,9 @@ std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
-  auto built = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
+  auto model = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
   if (build_.stop.stop_requested()) throw BuildStopped();
-  auto tree = std::make_unique<TreeVersion>(FittedBody::make(snapshot_, std::move(built), fits_leaves_, one), snapshot_,
+  auto tree = std::make_unique<TreeVersion>(FittedBody::make(snapshot_, std::move(model), fits_leaves_, one), snapshot_,
                                             estimator_, levels_);
   // The frame that takes it over lies between the pose it was asked for at and the one it was made for.
   tree->strain_elsewhere = tree->gauge.strain(last_pose_);

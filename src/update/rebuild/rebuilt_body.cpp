@@ -29,10 +29,10 @@ RebuildOptions in_range(RebuildOptions o) {
   return o;
 }
 
-void require_poses(const Mesh& mesh, const CoveredTree& built) {
-  for (const KnownPose& pose : built.poses)
-    // mutant known-size-at-use: `pose.built || pose.positions.size() != mesh.vertex_count()` -> `pose.built`
-    if (!pose.built || pose.positions.size() != mesh.vertex_count())
+void require_poses(const Mesh& mesh, const CoveredTree& model) {
+  for (const KnownPose& pose : model.poses)
+    // mutant known-size-at-use: `pose.model || pose.positions.size() != mesh.vertex_count()` -> `pose.model`
+    if (!pose.model || pose.positions.size() != mesh.vertex_count())
       throw std::invalid_argument("rebuild: the known pose \"" + pose.name + "\" is not one of this mesh");
 }
 
@@ -69,7 +69,7 @@ class RestPose {
 // One frame after the other: chooses the tree that serves (TreeVersions), watches how loose it is (LoosenessWatch), and
 // rebuilds it (RebuildCycle).
 struct RebuiltBody::State {
-  State(const Mesh& mesh, const CoveredTree& built, RebuildOptions rebuild_options, Workers& workers);
+  State(const Mesh& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers);
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
@@ -91,12 +91,12 @@ struct RebuiltBody::State {
   RebuildCycle cycle;  // last: its thread goes first
 };
 
-RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& built, RebuildOptions rebuild_options, Workers& workers)
-    : options((require_poses(mesh, built), in_range(std::move(rebuild_options)))),
+RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers)
+    : options((require_poses(mesh, model), in_range(std::move(rebuild_options)))),
       at_rest(mesh),
-      watch(mesh, built.tree.level_count(), options, report),
-      trees(mesh, built, options, watch.estimator(), workers),
-      cycle(options, report, make_job(mesh, built, options)) {
+      watch(mesh, model.tree.level_count(), options, report),
+      trees(mesh, model, options, watch.estimator(), workers),
+      cycle(options, report, make_job(mesh, model, options)) {
   watch.follow(trees.home());
 }
 
@@ -204,10 +204,10 @@ void RebuiltBody::State::collect(const PositionView& positions, bool taken) {
   cycle.retire(std::move(result.tree));
 }
 
-RebuiltBody::RebuiltBody(const Mesh& mesh, const CoveredTree& built, RebuildOptions options, Workers& workers)
+RebuiltBody::RebuiltBody(const Mesh& mesh, const CoveredTree& model, RebuildOptions options, Workers& workers)
     : state_([&] {
         const StandardFloats standard;
-        return std::make_unique<State>(mesh, built, std::move(options), workers);
+        return std::make_unique<State>(mesh, model, std::move(options), workers);
       }()) {}
 
 RebuiltBody::~RebuiltBody() = default;

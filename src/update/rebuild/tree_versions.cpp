@@ -27,24 +27,24 @@ constexpr std::size_t seen_lately = 4;
 // mutant known-came-closer: `0.8` -> `0`
 constexpr double closer = 0.8;
 
-std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& built) {
-  return std::make_shared<const CoveredTree>(CoveredTree{built.tree, built.cover, built.report});
+std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& model) {
+  return std::make_shared<const CoveredTree>(CoveredTree{model.tree, model.cover, model.report});
 }
 
 }  // namespace
 
-TreeVersions::TreeVersions(const Mesh& mesh, const CoveredTree& built, const RebuildOptions& options,
+TreeVersions::TreeVersions(const Mesh& mesh, const CoveredTree& model, const RebuildOptions& options,
                            LoosenessEstimator& estimator, Workers& workers)
     : min_improvement_(options.min_improvement),
       // Body checks whether they belong together, so it comes first.
-      home_(FittedBody::make(mesh, without_poses(built), fits_leaves(options), workers), mesh, estimator,
-            built.tree.level_count()),
+      home_(FittedBody::make(mesh, without_poses(model), fits_leaves(options), workers), mesh, estimator,
+            model.tree.level_count()),
       present_(&home_) {
   std::vector<PositionView> poses{mesh.positions};
-  for (const KnownPose& pose : built.poses) {
+  for (const KnownPose& pose : model.poses) {
     poses.emplace_back(pose.positions);
     const Mesh posed{pose.positions, mesh.facets};
-    known_.emplace_back(FittedBody::make(posed, pose.built, fits_leaves(options), workers), posed, estimator,
+    known_.emplace_back(FittedBody::make(posed, pose.model, fits_leaves(options), workers), posed, estimator,
                         level_count());
   }
   cost_.emplace(home_).calibrate(home_, known_, poses, estimator, workers);

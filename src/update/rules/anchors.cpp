@@ -21,11 +21,11 @@
 namespace morula::detail {
 namespace {
 
-// Choice of anchors: the points a centre is tied to, and how strongly. It is settled once, when a body is made.
+// Choice of anchors: the points a center is tied to, and how strongly. It is settled once, when a body is made.
 struct AnchorChoice {
   std::vector<std::uint32_t> points;  // ascending
   std::vector<double> weights;        // one per point, none zero; they add up to 1
-  bool reproduces = false;            // the weighted sum is the centre; otherwise it falls short of it
+  bool reproduces = false;            // the weighted sum is the center; otherwise it falls short of it
   bool degenerate = false;            // fewer than four anchors that span space: equal weights
   // Three anchors that show how all of them turn; repeated ones where they are collinear or fewer.
   std::array<std::uint32_t, 3> axes{};
@@ -42,7 +42,7 @@ void sort_unique(Indices& indices) {
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
-// For each of 16 directions the candidate that lies best in it: near, but not sideways. A candidate at the very centre
+// For each of 16 directions the candidate that lies best in it: near, but not sideways. A candidate at the very center
 // would win in every direction, so distances below a fifth of the radius count as that.
 Indices best_by_direction(const Vec3& center, double radius, std::span<const LocalPoint> points,
                           std::span<const std::uint32_t> candidates) {
@@ -144,7 +144,7 @@ double magnification(const Weights& w) {
 }
 
 // Weights that add up to 1 and put the weighted sum of y at zero, as nearly as `ridge` lets them, with the least sum of
-// w^2 (0.2 + |y|): near anchors count more. y: about the centre. Nothing when y does not span space and ridge is 0.
+// w^2 (0.2 + |y|): near anchors count more. y: about the center. Nothing when y does not span space and ridge is 0.
 std::optional<Weights> least_weights(std::span<const Vec3> y, double ridge) {
   const auto row = [&](std::size_t i) { return Vector4{1, y[i].x, y[i].y, y[i].z}; };
   const auto cost = [&](std::size_t i) { return 0.2 + length(y[i]); };
@@ -189,7 +189,7 @@ std::optional<Weights> convex_weights(std::span<const Vec3> y, double ridge, std
   return std::nullopt;
 }
 
-// Weights that reproduce the centre without magnifying noise much; nothing where the anchors have none.
+// Weights that reproduce the center without magnifying noise much; nothing where the anchors have none.
 std::optional<Weights> reproducing_weights(std::span<const Vec3> y) {
   constexpr double mild = 2;
   if (auto w = convex_weights(y, 0.0, 4)) return w;
@@ -197,7 +197,7 @@ std::optional<Weights> reproducing_weights(std::span<const Vec3> y) {
   return std::nullopt;
 }
 
-// For a centre outside the hull of its anchors: nearly reproducing, but never so large that they magnify noise.
+// For a center outside the hull of its anchors: nearly reproducing, but never so large that they magnify noise.
 Weights bounded_weights(std::span<const Vec3> y) {
   constexpr double largest = 12;
   const auto n = static_cast<double>(y.size());
@@ -207,8 +207,8 @@ Weights bounded_weights(std::span<const Vec3> y) {
   return w;
 }
 
-// The candidate that the hull of the anchors needs most to come to the centre: the one farthest beyond the point where
-// it comes nearest. Nothing when none lies beyond, and then the centre is outside the hull of all candidates.
+// The candidate that the hull of the anchors needs most to come to the center: the one farthest beyond the point where
+// it comes nearest. Nothing when none lies beyond, and then the center is outside the hull of all candidates.
 std::optional<std::uint32_t> support(const Vec3& center, std::span<const LocalPoint> points,
                                      std::span<const std::uint32_t> candidates, std::span<const Vec3> y) {
   const auto w = convex_weights(y, 1e-6, 1);
@@ -224,16 +224,16 @@ std::optional<std::uint32_t> support(const Vec3& center, std::span<const LocalPo
 }
 
 // candidates: points that may become anchors, ascending, each once; none gives no anchors.
-// radius: that of the sphere about the centre, which sets the scale.
+// radius: that of the sphere about the center, which sets the scale.
 //
-// About sixteen near points on all sides of the centre. Weights as small as can be, so that noise of single vertices
-// averages out, and none or only mildly negative. A centre far outside the hull of all candidates has no such weights.
+// About sixteen near points on all sides of the center. Weights as small as can be, so that noise of single vertices
+// averages out, and none or only mildly negative. A center far outside the hull of all candidates has no such weights.
 AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const LocalPoint> points,
                             std::span<const std::uint32_t> candidates) {
   AnchorChoice choice;
   if (candidates.empty()) return choice;
   Indices chosen = best_by_direction(center, radius, points, candidates);
-  // Where the sixteen span less than the candidates do, four more make up for it. A centre far to one side of
+  // Where the sixteen span less than the candidates do, four more make up for it. A center far to one side of
   // everything would otherwise be tied to a single point, and nothing could tell how it has turned.
   Span span = span_of(points, chosen);
   if (span.dimensions < 3) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Centres of the exact rule: each is tied to a few points of the surface, its anchors, and moves with them.
+// Centers of the exact rule: each is tied to a few points of the surface, its anchors, and moves with them.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@
 
 namespace morula::detail {
 
-/// A centre c as a function of its anchors x, with weights w that add up to 1:
+/// A center c as a function of its anchors x, with weights w that add up to 1:
 ///   c = c0 + (sum w x - sum w x0) + (turned(e) - e)      x0: at rest
-/// Where the weights reproduce c0, e is zero and an affine map of the anchors moves the centre along.
+/// Where the weights reproduce c0, e is zero and an affine map of the anchors moves the center along.
 /// Where it is not, e = c0 - sum w x0 is carried by axes of three anchors, so that at least a rigid one does. The
 /// axes are built anew from positions alone; nothing remembers the frame before.
 struct CenterTie {
@@ -28,10 +28,10 @@ struct CenterTie {
   Vec3f rest_carried;                   ///< e, by the very routine that runs per frame
 };
 
-/// Ties of many centres, with what they share.
+/// Ties of many centers, with what they share.
 class Anchors {
  public:
-  /// Adds a tie to some of the candidates (choose_anchors); without any the centre stays where it is.
+  /// Adds a tie to some of the candidates (choose_anchors); without any the center stays where it is.
   void tie(const Vec3f& center, float radius, std::span<const LocalPoint> rest_points,
            std::span<const std::uint32_t> candidates);
 
@@ -42,15 +42,15 @@ class Anchors {
 
   std::size_t size() const { return ties_.size(); }
   const CenterTie& operator[](std::size_t k) const { return ties_[k]; }
-  /// visit(point) for each anchor of centre k.
+  /// visit(point) for each anchor of center k.
   template <class Visit>
   void each_point(std::size_t k, const Visit& visit) const {
     for (std::uint32_t i = ties_[k].begin; i < ties_[k].end; i += ties_[k].step) visit(points_[i]);
   }
-  /// Where centre k is now. At rest exactly where it was tied, because both differences are.
+  /// Where center k is now. At rest exactly where it was tied, because both differences are.
   Vec3f center(std::size_t k, std::span<const LocalPoint> points) const noexcept;
-  /// The same, bit for bit, for centres begin … end - 1, where begin is a multiple of nodes_per_group. centers has room
-  /// for whole groups; those beyond the last centre are of no use.
+  /// The same, bit for bit, for centers begin … end - 1, where begin is a multiple of nodes_per_group. centers has room
+  /// for whole groups; those beyond the last center are of no use.
   void centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
                LocalPoint* centers) const noexcept;
   /// For some, ascending.

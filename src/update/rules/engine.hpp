@@ -34,7 +34,7 @@ struct RuleFrame {
 /// What a body is made from, while it is being made.
 struct Binding {
   const Mesh& mesh;
-  const CoveredTree& built;
+  const CoveredTree& model;
   const UpdateOptions& options;
   std::span<const Rule> rule_of_level;
   std::span<const Rule> rule_of_node;

@@ -24,7 +24,7 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 4 * nodes_at_once;
-// Points that may come to be the nearest to a leaf's centre, in radii.
+// Points that may come to be the nearest to a leaf's center, in radii.
 constexpr float farthest_near = 2;
 // A leaf that costs no more than this times what it cost where the tree was made is good: a rigid motion changes no
 // cost by more than rounding does, and what a builder chose with care stays.
@@ -38,9 +38,9 @@ Vec3f at(const LocalPoint& p) {
 
 }  // namespace
 
-// The points nearest to a centre on all sides of it are, turned inside out about it, the outermost: y = x / |x|² takes
-// a sphere through the centre to a plane, so the farthest y along a direction is the x that a sphere which grows from
-// the centre that way meets first.
+// The points nearest to a center on all sides of it are, turned inside out about it, the outermost: y = x / |x|² takes
+// a sphere through the center to a plane, so the farthest y along a direction is the x that a sphere which grows from
+// the center that way meets first.
 LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
                    std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers)
     : nodes_(nodes.begin(), nodes.end()) {
@@ -110,7 +110,7 @@ class NearbyPoints {
  public:
   // Borrows all but the tree. Every vertex that a facet uses is owned by some leaf.
   NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership);
-  // Adds the vertices whose distance to the centre is at most the radius. Cost: leaves, and what those near own.
+  // Adds the vertices whose distance to the center is at most the radius. Cost: leaves, and what those near own.
   void add(const Sphere& around, Marks& points) const;
 
  private:
@@ -172,7 +172,7 @@ float find_core(const Binding& binding, std::uint32_t node, std::span<std::uint3
 void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& nearby, Marks& scratch,
                 Anchors& anchors) {
   constexpr double reach = 1.3;
-  const Sphere& at_rest = binding.built.tree.spheres[node];
+  const Sphere& at_rest = binding.model.tree.spheres[node];
   for (const std::uint32_t p : owned_points(binding, node)) scratch.add(p);
   nearby.add({at_rest.center, reach * at_rest.radius}, scratch);
   std::vector<std::uint32_t> candidates;
@@ -185,13 +185,13 @@ void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& 
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding)
-    : walk_(binding.built.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+    : walk_(binding.model.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   std::vector<std::uint32_t> cores(core_size * node_count), levels;
   std::vector<float> radii(node_count);
   std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
-  const NearbyPoints nearby(binding.mesh, binding.built.tree, binding.order, binding.ownership);
+  const NearbyPoints nearby(binding.mesh, binding.model.tree, binding.order, binding.ownership);
   parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     Marks scratch(binding.local.points().size());
     for (std::size_t k = begin; k < end; ++k) {
@@ -202,7 +202,7 @@ ExactRule::ExactRule(const Binding& binding)
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
   anchors_.pack();
   for (const std::uint32_t node : walk_.nodes())
-    levels.push_back(static_cast<std::uint32_t>(binding.built.tree.level_of(node)));
+    levels.push_back(static_cast<std::uint32_t>(binding.model.tree.level_of(node)));
   cores_ = PackedCores(cores, radii, levels);
   incremental_.emplace(binding, walk_.chains(), anchors_, cores_);
 }

@@ -20,9 +20,9 @@
 
 namespace morula::detail {
 
-/// Leaf fits: in every frame the centres of leaves go on from where anchors and pulls have brought them to where their
+/// Leaf fits: in every frame the centers of leaves go on from where anchors and pulls have brought them to where their
 /// spheres stick out of the surface less. Cover does not depend on it: radii are measured afterwards, from wherever
-/// centres are, over all that each leaf owns. Core and near points only say where a centre is good.
+/// centers are, over all that each leaf owns. Core and near points only say where a center is good.
 class LeafFits {
  public:
   /// nodes: the leaves, by their order. cores: core_size points of each, its outermost ones. points, spheres: at the
@@ -30,7 +30,7 @@ class LeafFits {
   LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
            std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers);
 
-  /// Moves the centres of leaves that cost more than where the tree was made: none there, nor after a rigid motion.
+  /// Moves the centers of leaves that cost more than where the tree was made: none there, nor after a rigid motion.
   /// Depends on the frame alone. No allocation.
   void move(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) const noexcept;
 

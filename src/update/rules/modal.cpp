@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Two bounds of a node's corners, both of [james2004]'s form. With c the centre and y a corner's place about it at
+// Two bounds of a node's corners, both of [james2004]'s form. With c the center and y a corner's place about it at
 // rest, the corner is at c + y + sum q_j u_j. With u_j = s_j + e_j, |e_j| <= stray:
 //   shifts      |corner - (c + sum q_j s_j)| <= |y| + sum |q_j| stray_j, which is the paper's
 // With u_j = G_j y + s_j + e_j and F = 1 + sum q_j G_j:
@@ -11,15 +11,15 @@
 // node.
 //
 // Rounding, all in double, e = 2^-53. m modes; Z bounds |coordinates| of everything that is added up: rest positions
-// and centres, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
+// and centers, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
 //   the caller's own sum rest + U q, and ours of shifts               2 x 1.8 (m + 1) e Z
 //   the entries of F, times |y| <= 3.5 Z                              10.4 (m + 1) e Z
 //   cut corners as weighted sums, of rows here and of positions there     10.4 e Z
-//   reading: origin + centre, distances of a certificate              below 10 e Z
+//   reading: origin + center, distances of a certificate              below 10 e Z
 // Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of others are left out (exactly in it: facet_hull.hpp with
 // tolerance 0). Where weights add up to 1 +- s, the first weights of a corner and of what surrounds it differ by up to
 // 2 s, which is below 3.5 s Z as a length; allowed: 4 s Z. What binding a node rounds is in its strays and its radius
-// (rounded_up_radius), what narrowing the centre to float moves is measured.
+// (rounded_up_radius), what narrowing the center to float moves is measured.
 #include "update/rules/modal.hpp"
 
 #include <cassert>
@@ -75,14 +75,14 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
                        std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
   guide_rest_ = mesh.positions[guide];
   for (const std::uint32_t v : used_vertices) rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
-  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
-  for (const CutPoint& c : built.cover.cut_points)
+  for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
+  for (const CutPoint& c : model.cover.cut_points)
     weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
   for (std::size_t j = 0; j < modes.mode_count; ++j) {
     const std::span<const Vec3> mode = modes.mode(j);
@@ -127,10 +127,10 @@ ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
 }
 
 ModalRule::ModalRule(const Binding& binding)
-    : mode_count_(binding.options.modes.mode_count), slot_(binding.built.tree.node_count(), no_node) {
+    : mode_count_(binding.options.modes.mode_count), slot_(binding.model.tree.node_count(), no_node) {
   const Mesh& mesh = binding.mesh;
-  const CoveredTree& built = binding.built;
-  const SphereTree& tree = built.tree;
+  const CoveredTree& model = binding.model;
+  const SphereTree& tree = model.tree;
   const UpdateOptions& options = binding.options;
   for (std::size_t level = 0; level < tree.level_count(); ++level)
     if (binding.rule_of_level[level] == Rule::modal)
@@ -145,13 +145,13 @@ ModalRule::ModalRule(const Binding& binding)
   const LeafOrder order = depth_first_leaves(tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
   // mutant hull-tolerance-for-modes: `0` -> `0x1p-30`
-  const Ownership ownership = share_points(mesh, built.cover, order, every_leaf, 0);
-  assert(ownership_faults(mesh, tree, built.cover, order, ownership, every_leaf, 0).empty());
+  const Ownership ownership = share_points(mesh, model.cover, order, every_leaf, 0);
+  assert(ownership_faults(mesh, tree, model.cover, order, ownership, every_leaf, 0).empty());
   parallel_for(binding.workers, nodes_.size(), 1, [&](std::size_t slot, std::size_t) {
     const std::uint32_t node = nodes_[slot].node;
     nodes_[slot].rest.center = tree.spheres[node].center;
-    bind(slot, mesh, built.cover, options.modes,
-         corners_of(ownership, built.cover, order.begin[node], order.end[node]));
+    bind(slot, mesh, model.cover, options.modes,
+         corners_of(ownership, model.cover, order.begin[node], order.end[node]));
   });
   for (std::size_t i = 0; i < linear_rows_.size(); ++i) {
     const LinearModeRow& row = linear_rows_[i];
@@ -204,7 +204,7 @@ Spheref ModalRule::sphere_of(std::size_t slot, const ModalPose& pose) const noex
   const Vec3 center = s.center - pose.origin;
   // Adding zero makes a negative zero positive, as the other rules do.
   const Vec3f nearest = Vec3f(center) + Vec3f{};
-  // mutant modal-narrowed-centre: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
+  // mutant modal-narrowed-center: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
   return {nearest, rounded_up((s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + pose.pad)};
 }
 

@@ -25,7 +25,7 @@ struct ModalPose {
 class ModalPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  ModalPoser(const Mesh& mesh, const CoveredTree& built, const Modes& modes,
+  ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   std::size_t mode_count() const { return reach_.size(); }
@@ -45,7 +45,7 @@ class ModalPoser {
   std::vector<Vec3> guide_;  // per mode, the displacement of the vertex that the origin moves with
   Vec3 guide_rest_, rest_origin_;
   double size_;
-  double rest_reach_ = 0;  // largest |coordinate| at rest, of vertices and centres
+  double rest_reach_ = 0;  // largest |coordinate| at rest, of vertices and centers
   double weight_slack_ = 0;
 };
 
@@ -69,7 +69,7 @@ class ModalRule final : public RuleEngine {
  private:
   struct Node {
     std::uint32_t node;  // ascending
-    Sphere rest{};       // the tree's centre, and the radius that contains the owned corners
+    Sphere rest{};       // the tree's center, and the radius that contains the owned corners
   };
   void bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
             std::span<const std::uint32_t> corners);

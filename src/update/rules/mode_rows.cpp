@@ -71,7 +71,7 @@ ModeRow mode_row(std::span<const Vec3> displacements) {
 
 LinearFit::LinearFit(std::vector<Vec3> places, double extent)
     : places_(std::move(places)), extent_(extent), scale_(largest_of(places_)) {
-  if (scale_ == 0) return;  // all corners at the centre: no gradient
+  if (scale_ == 0) return;  // all corners at the center: no gradient
   const Vec3 mean = mean_of(places_);
   for (const Vec3& y : places_) scaled_.push_back((y - mean) / scale_);
   const double share = 1 / static_cast<double>(places_.size());

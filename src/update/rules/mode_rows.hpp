@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Mode rows: how far a node's corners can stray from its centre when a mode moves them. They are settled once per body.
+// Mode rows: how far a node's corners can stray from its center when a mode moves them. They are settled once per body.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ struct ModeRow {
   double stray = 0;
 };
 
-/// With y the corner's place about the node's centre at rest: |u - gradient y - shift| <= stray.
+/// With y the corner's place about the node's center at rest: |u - gradient y - shift| <= stray.
 struct LinearModeRow {
   std::array<Vec3, 3> gradient{};  ///< its columns
   Vec3 shift;
@@ -35,7 +35,7 @@ ModeRow mode_row(std::span<const Vec3> displacements);
 /// as across a patch that is nearly flat, such that what they tell is completed to a turn.
 class LinearFit {
  public:
-  /// places: of the owned corners about the node's centre at rest. extent: the largest |component| of what they are
+  /// places: of the owned corners about the node's center at rest. extent: the largest |component| of what they are
   /// differences of.
   LinearFit(std::vector<Vec3> places, double extent);
   /// The displacements are used up.

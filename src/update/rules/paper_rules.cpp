@@ -97,7 +97,7 @@ float bounded(float radius) {
   return radius < largest_radius ? radius : largest_radius;
 }
 
-// Equations 3 and 4: how far a child sphere reaches from its parent's centre.
+// Equations 3 and 4: how far a child sphere reaches from its parent's center.
 float reach_of_child(const Vec3f& center, const Spheref& child) {
   return distance(center, child.center) + child.radius;
 }
@@ -121,7 +121,7 @@ float grown(float radius, float reach, float rest_reach) {
   return bounded(rest_reach > least_divisor * radius ? radius * (reach / rest_reach) : radius + reach);
 }
 
-// Towards the child that the centre has to reach farthest for, by less each time; then the best place on the way. That
+// Towards the child that the center has to reach farthest for, by less each time; then the best place on the way. That
 // ends at the smallest sphere; after 16 steps, of some 8 children, it is 1 % larger in the mean and 3 % at worst.
 Vec3f pulled_to_farthest(const Vec3f& start, std::span<const Spheref> children) {
   constexpr int steps = 16, first_share = 8;
@@ -145,7 +145,7 @@ Vec3f pulled_to_farthest(const Vec3f& start, std::span<const Spheref> children) 
 // Weights that add up to 1.
 std::vector<double> link_weights(const Mesh& mesh, const Sphere& ball, const std::vector<std::uint32_t>& vertices,
                                  RuleOptions::Weights kind, const std::vector<double>& areas) {
-  // A vertex at the very centre must not outweigh all others.
+  // A vertex at the very center must not outweigh all others.
   constexpr double nearest = 1e-3;
   std::vector<double> weights;
   double sum = 0;
@@ -168,7 +168,7 @@ PaperRules::PaperRules(const Binding& binding)
     : boxes_of_centers_(binding.options.details.approach2_inner_boxes == RuleOptions::InnerBoxes::child_centers),
       wraps_smallest_(binding.options.details.wrapped_center == RuleOptions::WrappedCenter::smallest),
       distance_floor_(binding.options.details.distance_floor) {
-  const SphereTree& tree = binding.built.tree;
+  const SphereTree& tree = binding.model.tree;
   level_begin_.push_back(0);
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
@@ -199,7 +199,7 @@ PaperRules::PaperRules(const Binding& binding)
 
 void PaperRules::bind_links(const Binding& binding) {
   const Mesh& mesh = binding.mesh;
-  const SphereTree& tree = binding.built.tree;
+  const SphereTree& tree = binding.model.tree;
   const RuleOptions& options = binding.options.details;
   BindReport& report = binding.report;
   const auto is_traditional = [](const Node& n) { return n.rule == Rule::traditional || n.rule == Rule::weighted; };

@@ -45,7 +45,7 @@ void require_skin(const Skin& skin, const Mesh& mesh) {
   }
 }
 
-SkinPoser::SkinPoser(const Mesh& mesh, const CoveredTree& built, const Skin& skin,
+SkinPoser::SkinPoser(const Mesh& mesh, const CoveredTree& model, const Skin& skin,
                      std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];
@@ -55,7 +55,7 @@ SkinPoser::SkinPoser(const Mesh& mesh, const CoveredTree& built, const Skin& ski
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k) sum += std::abs(skin.weights[k]);
     largest_weights_ = std::max(largest_weights_, sum);
   }
-  for (const Sphere& s : built.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
+  for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
 }
 
 bool SkinPoser::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {

@@ -38,7 +38,7 @@ struct BonePose {
 class SkinPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  SkinPoser(const Mesh& mesh, const CoveredTree& built, const Skin& skin, std::span<const std::uint32_t> used_vertices,
+  SkinPoser(const Mesh& mesh, const CoveredTree& model, const Skin& skin, std::span<const std::uint32_t> used_vertices,
             const Vec3& rest_origin, double size);
 
   /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,
@@ -51,7 +51,7 @@ class SkinPoser {
   std::uint32_t guide_;
   Vec3 guide_rest_, rest_origin_;
   double size_;
-  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centres
+  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centers
   double largest_weights_ = 1;  // largest sum of |weights| of a vertex
 };
 

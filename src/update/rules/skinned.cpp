@@ -3,7 +3,7 @@
 // The rule `skinned`: spheres that are moved and resized by the weights that move the surface [jones2017], and look at
 // no vertex. An approximation: nothing makes a sphere contain what it owns.
 //
-// Jones et al. fit the spheres to a few example poses beforehand and blend those centres and radii. A skin has no
+// Jones et al. fit the spheres to a few example poses beforehand and blend those centers and radii. A skin has no
 // examples, only transforms. With w_b the mean weight of bone b over the distinct corners that a node owns, and
 // B = sum w_b T_b, the node takes
 //   c' = B c,   r' = |B| r,   |B| the largest stretch of the linear part, at most 3 % more (largest_stretch).
@@ -72,13 +72,13 @@ class ShareSum {
 class SkinnedRule final : public RuleEngine {
  public:
   explicit SkinnedRule(const Binding& binding) {
-    ShareSum sum(binding.options.skin, binding.built.cover);
+    ShareSum sum(binding.options.skin, binding.model.cover);
     for (std::uint32_t node = 0; node < binding.rule_of_node.size(); ++node) {
       if (binding.rule_of_node[node] != Rule::skinned) continue;
       const std::vector<Share> shares = sum.shares_of(node);
       const auto begin = static_cast<std::uint32_t>(shares_.size());
       shares_.insert(shares_.end(), shares.begin(), shares.end());
-      nodes_.push_back({node, begin, static_cast<std::uint32_t>(shares_.size()), binding.built.tree.spheres[node]});
+      nodes_.push_back({node, begin, static_cast<std::uint32_t>(shares_.size()), binding.model.tree.spheres[node]});
     }
   }
   std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<SkinnedRule>(*this); }

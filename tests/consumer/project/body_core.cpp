@@ -10,8 +10,8 @@
 
 int main() {
   const morula::Mesh mesh = morula::sample_body("bar", 8);
-  const morula::CoveredTree built = morula::build(mesh, {.depth = 2});
-  morula::Body body(mesh, built);
+  const morula::CoveredTree model = morula::build(mesh, {.depth = 2});
+  morula::Body body(mesh, model);
 
   const std::vector<morula::Vec3> bent = morula::deform(mesh, {morula::Bend{60}}, 1.0);
   if (!body.update(bent)) return 1;

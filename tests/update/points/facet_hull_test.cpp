@@ -138,12 +138,12 @@ TEST(FacetHull, drops_at_the_tolerance_and_keeps_beyond_it) {
   for (const double out : {0.9, 1.1}) {
     std::vector<FacetPoint> points{{0, 0, 0.5}, {1, 1, 0.5}, {2, 0.5, 0.5 + out * hull_tolerance}, {3, 0.5, 0.25}};
     const auto kept = hull.surround(points, hull_tolerance);
-    const bool keeps = std::any_of(kept.begin(), kept.end(), [](const FacetPoint& p) { return p.corner == 2; });
-    EXPECT_EQ(keeps, out > 1) << out;
+    const bool accepts = std::any_of(kept.begin(), kept.end(), [](const FacetPoint& p) { return p.corner == 2; });
+    EXPECT_EQ(accepts, out > 1) << out;
   }
 }
 
-// A slowly bending row: each corner is near the line of its neighbours, all together are not. What is dropped is
+// A slowly bending row: each corner is near the line of its neighbors, all together are not. What is dropped is
 // compared with what stays, so it does not add up.
 TEST(FacetHull, small_steps_do_not_add_up) {
   std::vector<FacetPoint> points;
@@ -171,11 +171,11 @@ TEST(FacetHull, small_steps_do_not_add_up) {
 
 enum class Spoil { nothing, leaf, root };
 
-std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, double tolerance, Spoil spoil) {
-  const LeafOrder order = depth_first_leaves(built.tree);
+std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& model, double tolerance, Spoil spoil) {
+  const LeafOrder order = depth_first_leaves(model.tree);
   const std::vector<std::uint8_t> all(order.leaves.size(), 1);
-  Ownership owned = share_points(mesh, built.cover, order, all, tolerance);
-  share_levels(mesh, built.tree, built.cover, order, tolerance, owned);
+  Ownership owned = share_points(mesh, model.cover, order, all, tolerance);
+  share_levels(mesh, model.tree, model.cover, order, tolerance, owned);
   // The root forgets the last point that it tests.
   if (spoil == Spoil::root) *std::find(owned.tested_from.rbegin(), owned.tested_from.rend(), 0u) = 1;
   if (spoil == Spoil::leaf) {
@@ -186,24 +186,24 @@ std::vector<std::string> faults_of(const Mesh& mesh, const CoveredTree& built, d
         break;
       }
   }
-  return ownership_faults(mesh, built.tree, built.cover, order, owned, all, tolerance);
+  return ownership_faults(mesh, model.tree, model.cover, order, owned, all, tolerance);
 }
 
 TEST(Ownership, of_aligned_bodies_surrounds_every_corner_for_every_leaf_and_ancestor) {
   std::size_t trees = 0, spoilt = 0, spoilt_above = 0;
   for (const test::NamedMesh& body : test::aligned_bodies())
-    for (const Method method : {Method::octree, Method::grid, Method::spawn, Method::morula}) {
-      const bool own = method == Method::morula;
-      const CoveredTree built = build(body.mesh, {.method = method,
+    for (const Method method : {Method::octree, Method::grid, Method::spawn, Method::optimized}) {
+      const bool own = method == Method::optimized;
+      const CoveredTree model = build(body.mesh, {.method = method,
                                                   .depth = method == Method::octree || method == Method::grid ? 2 : 1,
                                                   .quality = own ? Quality::draft : Quality::standard});
       for (const double tolerance : {0.0, hull_tolerance}) {
-        const auto faults = faults_of(body.mesh, built, tolerance, Spoil::nothing);
+        const auto faults = faults_of(body.mesh, model, tolerance, Spoil::nothing);
         EXPECT_TRUE(faults.empty()) << body.name << ", " << name(method) << ": " << faults.front();
         ++trees;
       }
-      spoilt += faults_of(body.mesh, built, hull_tolerance, Spoil::leaf).empty() ? 0u : 1u;
-      spoilt_above += faults_of(body.mesh, built, hull_tolerance, Spoil::root).empty() ? 0u : 1u;
+      spoilt += faults_of(body.mesh, model, hull_tolerance, Spoil::leaf).empty() ? 0u : 1u;
+      spoilt_above += faults_of(body.mesh, model, hull_tolerance, Spoil::root).empty() ? 0u : 1u;
     }
   EXPECT_GT(trees, 100u);
   EXPECT_GT(spoilt, 20u) << "a check that cannot fail";
@@ -220,14 +220,14 @@ TEST(Ownership, nodes_above_leaves_reach_as_far_by_the_few_points_that_they_look
   bodies.push_back({"limb", limb, build(limb, {.depth = 3})});
   std::size_t few_tests = 0, all_tests = 0, nodes = 0, equal = 0;
   for (const test::Specimen& b : bodies) {
-    const LeafOrder order = depth_first_leaves(b.built.tree);
-    const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1), every_node(b.built.tree.node_count(), 1);
-    Ownership owned = share_points(b.mesh, b.built.cover, order, every_leaf, hull_tolerance);
-    CornerWalk all(b.built.tree, order, owned, every_node);
-    share_levels(b.mesh, b.built.tree, b.built.cover, order, hull_tolerance, owned);
-    CornerWalk few(b.built.tree, order, owned, every_node);
+    const LeafOrder order = depth_first_leaves(b.model.tree);
+    const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1), every_node(b.model.tree.node_count(), 1);
+    Ownership owned = share_points(b.mesh, b.model.cover, order, every_leaf, hull_tolerance);
+    CornerWalk all(b.model.tree, order, owned, every_node);
+    share_levels(b.mesh, b.model.tree, b.model.cover, order, hull_tolerance, owned);
+    CornerWalk few(b.model.tree, order, owned, every_node);
     all_tests += all.tested_points(), few_tests += few.tested_points();
-    LocalPoints local(b.mesh, b.built.cover, owned);
+    LocalPoints local(b.mesh, b.model.cover, owned);
     Random random(7);
     const auto anywhere = [&] { return Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}; };
     for (int frame = 0; frame < 4; ++frame) {
@@ -241,7 +241,7 @@ TEST(Ownership, nodes_above_leaves_reach_as_far_by_the_few_points_that_they_look
       const LocalPoints::Frame at = local.move(positions, serial_workers());
       ASSERT_TRUE(at.finite);
       std::vector<Spheref> spheres;
-      for (std::size_t node = 0; node < b.built.tree.node_count(); ++node) {
+      for (std::size_t node = 0; node < b.model.tree.node_count(); ++node) {
         const LocalPoint& near = local.points()[node % local.points().size()];
         spheres.push_back({Vec3f(Vec3{near.x, near.y, near.z} + anywhere() * (0.1 * size)), 0});
       }
@@ -262,7 +262,7 @@ TEST(Ownership, nodes_above_leaves_reach_as_far_by_the_few_points_that_they_look
 
 TEST(Ownership, of_specimens_surrounds_every_corner) {
   for (const test::Specimen& s : test::specimens()) {
-    const auto faults = faults_of(s.mesh, s.built, hull_tolerance, Spoil::nothing);
+    const auto faults = faults_of(s.mesh, s.model, hull_tolerance, Spoil::nothing);
     EXPECT_TRUE(faults.empty()) << s.name << ": " << faults.front();
   }
 }

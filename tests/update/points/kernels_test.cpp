@@ -53,7 +53,7 @@ TEST(Kernels, all_that_this_processor_runs_agree_bit_for_bit) {
         kernel.farthest(points.data(), std::span(some_runs), index, centers, found.data());
         for (std::size_t k = 0; k < count; ++k)
           EXPECT_EQ(std::bit_cast<std::uint32_t>(found[k]), std::bit_cast<std::uint32_t>(expected[k]))
-              << kind_name(kind) << ", " << count << " centres";
+              << kind_name(kind) << ", " << count << " centers";
       }
     }
   }
@@ -194,7 +194,7 @@ TEST(Kernels, a_fit_never_costs_more_nor_grows_and_agrees_bit_for_bit) {
     if (seed % 7 == 6)  // a sheet
       for (LocalPoint& p : points) p.z = 0;
     Random random(seed);
-    // Some cores are a few points, and some leaves are one point, at the centre or elsewhere.
+    // Some cores are a few points, and some leaves are one point, at the center or elsewhere.
     std::vector<std::uint32_t> cores(core_size * nodes_at_once), near(near_size * nodes_at_once);
     std::vector<LocalPoint> centers(nodes_at_once);
     for (std::size_t k = 0; k < nodes_at_once; ++k) {

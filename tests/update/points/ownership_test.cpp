@@ -68,9 +68,9 @@ TEST(Ownership, every_corner_is_listed_or_surrounded_by_listed_ones_of_its_facet
   const Mesh limb = sample_body("limb", 16);
   specimens.push_back({"limb, parts traded", limb, build(limb, {.depth = 2})});
   for (const test::Specimen& b : specimens) {
-    const Cover& cover = b.built.cover;
-    const LeafOrder order = depth_first_leaves(b.built.tree);
-    ASSERT_EQ(order.leaves.size(), b.built.tree.leaf_count());
+    const Cover& cover = b.model.cover;
+    const LeafOrder order = depth_first_leaves(b.model.tree);
+    ASSERT_EQ(order.leaves.size(), b.model.tree.leaf_count());
     EXPECT_EQ(order.end[0], order.leaves.size());
     const std::vector<std::uint8_t> all(order.leaves.size(), 1);
     const Ownership owned = share_points(b.mesh, cover, order, all, hull_tolerance);

@@ -39,16 +39,16 @@ std::vector<NamedPose> frames_of_stretch(int count = 8) {
 const KnownPoseOptions quick_poses{.quality = Quality::draft, .pose_threshold = 1.5, .max_trees = 3};
 
 const CoveredTree& home_with_poses() {
-  static const CoveredTree built = [] {
+  static const CoveredTree model = [] {
     CoveredTree tree = build(limb(), {.depth = 2, .quality = Quality::draft});
     add_known_poses(limb(), tree, frames_of_stretch(), quick_poses);
     return tree;
   }();
-  return built;
+  return model;
 }
-CoveredTree bare(CoveredTree built) {
-  built.poses.clear();
-  return built;
+CoveredTree bare(CoveredTree model) {
+  model.poses.clear();
+  return model;
 }
 
 void expect_corners_inside(const RebuiltBody& body, const PositionView& positions, const std::string& where) {
@@ -78,15 +78,15 @@ TEST(KnownPoses, cover_in_every_frame_of_any_motion_on_every_specimen) {
       std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       if (surface_area(MeshView{positions, b.mesh.facets}) > 0) poses.push_back({motion.name, std::move(positions)});
     }
-    CoveredTree built = b.built;
+    CoveredTree model = b.model;
     // All of them, tighter or not: hand-made trees are loose.
     for (const NamedPose& pose : poses) {
       const Mesh posed{pose.positions, b.mesh.facets};
       const BuildOptions how{.method = Method::octree, .depth = 2};
-      built.poses.push_back({pose.name, pose.positions, std::make_shared<const CoveredTree>(build(posed, how))});
+      model.poses.push_back({pose.name, pose.positions, std::make_shared<const CoveredTree>(build(posed, how))});
     }
-    EXPECT_TRUE(validate(b.mesh, built).empty()) << b.name << ": " << validate(b.mesh, built).front();
-    RebuiltBody body(b.mesh, built, known_only);
+    EXPECT_TRUE(validate(b.mesh, model).empty()) << b.name << ": " << validate(b.mesh, model).front();
+    RebuiltBody body(b.mesh, model, known_only);
     for (int round = 0; round < 2; ++round)
       for (const NamedPose& pose : poses) {
         const RebuildStatus status = body.update(pose.positions);
@@ -104,7 +104,7 @@ TEST(KnownPoses, at_a_known_pose_the_spheres_are_those_of_its_own_tree) {
   RebuiltBody body(limb(), home_with_poses(), known_only);
   ASSERT_FALSE(home_with_poses().poses.empty());
   for (const KnownPose& pose : home_with_poses().poses) {
-    Body own({pose.positions, limb().facets}, *pose.built);
+    Body own({pose.positions, limb().facets}, *pose.model);
     ASSERT_TRUE(own.update(pose.positions));
     ASSERT_TRUE(body.update(pose.positions));
     EXPECT_EQ(body.body().hash(), own.hash()) << pose.name;
@@ -205,17 +205,17 @@ class Heap {
  public:
   Heap(std::uint64_t trees, int resolution) : estimator_(heap_at(1, resolution)) {
     const BuildOptions how{.method = Method::octree, .depth = 2};
-    CoveredTree built;
+    CoveredTree model;
     for (std::uint64_t seed = 1; seed <= trees; ++seed) {
       poses.push_back(heap_at(seed, resolution));
       const auto tree = std::make_shared<const CoveredTree>(build(poses.back(), how));
       ownerships_.emplace_back(poses.back(), tree, estimator_);
       if (seed == 1)
-        built = *tree;
+        model = *tree;
       else
-        built.poses.push_back({"heap " + std::to_string(seed), poses.back().positions, tree});
+        model.poses.push_back({"heap " + std::to_string(seed), poses.back().positions, tree});
     }
-    body.emplace(poses.front(), built, known_only);
+    body.emplace(poses.front(), model, known_only);
   }
 
   /// Of what serves at these positions, and of what takes up least there.
@@ -328,10 +328,10 @@ TEST(KnownPoses, are_found_where_no_length_changes) {
   const Mesh row = eight([](unsigned i) { return Vec3{0, 2.6 * i, 0}; });
   const Mesh mixed = eight([](unsigned i) { return Vec3{0, 2.6 * (3 * i % 8), 0}; });
   const BuildOptions how{.method = Method::octree, .depth = 4};
-  CoveredTree built = build(row, how);
-  built.poses.push_back({"mixed", mixed.positions, std::make_shared<const CoveredTree>(build(mixed, how))});
-  ASSERT_LT(detail::StrainGauge(row, built.tree, built.cover).strain(mixed.positions), 1e-5);
-  RebuiltBody body(row, built, known_only);
+  CoveredTree model = build(row, how);
+  model.poses.push_back({"mixed", mixed.positions, std::make_shared<const CoveredTree>(build(mixed, how))});
+  ASSERT_LT(detail::StrainGauge(row, model.tree, model.cover).strain(mixed.positions), 1e-5);
+  RebuiltBody body(row, model, known_only);
   for (int frame = 0; frame < 6; ++frame) ASSERT_TRUE(body.update(between(row, mixed, 0.96)));
   for (int frame = 0; frame < 200; ++frame) {
     ASSERT_TRUE(body.update(between(row, mixed, 0.96 + 0.0004 * frame)));
@@ -364,9 +364,9 @@ TEST(KnownPoses, have_the_same_bits_for_any_number_of_workers) {
   std::vector<std::uint64_t> hashes[2];
   for (auto& run : hashes) {
     Workers workers(&run == hashes ? 1 : 3);
-    CoveredTree built = bare(home_with_poses());
-    add_known_poses(limb(), built, frames_of_stretch(), quick_poses, workers);
-    RebuiltBody body(limb(), built, known_only, workers);
+    CoveredTree model = bare(home_with_poses());
+    add_known_poses(limb(), model, frames_of_stretch(), quick_poses, workers);
+    RebuiltBody body(limb(), model, known_only, workers);
     for (int frame = 0; frame <= 24; ++frame) {
       ASSERT_TRUE(body.update(stretched_limb(std::min(1.0, frame / 20.0)), workers));
       run.push_back(body.body().hash());
@@ -398,7 +398,7 @@ TEST(KnownPoses, bad_positions_change_nothing_wherever_they_lead) {
 }
 
 TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
-  CoveredTree built = bare(home_with_poses());
+  CoveredTree model = bare(home_with_poses());
   std::vector<double> worst;
   std::size_t last = 0;
   KnownPoseOptions options = quick_poses;
@@ -408,18 +408,18 @@ TEST(KnownPoses, are_added_where_trees_are_loosest_until_none_is_too_loose) {
     last = count;
     worst.push_back(growth);
   };
-  const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
-  EXPECT_EQ(report.added, built.poses.size());
-  EXPECT_EQ(report.built, last);
-  EXPECT_LE(report.added, report.built);
+  const KnownPosesReport report = add_known_poses(limb(), model, frames_of_stretch(), options);
+  EXPECT_EQ(report.added, model.poses.size());
+  EXPECT_EQ(report.trees_built, last);
+  EXPECT_LE(report.added, report.trees_built);
   EXPECT_EQ(report.worst, worst.back());
   EXPECT_GT(worst.front(), 1.5);
   EXPECT_TRUE(report.worst <= 1.5 || report.added == 8u) << report.worst;
-  EXPECT_TRUE(validate(limb(), built).empty());
-  const std::size_t before = built.poses.size();
+  EXPECT_TRUE(validate(limb(), model).empty());
+  const std::size_t before = model.poses.size();
   EXPECT_EQ(
-      add_known_poses(limb(), built, frames_of_stretch(), {.method = Method::octree, .pose_threshold = 100}).added, 0u);
-  EXPECT_EQ(built.poses.size(), before);
+      add_known_poses(limb(), model, frames_of_stretch(), {.method = Method::octree, .pose_threshold = 100}).added, 0u);
+  EXPECT_EQ(model.poses.size(), before);
 }
 
 // However many are built side by side: the same poses get the same trees, each that of a build alone.
@@ -434,14 +434,14 @@ TEST(KnownPoses, are_built_side_by_side_as_one_by_one) {
   std::vector<std::vector<std::uint64_t>> hashes(2);
   for (std::size_t run = 0; run < 2; ++run) {
     options.progress = [&](std::size_t count, double worst) { told[run].push_back({count, worst}); };
-    CoveredTree built = bare(home_with_poses());
+    CoveredTree model = bare(home_with_poses());
     Workers workers(run == 0 ? 1 : 3);
-    const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(16), options, workers);
-    EXPECT_GE(report.built, 10u) << "two are built side by side from eight on";
-    EXPECT_EQ(told[run].back().first, report.built);
-    ASSERT_GE(built.poses.size(), 4u);
-    for (const KnownPose& pose : built.poses) {
-      hashes[run].push_back(tree_hash(pose.built->tree));
+    const KnownPosesReport report = add_known_poses(limb(), model, frames_of_stretch(16), options, workers);
+    EXPECT_GE(report.trees_built, 10u) << "two are built side by side from eight on";
+    EXPECT_EQ(told[run].back().first, report.trees_built);
+    ASSERT_GE(model.poses.size(), 4u);
+    for (const KnownPose& pose : model.poses) {
+      hashes[run].push_back(tree_hash(pose.model->tree));
       EXPECT_EQ(hashes[run].back(), tree_hash(build({pose.positions, limb().facets}, alone).tree)) << pose.name;
     }
   }
@@ -451,25 +451,25 @@ TEST(KnownPoses, are_built_side_by_side_as_one_by_one) {
 
 // The tree at hand is as loose at the pose as at its own: what counts is what one built for the pose would do.
 TEST(KnownPoses, are_added_beside_a_tree_that_is_loose_at_its_own_pose) {
-  CoveredTree built = bare(home_with_poses());
+  CoveredTree model = bare(home_with_poses());
   const Mesh stretched{stretched_limb(1), limb().facets};
   const auto loose = std::make_shared<const CoveredTree>(build(stretched, {.method = Method::octree, .depth = 2}));
-  built.poses.push_back({"loose", stretched.positions, loose});
+  model.poses.push_back({"loose", stretched.positions, loose});
   const std::vector<NamedPose> poses{{"close", stretched_limb(0.99)}, {"closer", stretched_limb(0.995)}};
   const KnownPosesReport report =
-      add_known_poses(limb(), built, poses, {.quality = Quality::draft, .pose_threshold = 1.5});
+      add_known_poses(limb(), model, poses, {.quality = Quality::draft, .pose_threshold = 1.5});
   ASSERT_EQ(report.added, 1u);  // which serves the other, too
-  EXPECT_GE(report.built, 1u);
+  EXPECT_GE(report.trees_built, 1u);
   EXPECT_LE(report.worst, 1.5);
   const auto leaves = [](const Mesh& posed, const std::shared_ptr<const CoveredTree>& tree) {
     return estimate_looseness(posed, Body(posed, tree), posed.positions).back();
   };
-  EXPECT_LT(1.5 * leaves({built.poses[1].positions, limb().facets}, built.poses[1].built), leaves(stretched, loose));
+  EXPECT_LT(1.5 * leaves({model.poses[1].positions, limb().facets}, model.poses[1].model), leaves(stretched, loose));
 }
 
 // Nothing is added, and a tree is built for a pose once at most.
 TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
-  CoveredTree built = bare(home_with_poses());
+  CoveredTree model = bare(home_with_poses());
   std::stop_source stop;
   std::size_t trees = 0;
   KnownPoseOptions options = quick_poses;
@@ -478,16 +478,16 @@ TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
     trees = count;
     if (count == 2) stop.request_stop();
   };
-  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), options), BuildStopped);
+  EXPECT_THROW(add_known_poses(limb(), model, frames_of_stretch(), options), BuildStopped);
   EXPECT_EQ(trees, 2u);
-  EXPECT_TRUE(built.poses.empty());
+  EXPECT_TRUE(model.poses.empty());
   options.stop = {};
   options.pose_threshold = 1.0001;
   options.max_trees = 64;
   options.progress = {};
-  const KnownPosesReport report = add_known_poses(limb(), built, frames_of_stretch(), options);
-  EXPECT_LE(report.built, frames_of_stretch().size());
-  EXPECT_EQ(report.added, built.poses.size());
+  const KnownPosesReport report = add_known_poses(limb(), model, frames_of_stretch(), options);
+  EXPECT_LE(report.trees_built, frames_of_stretch().size());
+  EXPECT_EQ(report.added, model.poses.size());
 }
 
 TEST(KnownPoses, of_principal_strains_keep_the_volume_and_reach_twice_the_size) {
@@ -508,9 +508,9 @@ TEST(KnownPoses, of_principal_strains_keep_the_volume_and_reach_twice_the_size) 
 TEST(KnownPoses, follow_their_mesh_when_vertices_are_renumbered) {
   const auto order = leaf_order(home_with_poses());
   const Mesh mesh = renumbered(limb(), order);
-  const CoveredTree built = renumbered(home_with_poses(), mesh, order);
-  EXPECT_TRUE(validate(mesh, built).empty());
-  RebuiltBody body(mesh, built, known_only), before(limb(), home_with_poses(), known_only);
+  const CoveredTree model = renumbered(home_with_poses(), mesh, order);
+  EXPECT_TRUE(validate(mesh, model).empty());
+  RebuiltBody body(mesh, model, known_only), before(limb(), home_with_poses(), known_only);
   ASSERT_TRUE(body.update(renumbered(Mesh{stretched_limb(1), limb().facets}, order).positions));
   ASSERT_TRUE(before.update(stretched_limb(1)));
   EXPECT_EQ(body.body().rest_tree().spheres.size(), before.body().rest_tree().spheres.size());
@@ -518,8 +518,8 @@ TEST(KnownPoses, follow_their_mesh_when_vertices_are_renumbered) {
 }
 
 TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
-  const auto refused = [](CoveredTree built) {
-    EXPECT_THROW(RebuiltBody(limb(), built, known_only), std::invalid_argument);
+  const auto refused = [](CoveredTree model) {
+    EXPECT_THROW(RebuiltBody(limb(), model, known_only), std::invalid_argument);
   };
   const auto words_of = [](const auto& call) -> std::string {
     try {
@@ -529,35 +529,35 @@ TEST(KnownPoses, that_are_none_of_the_mesh_are_refused) {
     }
     return "not refused";
   };
-  CoveredTree built = home_with_poses();
-  const std::string name = built.poses[0].name;
+  CoveredTree model = home_with_poses();
+  const std::string name = model.poses[0].name;
   // Before a body is made of it, so the words name the pose, and none of its positions is read.
   for (const bool fewer : {true, false}) {
-    built = home_with_poses();
-    std::vector<Vec3>& positions = built.poses[0].positions;
+    model = home_with_poses();
+    std::vector<Vec3>& positions = model.poses[0].positions;
     fewer ? positions.pop_back() : positions.push_back({});
-    EXPECT_FALSE(validate(limb(), built).empty());
-    EXPECT_EQ(words_of([&] { RebuiltBody(limb(), built, known_only); }),
+    EXPECT_FALSE(validate(limb(), model).empty());
+    EXPECT_EQ(words_of([&] { RebuiltBody(limb(), model, known_only); }),
               "rebuild: the known pose \"" + name + "\" is not one of this mesh");
   }
-  built = home_with_poses();
-  built.poses[0].built = nullptr;
-  EXPECT_FALSE(validate(limb(), built).empty());
-  refused(built);
-  built = home_with_poses();
-  built.poses[0].positions[0].x += 0.5;  // no longer those that the tree was made for
-  EXPECT_FALSE(validate(limb(), built).empty());
-  refused(built);
-  built = home_with_poses();
+  model = home_with_poses();
+  model.poses[0].model = nullptr;
+  EXPECT_FALSE(validate(limb(), model).empty());
+  refused(model);
+  model = home_with_poses();
+  model.poses[0].positions[0].x += 0.5;  // no longer those that the tree was made for
+  EXPECT_FALSE(validate(limb(), model).empty());
+  refused(model);
+  model = home_with_poses();
   const std::size_t count = limb().vertex_count();
   for (const std::size_t given : {std::size_t{2}, count + 1}) {
     std::vector<NamedPose> poses = frames_of_stretch(1);
     poses.push_back({"other", std::vector<Vec3>(given)});
-    EXPECT_EQ(words_of([&] { add_known_poses(limb(), built, poses); }), "known poses: \"other\" has " +
+    EXPECT_EQ(words_of([&] { add_known_poses(limb(), model, poses); }), "known poses: \"other\" has " +
                                                                             std::to_string(given) + " positions for " +
                                                                             std::to_string(count) + " vertices");
   }
-  EXPECT_THROW(add_known_poses(limb(), built, frames_of_stretch(), {.pose_threshold = 1}), std::invalid_argument);
+  EXPECT_THROW(add_known_poses(limb(), model, frames_of_stretch(), {.pose_threshold = 1}), std::invalid_argument);
   EXPECT_THROW(principal_strains(limb(), 1), std::invalid_argument);
 }
 

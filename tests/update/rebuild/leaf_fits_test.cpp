@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Leaves whose centres are fitted in every frame: every level covers, spheres depend on positions alone, and rest is
+// Leaves whose centers are fitted in every frame: every level covers, spheres depend on positions alone, and rest is
 // rest.
 #include <gtest/gtest.h>
 
@@ -27,13 +27,13 @@ const Mesh& fine_limb() {
   return mesh;
 }
 const CoveredTree& fine_limb_tree() {
-  static const CoveredTree built = build(fine_limb(), {.depth = 3, .quality = Quality::draft});
-  return built;
+  static const CoveredTree model = build(fine_limb(), {.depth = 3, .quality = Quality::draft});
+  return model;
 }
 
 TEST(LeafFits, cover_in_every_frame_of_any_motion_on_every_specimen) {
   for (const Specimen& b : test::specimens()) {
-    RebuiltBody body(b.mesh, b.built, fitting());
+    RebuiltBody body(b.mesh, b.model, fitting());
     test::move_a_specimen(b, body);
   }
 }
@@ -67,16 +67,16 @@ TEST(LeafFits, are_tighter) {
 // random.
 TEST(LeafFits, let_no_leaf_grow_by_more_than_a_little) {
   for (const Specimen& b : test::specimens()) {
-    RebuiltBody fitted(b.mesh, b.built, fitting());
-    Body plain(b.mesh, b.built);
+    RebuiltBody fitted(b.mesh, b.model, fitting());
+    Body plain(b.mesh, b.model);
     for (const test::Motion& motion : test::motions()) {
       if (std::string(motion.name) == "noise") continue;
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
       ASSERT_TRUE(fitted.update(positions));
       ASSERT_TRUE(plain.update(positions));
-      for (std::uint32_t node = 0; node < b.built.tree.node_count(); ++node) {
+      for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
         const Spheref &now = fitted.body().spheres()[node], &without = plain.spheres()[node];
-        if (!b.built.tree.is_leaf(node)) {
+        if (!b.model.tree.is_leaf(node)) {
           EXPECT_EQ(now.center, without.center);
         }
         EXPECT_LE(now.radius, 1.1f * without.radius) << b.name << ", " << motion.name << ", node " << node;
@@ -153,7 +153,7 @@ TEST(LeafFits, copies_fit_as_well_and_follow_parts_and_lazily) {
   ASSERT_TRUE(whole.update(positions));
   ASSERT_TRUE(part.update(positions, moved));
   ASSERT_TRUE(lazy.update_lazily(positions, 0));
-  for (std::uint32_t node = 0; node < lazy.rest_tree().node_count(); ++node) lazy.reach(node);
+  for (std::uint32_t node = 0; node < lazy.rest_tree().node_count(); ++node) lazy.refresh_children(node);
   EXPECT_EQ(whole.hash(), body.body().hash());
   EXPECT_EQ(part.hash(), whole.hash());
   EXPECT_EQ(lazy.hash(), whole.hash());

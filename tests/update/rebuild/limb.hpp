@@ -15,8 +15,8 @@ inline const Mesh& limb() {
   return mesh;
 }
 inline const CoveredTree& limb_tree() {
-  static const CoveredTree built = build(limb(), {.depth = 2, .quality = Quality::fast});
-  return built;
+  static const CoveredTree model = build(limb(), {.depth = 2, .quality = Quality::fast});
+  return model;
 }
 inline std::vector<Vec3> stretched_limb(double t) {
   return deform(limb(), {Stretch{2}}, t);

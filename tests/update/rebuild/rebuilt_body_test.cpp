@@ -39,7 +39,7 @@ void expect_cover(const RebuiltBody& body, const PositionView& positions, const 
 
 TEST(RebuiltBody, covers_in_every_frame_when_every_frame_swaps) {
   for (const Specimen& b : test::specimens()) {
-    RebuiltBody body(b.mesh, b.built, {.rebuild_every = 1, .min_improvement = always, .thread = RebuildThread::caller});
+    RebuiltBody body(b.mesh, b.model, {.rebuild_every = 1, .min_improvement = always, .thread = RebuildThread::caller});
     std::uint64_t version = body.tree_version();
     for (const test::Motion& motion : test::motions()) {
       const std::vector<Vec3> positions = motion.apply(b.mesh.positions);
@@ -258,10 +258,10 @@ TEST(RebuiltBodyThreads, swaps_in_what_the_background_built_and_covers_all_along
 
 TEST(RebuiltBodyThreads, a_body_may_die_at_any_moment_of_a_rebuild) {
   const Mesh mesh = sample_body("limb", 40);
-  const CoveredTree built = build(mesh, {.method = Method::octree, .depth = 2});
+  const CoveredTree model = build(mesh, {.method = Method::octree, .depth = 2});
   const std::vector<Vec3> away = deform(mesh, {Stretch{2}}, 1);
   for (const int milliseconds : {0, 1, 5, 20, 60, 150}) {
-    RebuiltBody body(mesh, built, {.rebuild_every = 1, .look_ahead = false});
+    RebuiltBody body(mesh, model, {.rebuild_every = 1, .look_ahead = false});
     ASSERT_TRUE(body.update(away));
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
   }

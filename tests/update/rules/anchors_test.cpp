@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Centres that are tied to points of the surface.
+// Centers that are tied to points of the surface.
 #include "update/rules/anchors.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ std::vector<LocalPoint> local(const std::vector<Vec3>& positions) {
   return points;
 }
 
-// Anchors on one side only, on a plane, on a line, in a point, none: rest is kept and rigid motion carries the centre
+// Anchors on one side only, on a plane, on a line, in a point, none: rest is kept and rigid motion carries the center
 // to where its distances to the anchors are the same.
 TEST(Anchors, distances_to_anchors_survive_rigid_motion_however_few_they_are) {
   Random random(5);
@@ -84,7 +84,7 @@ TEST(Anchors, nearly_collinear_anchors_carry_the_center_as_well) {
   }
 }
 
-// The near points of a shallow cap all lie above a centre just inside it; those of its rim put it in their hull.
+// The near points of a shallow cap all lie above a center just inside it; those of its rim put it in their hull.
 TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
   std::vector<Vec3> cap;
   for (int i = -20; i <= 20; ++i)
@@ -102,7 +102,7 @@ TEST(Anchors, a_center_inside_the_hull_of_its_candidates_needs_no_remainder) {
   }
 }
 
-// Centres inside and outside of their anchors' hull, anchors on a plane, on a line, in a point, none; also after these
+// Centers inside and outside of their anchors' hull, anchors on a plane, on a line, in a point, none; also after these
 // have come to lie on a line or in a point.
 TEST(Anchors, many_centers_at_once_are_what_each_is_alone) {
   Random random(14);
@@ -141,7 +141,7 @@ TEST(Anchors, many_centers_at_once_are_what_each_is_alone) {
         anchors.centers(begin, count, poses[pose], found.data());
         for (std::size_t k = begin; k < count; ++k) {
           EXPECT_EQ(std::memcmp(&found[k - begin], &expected[pose][k], sizeof(Vec3f)), 0)
-              << kind_name(most - 1) << ", pose " << pose << ", centre " << k;
+              << kind_name(most - 1) << ", pose " << pose << ", center " << k;
           EXPECT_EQ(anchors.center(k, poses[pose]), expected[pose][k]) << "packed";
         }
       }

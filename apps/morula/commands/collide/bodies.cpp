@@ -20,19 +20,19 @@
 
 namespace morula::cli {
 
-RigidTransform parse_placement(const SideFiles& files) {
+RigidTransform parse_transform(const SideFiles& files) {
   Vec3 place, axis{1, 0, 0};
   double degrees = 0;
-  if (!files.place.empty()) place = parse_vector(fmt::format("--place-{}", files.letter), files.place);
-  if (!files.turn.empty()) {
-    const std::string option = fmt::format("--turn-{}", files.letter);
-    const std::size_t comma = files.turn.rfind(',');
+  if (!files.translate.empty()) place = parse_vector(fmt::format("--translate-{}", files.letter), files.translate);
+  if (!files.rotate.empty()) {
+    const std::string option = fmt::format("--rotate-{}", files.letter);
+    const std::size_t comma = files.rotate.rfind(',');
     if (comma == std::string::npos) {
-      throw UsageError(fmt::format("{} '{}' is not an axis and degrees such as 0,0,1,90", option, files.turn));
+      throw UsageError(fmt::format("{} '{}' is not an axis and degrees such as 0,0,1,90", option, files.rotate));
     }
-    axis = parse_vector(option, files.turn.substr(0, comma));
-    degrees = parse_vector(option, "0,0," + files.turn.substr(comma + 1)).z;
-    if (axis == Vec3{}) throw UsageError(fmt::format("{} '{}': the axis has no direction", option, files.turn));
+    axis = parse_vector(option, files.rotate.substr(0, comma));
+    degrees = parse_vector(option, "0,0," + files.rotate.substr(comma + 1)).z;
+    if (axis == Vec3{}) throw UsageError(fmt::format("{} '{}': the axis has no direction", option, files.rotate));
   }
   // Squares of very long and very short axes would leave the range of double.
   axis = axis / max_norm(axis);
@@ -41,25 +41,25 @@ RigidTransform parse_placement(const SideFiles& files) {
 }
 
 Side::Side(const SideFiles& files, const std::string& sph_origin, Workers& workers)
-    : files_(files), placement_(parse_placement(files)), mesh_(load_mesh(files.mesh)), positions_(mesh_.positions) {
+    : files_(files), transform_(parse_transform(files)), mesh_(load_mesh(files.mesh)), positions_(mesh_.positions) {
   if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
   const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
   if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh_, reading, workers);
 }
 
 void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
-  CoveredTree built = built_ ? *std::move(built_) : build(mesh_, {.quality = Quality::fast}, workers);
+  CoveredTree model = built_ ? *std::move(built_) : build(mesh_, {.quality = Quality::fast}, workers);
   double largest = 0;
-  for (const LevelGrowth& level : built.report.growth) largest = std::max(largest, level.largest_growth);
+  for (const LevelGrowth& level : model.report.growth) largest = std::max(largest, level.largest_growth);
   if (largest > 0)
     note("spheres of {} grew by up to {}, so that they cover {}", files_.tree, figure(largest), files_.mesh);
-  if (rules.size() > built.tree.level_count()) {
+  if (rules.size() > model.tree.level_count()) {
     throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
-                                 files_.mesh, built.tree.level_count() - 1));
+                                 files_.mesh, model.tree.level_count() - 1));
   }
-  body_.emplace(mesh_, std::move(built), UpdateOptions{.rules = rules, .details = {}}, workers);
+  body_.emplace(mesh_, std::move(model), UpdateOptions{.rules = rules, .details = {}}, workers);
   collider_.emplace(mesh_, *body_);
-  collider_->place(placement_);
+  collider_->set_transform(transform_);
 }
 
 std::string Side::frame_name(std::size_t frame) const {

@@ -16,12 +16,12 @@ struct SideFiles {
   std::string mesh{};
   std::string tree{};
   std::string motion{};
-  std::string place{};
-  std::string turn{};
+  std::string translate{};
+  std::string rotate{};
 };
 
 /// A rigid motion from "x,y,z" and "x,y,z,degrees": turned about the axis through the origin, then moved.
-RigidTransform parse_placement(const SideFiles& files);
+RigidTransform parse_transform(const SideFiles& files);
 
 /// One body, frame after frame. Neither copied nor moved: its collider borrows what is beside it.
 class Side {
@@ -46,7 +46,7 @@ class Side {
 
  private:
   SideFiles files_;
-  RigidTransform placement_;
+  RigidTransform transform_;
   Mesh mesh_;
   std::optional<Motion> motion_;
   std::optional<CoveredTree> built_;  // as read, until the body has it

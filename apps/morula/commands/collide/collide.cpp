@@ -104,7 +104,7 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   result.finished = found.finished;
   result.pair_tests = found.pair_tests;
   result.achieved_level = found.achieved_level.front();
-  if (o.exact) {
+  if (o.find_crossings) {
     require_good(crossed.run(a.collider(), b.collider()));
     result.exact_microseconds = 1e6 * watch.lap();
     result.crossings.assign(crossed.pairs().begin(), crossed.pairs().end());
@@ -127,7 +127,7 @@ std::string given_of_two(const CollideArguments& o) {
 
 int run_scene(const CollideArguments& o) {
   for (const SideFiles* side : {&o.a, &o.b})
-    if (!(side->mesh + side->tree + side->motion + side->place + side->turn).empty())
+    if (!(side->mesh + side->tree + side->motion + side->translate + side->rotate).empty())
       throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
                                    side->mesh.empty() ? "their options" : side->mesh));
   if (o.with_self || o.within)
@@ -141,8 +141,8 @@ int run_scene(const CollideArguments& o) {
                         .options = {.level = o.level,
                                     .margin = o.margin,
                                     .budget = parse_budget(o.budget),
-                                    .surfaces = !o.exact,
-                                    .exact = o.exact},
+                                    .surfaces = !o.find_crossings,
+                                    .find_crossings = o.find_crossings},
                         .rule = o.rule,
                         .sph_origin = o.sph_origin,
                         .budget = o.budget,
@@ -156,7 +156,7 @@ int run_features(const CollideArguments& o) {
   const char* const asked = o.within ? "--within" : "--self";
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
-  if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.place + o.b.turn).empty())
+  if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.translate + o.b.rotate).empty())
     throw UsageError("there is no body B: name it, or leave out its options");
   std::string given = given_of_two(o);
   if (!o.budget.empty()) given = "--budget";
@@ -222,7 +222,7 @@ int collide_command(const CollideArguments& o) {
     }
   }
   if (!o.output.empty()) {
-    write_whole(o.output, o.exact ? crossings_csv(frames) : contacts_csv(frames));
+    write_whole(o.output, o.find_crossings ? crossings_csv(frames) : contacts_csv(frames));
     note_written(o.output);
   }
   if (view) {
@@ -235,7 +235,7 @@ int collide_command(const CollideArguments& o) {
                        .budget = o.budget,
                        .output = o.output,
                        .page = o.page,
-                       .exact = o.exact,
+                       .find_crossings = o.find_crossings,
                        .built_a = a.tree_was_built(),
                        .built_b = b.tree_was_built(),
                        .threads = workers.thread_count()};
@@ -256,10 +256,11 @@ void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) 
   add_option(command, "--motion-" + x, side.motion,
              fmt::format("Positions of {}: {}; it stays in its last frame", mesh_name, motion_kinds()))
       ->type_name("PATH");
-  add_option(command, "--place-" + x, side.place, fmt::format("Where {} is moved to, on top of its motion", mesh_name))
+  add_option(command, "--translate-" + x, side.translate,
+             fmt::format("Where {} is moved to, on top of its motion", mesh_name))
       ->type_name("X,Y,Z")
       ->take_last();
-  add_option(command, "--turn-" + x, side.turn,
+  add_option(command, "--rotate-" + x, side.rotate,
              fmt::format("Turn {} first, about an axis through the origin", mesh_name))
       ->type_name("X,Y,Z,DEGREES")
       ->take_last();
@@ -286,7 +287,7 @@ void add_collide(CLI::App& app, Run& run) {
              "Vertices and facets, edges and edges that are no farther apart; no spheres")
       ->type_name("LENGTH")
       ->transform(real_number());
-  add_flag(*command, "--exact", o->exact, "Also the pairs of facets that really intersect");
+  add_flag(*command, "--crossings", o->exact, "Also the pairs of facets that really intersect");
   add_option(*command, "--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
       ->type_name("N|TIME");
   add_option(*command, "--priority", o->priority, "What a budget goes to first: overlap (default) or level")
@@ -300,7 +301,7 @@ void add_collide(CLI::App& app, Run& run) {
   add_flag(*command, "--carry", o->carry, "Start each frame from where the one before ended");
   add_option(*command, "--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
   add_sph_origin(*command, o->sph_origin);
-  add_option(*command, "-o,--output", o->output, "All contacts, or with --exact all pairs of facets, as FILE.csv")
+  add_option(*command, "-o,--output", o->output, "All contacts, or with --crossings all pairs of facets, as FILE.csv")
       ->type_name("FILE");
   if (collide_views()) {
     add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
@@ -312,9 +313,9 @@ void add_collide(CLI::App& app, Run& run) {
   set_footer(
       *command,
       "Example:\n"
-      "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --place-b 0.1,0,0.4 --budget "
+      "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --translate-b 0.1,0,0.4 --budget "
       "200us\n"
-      "  morula collide liver.obj tool.obj --exact -o pairs.csv\n"
+      "  morula collide liver.obj tool.obj --crossings -o pairs.csv\n"
       "  morula collide --scene room.json --budget 1ms\n"
       "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });

@@ -29,19 +29,19 @@ namespace {
 class MovingSurface {
  public:
   explicit MovingSurface(const SideFiles& files)
-      : placement_(parse_placement(files)), mesh_(load_mesh(files.mesh)), placed_(mesh_.positions), tree_(mesh_) {
+      : transform_(parse_transform(files)), mesh_(load_mesh(files.mesh)), placed_(mesh_.positions), tree_(mesh_) {
     if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
   }
   std::size_t frame_count() const { return motion_ ? motion_->frame_count() : 1; }
   void move_to(std::size_t frame, Workers& workers) {
     placed_ = motion_ ? motion_->frame(std::min(frame, motion_->frame_count() - 1)) : mesh_.positions;
-    for (Vec3& p : placed_) p = placement_(p);
+    for (Vec3& p : placed_) p = transform_(p);
     if (const Status status = tree_.update(placed_, workers); !status) throw UsageError(message(status));
   }
   const SurfaceTree& tree() const { return tree_; }
 
  private:
-  RigidTransform placement_;
+  RigidTransform transform_;
   Mesh mesh_;
   std::optional<Motion> motion_;
   std::vector<Vec3> placed_;

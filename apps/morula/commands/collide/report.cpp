@@ -70,7 +70,7 @@ double CollidedFrame::deepest() const {
 
 std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames) {
   std::vector<std::string> header{"frame of A", "frame of B", "contacts", "deepest", "pair tests", "µs"};
-  if (run.exact) header.insert(header.end(), {"facet pairs", "µs"});
+  if (run.find_crossings) header.insert(header.end(), {"facet pairs", "µs"});
   header.emplace_back("state");
   Table table(header, 2);
   std::size_t touching = 0, crossing = 0, stopped = 0;
@@ -82,7 +82,8 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
                                    figure(f.deepest()),
                                    std::to_string(f.pair_tests),
                                    figure(f.microseconds)};
-    if (run.exact) cells.insert(cells.end(), {std::to_string(f.crossings.size()), figure(f.exact_microseconds)});
+    if (run.find_crossings)
+      cells.insert(cells.end(), {std::to_string(f.crossings.size()), figure(f.exact_microseconds)});
     cells.push_back(state_of(f));
     table.add(std::move(cells));
     touching += f.contacts.empty() ? 0 : 1;
@@ -94,7 +95,7 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "summary   {} of {} have contacts; {} µs per frame (median), {}\n", touching,
                  counted(frames.size(), "frame"), figure(median(microseconds)), counted(run.threads, "thread"));
-  if (run.exact) {
+  if (run.find_crossings) {
     fmt::format_to(out, "exact     the surfaces cross in {} of {}\n", crossing, counted(frames.size(), "frame"));
   }
   if (stopped > 0) {
@@ -124,7 +125,7 @@ toolbox::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFram
   add("contacts", "", [](const CollidedFrame& f) { return f.contacts.size(); });
   add("deepest", ", mesh units", [](const CollidedFrame& f) { return f.deepest(); });
   add("pair tests", "", [](const CollidedFrame& f) { return f.pair_tests; });
-  if (run.exact) add("facet pairs", "", [](const CollidedFrame& f) { return f.crossings.size(); });
+  if (run.find_crossings) add("facet pairs", "", [](const CollidedFrame& f) { return f.crossings.size(); });
   return plot;
 }
 
@@ -143,7 +144,7 @@ Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frame
                {"contacts", Json::array()}};
     for (std::size_t i = 0; i < f.contacts.size(); ++i)
       frame["contacts"].push_back(contact_json(f.contacts[i], i < f.surfaces.size() ? &f.surfaces[i] : nullptr));
-    if (run.exact) {
+    if (run.find_crossings) {
       frame["exact_microseconds"] = f.exact_microseconds;
       frame["facet_pairs"] = Json::array();
       for (const Crossing& c : f.crossings)

@@ -17,7 +17,7 @@ struct CollidedFrame {
   std::string name_a, name_b;
   std::vector<Contact> contacts{};
   std::vector<ContactSurface> surfaces{};  // one per contact
-  std::vector<Crossing> crossings{};       // with --exact
+  std::vector<Crossing> crossings{};       // with --crossings
   bool finished = false;
   std::size_t pair_tests = 0;
   std::uint32_t achieved_level = 0;
@@ -35,7 +35,7 @@ struct CollideRun {
 };
 
 std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames);
-/// Contacts, their greatest depth and pair tests over the frames; with --exact, pairs of facets.
+/// Contacts, their greatest depth and pair tests over the frames; with --crossings, pairs of facets.
 toolbox::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 std::string contacts_csv(const std::vector<CollidedFrame>& frames);

@@ -33,7 +33,7 @@ namespace {
 /// A mesh with its tree, for all bodies that name the same files.
 struct Model {
   Mesh mesh;
-  CoveredTree built{};
+  CoveredTree model{};
 };
 
 /// One body, frame after frame. Neither copied nor moved.
@@ -48,10 +48,10 @@ class SceneMember {
   SceneMember& operator=(const SceneMember&) = delete;
 
   void prepare(const std::vector<Rule>& rules, Workers& workers) {
-    if (rules.size() > model_->built.tree.level_count())
+    if (rules.size() > model_->model.tree.level_count())
       throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
-                                   file_.name, model_->built.tree.level_count() - 1));
-    body_.emplace(model_->mesh, model_->built, UpdateOptions{.rules = rules, .details = {}}, workers);
+                                   file_.name, model_->model.tree.level_count() - 1));
+    body_.emplace(model_->mesh, model_->model, UpdateOptions{.rules = rules, .details = {}}, workers);
     collider_.emplace(model_->mesh, *body_);
     move_to(0, workers);
   }
@@ -69,10 +69,10 @@ class SceneMember {
         frame_ = at;
       }
     }
-    RigidTransform placement = file_.placement;
+    RigidTransform transform = file_.transform;
     if (!file_.path.empty())
-      placement.translation = placement.translation + file_.path[std::min(frame, file_.path.size() - 1)];
-    collider_->place(placement);
+      transform.translation = transform.translation + file_.path[std::min(frame, file_.path.size() - 1)];
+    collider_->set_transform(transform);
   }
   const Collider& collider() const { return *collider_; }
   const SceneFileBody& file() const { return file_; }
@@ -129,7 +129,7 @@ Members read_members(const SceneRun& run, const std::vector<SceneFileBody>& file
   }
   for (auto& [paths, model] : models) {
     const ReadTreeOptions reading = parse_sph_origin(run.sph_origin, &model->mesh);
-    model->built = paths.second.empty() ? build(model->mesh, {.quality = Quality::fast}, workers)
+    model->model = paths.second.empty() ? build(model->mesh, {.quality = Quality::fast}, workers)
                                         : read_covered_tree(paths.second, model->mesh, reading, workers);
   }
   const std::vector<Rule> rules = parse_rules(run.rule);
@@ -153,9 +153,10 @@ SceneFrame frame_of(const Scene& scene, const SceneStatus& status, double micros
 }
 
 std::string scene_csv(const SceneRun& run, const Members& members, const std::vector<SceneFrame>& frames) {
-  std::string text = run.options.exact ? "frame,a,b,touch,facet_a,facet_b\n"
-                                       : "frame,a,b,touch,began,finished,node_a,node_b,x,y,z,normal_x,normal_y,"
-                                         "normal_z,depth,error_bound,surface_depth\n";
+  std::string text = run.options.find_crossings
+                         ? "frame,a,b,touch,facet_a,facet_b\n"
+                         : "frame,a,b,touch,began,finished,node_a,node_b,x,y,z,normal_x,normal_y,"
+                           "normal_z,depth,error_bound,surface_depth\n";
   const auto out = std::back_inserter(text);
   const auto vector = [](const Vec3& v) {
     return fmt::format("{},{},{}", exact_digits(v.x), exact_digits(v.y), exact_digits(v.z));
@@ -164,7 +165,7 @@ std::string scene_csv(const SceneRun& run, const Members& members, const std::ve
     for (const PairRow& pair : frames[i].pairs) {
       const std::string begin = fmt::format("{},{},{},{}", i, toolbox::csv_cell(members[pair.a]->file().name),
                                             toolbox::csv_cell(members[pair.b]->file().name), pair.id);
-      if (run.options.exact) {
+      if (run.options.find_crossings) {
         for (const Crossing& c : pair.crossings) fmt::format_to(out, "{},{},{}\n", begin, c.facet_a, c.facet_b);
         continue;
       }
@@ -181,7 +182,7 @@ std::string scene_csv(const SceneRun& run, const Members& members, const std::ve
 void print_text(const SceneRun& run, const Members& members, const std::vector<SceneFrame>& frames,
                 unsigned thread_count) {
   std::vector<std::string> header{"frame", "near", "touching", "began", "ended", "contacts", "pair tests", "µs"};
-  if (run.options.exact) header.emplace_back("facet pairs");
+  if (run.options.find_crossings) header.emplace_back("facet pairs");
   header.emplace_back("state");
   Table table(header, 1);
   std::vector<double> microseconds;
@@ -196,7 +197,7 @@ void print_text(const SceneRun& run, const Members& members, const std::vector<S
                                    std::to_string(f.contact_count()),
                                    std::to_string(f.status.pair_tests),
                                    figure(f.microseconds)};
-    if (run.options.exact) cells.push_back(std::to_string(f.crossing_count()));
+    if (run.options.find_crossings) cells.push_back(std::to_string(f.crossing_count()));
     cells.push_back(f.status.finished ? "finished" : fmt::format("{} open", counted(f.status.open_pairs, "pair")));
     table.add(std::move(cells));
     microseconds.push_back(f.microseconds);
@@ -236,7 +237,7 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
                 {"finished", p.finished},
                 {"contacts", p.contacts.size()},
                 {"surface_depth", deepest}};
-      if (run.options.exact) pair["facet_pairs"] = p.crossings.size();
+      if (run.options.find_crossings) pair["facet_pairs"] = p.crossings.size();
       frame["pairs"].push_back(std::move(pair));
     }
     for (const EndedPair& p : f.ended) frame["ended"].push_back(p.id);
@@ -266,8 +267,11 @@ int collide_scene(const SceneRun& run) {
   std::size_t count = 1;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const SceneFileBody& file = members[i]->file();
-    scene.add(members[i]->collider(),
-              {.is_static = file.is_static, .of = file.of, .with = file.with, .weight = file.weight, .user_data = i});
+    scene.add(members[i]->collider(), {.is_static = file.is_static,
+                                       .category = file.category,
+                                       .mask = file.mask,
+                                       .weight = file.weight,
+                                       .user_data = i});
     count = std::max(count, members[i]->frame_count());
   }
   std::vector<SceneFrame> frames;

@@ -83,7 +83,7 @@ Json parse(const std::filesystem::path& file) {
   }
 }
 
-RigidTransform placement_of(const Place& body) {
+RigidTransform transform_of(const Place& body) {
   const Vec3 place = body.has("place") ? body.at("place").vector() : Vec3{};
   if (!body.has("turn")) return {.translation = place};
   const std::vector<double> turn = body.at("turn").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
@@ -139,7 +139,7 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   body.mesh = folders.file(place.at("mesh"));
   if (place.has("tree")) body.tree = folders.file(place.at("tree"));
   if (place.has("motion")) body.motion = folders.motion(place.at("motion"));
-  body.placement = placement_of(place);
+  body.transform = transform_of(place);
   if (place.has("path")) {
     const Place path = place.at("path");
     if (!path.json().is_array() || path.size() == 0) path.refuse("give a list of points, one per frame");
@@ -148,9 +148,9 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   if (place.has("static")) body.is_static = place.at("static").flag();
   if (body.is_static && (!body.motion.empty() || !body.path.empty()))
     place.at("static").refuse("a static body has neither motion nor path: leave them out, or say false");
-  if (place.has("groups")) body.of = place.at("groups").mask();
-  if (body.of == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
-  if (place.has("meets")) body.with = place.at("meets").mask();
+  if (place.has("groups")) body.category = place.at("groups").mask();
+  if (body.category == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
+  if (place.has("meets")) body.mask = place.at("meets").mask();
   if (place.has("weight")) body.weight = place.at("weight").number();
   if (body.weight < 0) place.at("weight").refuse("weights are 0 or more");
   return body;

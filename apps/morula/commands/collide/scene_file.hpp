@@ -14,10 +14,10 @@ namespace morula::cli {
 struct SceneFileBody {
   std::string name;
   std::filesystem::path mesh, tree{}, motion{};  ///< as they are found from here; empty: none
-  RigidTransform placement{};
+  RigidTransform transform{};
   std::vector<Vec3> path{};  ///< where it goes from there, a point per frame
   bool is_static = false;
-  std::uint32_t of = 1, with = ~std::uint32_t{0};
+  std::uint32_t category = 1, mask = ~std::uint32_t{0};
   double weight = 1;
 
   bool operator==(const SceneFileBody&) const = default;

@@ -17,7 +17,7 @@ double Demand::at(std::size_t count) const {
   return low * std::exp(power * std::log(static_cast<double>(count) / static_cast<double>(counts[i])));
 }
 
-std::vector<std::size_t> share_out(std::span<const Demand> demands, std::size_t total) {
+std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::size_t total) {
   std::vector<std::size_t> counts(demands.size(), 0);
   std::size_t used = 0;
   struct Wish {

@@ -24,6 +24,6 @@ struct Demand {
 
 /// One each, then one after the other to where it takes away most. The sum over links is at most `total` where one
 /// each is.
-std::vector<std::size_t> share_out(std::span<const Demand> demands, std::size_t total);
+std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::size_t total);
 
 }  // namespace morula::robot

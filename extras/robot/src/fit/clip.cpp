@@ -85,16 +85,16 @@ constexpr int deepest_division = 16;
 
 void add_what_stays(const std::function<bool(const Sphere&)>& stays,
                     const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh,
-                    const CoveredTree& built, const BuildOptions& options, int depth, std::vector<Sphere>& spheres) {
-  for (std::uint32_t node = 0; node < built.tree.node_count(); ++node) {
-    if (built.tree.child_count[node] != 0) continue;
-    const Sphere& s = built.tree.spheres[node];
+                    const CoveredTree& model, const BuildOptions& options, int depth, std::vector<Sphere>& spheres) {
+  for (std::uint32_t node = 0; node < model.tree.node_count(); ++node) {
+    if (model.tree.child_count[node] != 0) continue;
+    const Sphere& s = model.tree.spheres[node];
     // mutant robot-clip-stays: `stays(s)` -> `true`
     if (stays(s) || depth == deepest_division || spheres.size() > most_spheres) {
       spheres.push_back(s);
       continue;
     }
-    const Mesh region = region_mesh(mesh, built.cover, node);
+    const Mesh region = region_mesh(mesh, model.cover, node);
     if (!may_stay(s, region)) {
       spheres.push_back(s);
       continue;
@@ -111,16 +111,16 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays,
 }  // namespace
 
 void divide_until(const std::function<bool(const Sphere&)>& stays,
-                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& built,
+                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& model,
                   const BuildOptions& options) {
   BuildOptions four = options;
   four.spheres = 4;
   std::vector<Sphere> spheres;
-  add_what_stays(stays, may_stay, mesh, built, four, 0, spheres);
-  if (spheres == level_set_spheres(built.tree, built.tree.level_count() - 1)) return;
-  CoveredTree fitted = cover(mesh, tree_over_balls(spheres), CoverOptions{.nested = true});
-  fitted.report.complete = built.report.complete;
-  built = std::move(fitted);
+  add_what_stays(stays, may_stay, mesh, model, four, 0, spheres);
+  if (spheres == level_set_spheres(model.tree, model.tree.level_count() - 1)) return;
+  CoveredTree fitted = cover(mesh, tree_from_spheres(spheres), CoverOptions{.nested = true});
+  fitted.report.complete = model.report.complete;
+  model = std::move(fitted);
 }
 
 void append_mesh(Mesh& to, const Mesh& mesh) {
@@ -156,7 +156,7 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
   LinkSurface result;
   result.mesh = surface.mesh;
   for (const Sphere& s : surface.spheres) {
-    double depth = s.radius;  // of the centre inside of the planes, the least
+    double depth = s.radius;  // of the center inside of the planes, the least
     for (const ClipPlane& plane : planes) depth = std::min(depth, dot(plane.normal, s.center) - plane.offset - margin);
     if (depth >= s.radius) {
       result.spheres.push_back(s);

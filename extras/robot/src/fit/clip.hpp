@@ -19,7 +19,7 @@ Mesh ball_mesh_of(const Sphere& s, RoundShapes round);
 /// Adds the vertices and facets of another mesh.
 void append_mesh(Mesh& to, const Mesh& mesh);
 
-/// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbours at the
+/// What is kept of a surface, `margin` inside of the planes: facets are cut where a plane passes, neighbors at the
 /// same point of an edge; what lies within rounding of a plane may fall to either side. The cut is left open. Spheres
 /// that a plane passes through become polyhedra around them first.
 LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> planes, double margin);
@@ -31,7 +31,7 @@ double least_height(const Mesh& mesh, std::span<const ClipPlane> planes);
 /// options and four spheres, or by an octree, again and again. After: every leaf stays, or no smaller sphere over its
 /// part may, which may_stay(leaf, part) says, or there are too many of them.
 void divide_until(const std::function<bool(const Sphere&)>& stays,
-                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& built,
+                  const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& model,
                   const BuildOptions& options);
 
 }  // namespace morula::robot

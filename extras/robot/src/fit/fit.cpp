@@ -31,12 +31,12 @@ void require_sense(const Robot& robot, const FitOptions& o) {
     if (robot.find_link(name) == none)
       throw std::invalid_argument(fmt::format("{}: the robot has no link {}", what, name));
   };
-  for (const std::string& name : o.left_out) require_link(name, "left out");
+  for (const std::string& name : o.skip) require_link(name, "left out");
   for (const auto& [name, count] : o.link_spheres) {
     require_link(name, "spheres");
     if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
   }
-  for (const auto& kept : o.kept) require_link(kept.first, "kept");
+  for (const auto& kept : o.fixed_spheres) require_link(kept.first, "fixed_spheres");
   for (const auto& [name, planes] : o.clip) {
     require_link(name, "clip");
     for (const ClipPlane& plane : planes) {
@@ -53,7 +53,7 @@ void require_sense(const Robot& robot, const FitOptions& o) {
   if (o.max_radius > 0 && o.max_radius < o.min_radius) {
     throw std::invalid_argument("the largest radius is below the smallest");
   }
-  if (o.spheres == 0 && o.total == 0 && o.max_protrusion == 0 && o.max_protrusion_share == 0) {
+  if (o.spheres == 0 && o.max_total == 0 && o.max_protrusion == 0 && o.max_protrusion_share == 0) {
     throw std::invalid_argument("say how many spheres, or how far they may stick out");
   }
 }
@@ -127,7 +127,7 @@ class Fitter {
     result_.visual = o_.visual;
     for (std::size_t i = 0; i < robot_.links.size(); ++i) {
       const Link& link = robot_.links[i];
-      if (shapes_of(link).empty() || o_.left_out.count(link.name) != 0) continue;
+      if (shapes_of(link).empty() || o_.skip.count(link.name) != 0) continue;
       LinkSpheres spheres;
       spheres.link = i;
       result_.links.push_back(std::move(spheres));
@@ -140,7 +140,7 @@ class Fitter {
         std::vector<std::string> notes = std::move(surface.notes);
         surface = clipped(surface, planes, o_.clip_margin);
         surface.notes = std::move(notes);
-        if (o_.clip_margin > 0 && o_.kept.count(link.name) == 0) require_margin(link, surface.mesh, planes);
+        if (o_.clip_margin > 0 && o_.fixed_spheres.count(link.name) == 0) require_margin(link, surface.mesh, planes);
       }
     });
     for (LinkSpheres& link : result_.links) {
@@ -167,7 +167,7 @@ class Fitter {
 
   bool stands_alone(const LinkSpheres& link) const {
     const std::string& name = name_of(link);
-    return o_.kept.count(name) != 0 || o_.link_spheres.count(name) != 0 || o_.clip.count(name) != 0;
+    return o_.fixed_spheres.count(name) != 0 || o_.link_spheres.count(name) != 0 || o_.clip.count(name) != 0;
   }
 
   void find_alike() {
@@ -182,7 +182,7 @@ class Fitter {
       if (found == groups_.end()) {
         groups_.push_back({{i}, 0});
       } else {
-        link.alike = result_.links[found->members[0]].link;
+        link.same_shape_as = result_.links[found->members[0]].link;
         found->members.push_back(i);
       }
     }
@@ -190,7 +190,7 @@ class Fitter {
 
   void set_budgets() {
     for (Group& group : groups_) group.budget = o_.spheres;
-    if (o_.total != 0) share_total();
+    if (o_.max_total != 0) share_total();
     for (Group& group : groups_) {
       const auto own = o_.link_spheres.find(name_of(result_.links[group.members[0]]));
       if (own != o_.link_spheres.end()) group.budget = own->second;
@@ -207,7 +207,7 @@ class Fitter {
           demands[i].links = groups_[i].members.size();
           return name_of(link);
         });
-    const std::vector<std::size_t> counts = share_out(demands, o_.total);
+    const std::vector<std::size_t> counts = share_spheres(demands, o_.max_total);
     for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = counts[i];
   }
 
@@ -218,7 +218,7 @@ class Fitter {
     if (!demand.has_mesh) return demand;
     BuildOptions build_options{.method = o_.method,
                                .seed = o_.seed,
-                               .quality = o_.method == Method::morula ? Quality::draft : o_.quality,
+                               .quality = o_.method == Method::optimized ? Quality::draft : o_.quality,
                                .stop = o_.stop};
     std::array<double, 4> volumes{};
     for (std::size_t k = 0; k < volumes.size(); ++k) {
@@ -227,8 +227,8 @@ class Fitter {
         continue;
       }
       build_options.spheres = Demand::counts[k];
-      const CoveredTree built = build_link(link, build_options);
-      volumes[k] = union_mass(leaves(built), 64).volume;
+      const CoveredTree model = build_link(link, build_options);
+      volumes[k] = union_mass(leaves(model), 64).volume;
     }
     // A surface that is open has no volume of its own: what is left of many spheres stands for it.
     const MeshReport report = inspect(link.surface.mesh);
@@ -238,8 +238,8 @@ class Fitter {
     return demand;
   }
 
-  static std::vector<Sphere> leaves(const CoveredTree& built) {
-    return level_set_spheres(built.tree, built.tree.level_count() - 1);
+  static std::vector<Sphere> leaves(const CoveredTree& model) {
+    return level_set_spheres(model.tree, model.tree.level_count() - 1);
   }
 
   CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
@@ -253,7 +253,7 @@ class Fitter {
 
   void fit(const Group& group) {
     LinkSpheres& link = result_.links[group.members[0]];
-    if (const auto kept = o_.kept.find(name_of(link)); kept != o_.kept.end()) {
+    if (const auto kept = o_.fixed_spheres.find(name_of(link)); kept != o_.fixed_spheres.end()) {
       link.spheres = kept->second;
     } else {
       fit_new(link, group.budget);
@@ -299,16 +299,16 @@ class Fitter {
         link.notes.push_back(
             fmt::format("link {} has {} spheres of its own and gets one more for the rest", name_of(link), beside));
       }
-      auto built = std::make_shared<CoveredTree>(build_link(link, options));
-      enforce_max_radius(link, options, *built);
-      if (o_.clip_margin > 0 && !planes_of(link).empty()) keep_from_planes(link, *built);
-      if (!built->report.complete) {
+      auto model = std::make_shared<CoveredTree>(build_link(link, options));
+      enforce_max_radius(link, options, *model);
+      if (o_.clip_margin > 0 && !planes_of(link).empty()) keep_from_planes(link, *model);
+      if (!model->report.complete) {
         link.notes.push_back(
             fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
       }
-      const std::vector<Sphere> fitted = leaves(*built);
+      const std::vector<Sphere> fitted = leaves(*model);
       link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
-      link.tree = std::move(built);
+      link.tree = std::move(model);
     }
     for (Sphere& s : link.spheres) s.radius = final_radius(s);
     round_outward(link.spheres);
@@ -334,28 +334,28 @@ class Fitter {
                     o_.clip_margin, link.name, least));
   }
 
-  void keep_from_planes(LinkSpheres& link, CoveredTree& built) const {
+  void keep_from_planes(LinkSpheres& link, CoveredTree& model) const {
     const std::vector<ClipPlane>& planes = planes_of(link);
     const double allowance = clip_allowance(link.surface.mesh);
     const auto stays = [&](const Sphere& s) {
       const Sphere last{s.center, final_radius(s)};
       return !(reach_beyond(std::span(&last, 1), planes, allowance) > 0);
     };
-    // The centre of a sphere around the lowest point is no higher above that than its radius.
+    // The center of a sphere around the lowest point is no higher above that than its radius.
     const auto may_stay = [&](const Sphere& s, const Mesh& part) {
       return least_height(part, planes) >= allowance + std::max(o_.padding, o_.min_radius - s.radius);
     };
-    const std::size_t before = built.tree.leaf_count();
-    divide_until(stays, may_stay, link.surface.mesh, built,
+    const std::size_t before = model.tree.leaf_count();
+    divide_until(stays, may_stay, link.surface.mesh, model,
                  {.seed = o_.seed, .quality = Quality::draft, .stop = o_.stop});
-    const std::vector<Sphere> divided = leaves(built);
+    const std::vector<Sphere> divided = leaves(model);
     if (divided.size() == before || !std::all_of(divided.begin(), divided.end(), stays)) return;
     link.notes.push_back(
         fmt::format("link {} has {} spheres instead of {}, so that none reaches beyond its clip planes", name_of(link),
                     divided.size(), before));
   }
 
-  void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& built) const {
+  void enforce_max_radius(LinkSpheres& link, BuildOptions options, CoveredTree& model) const {
     if (o_.max_radius == 0) return;
     const auto largest = [](const CoveredTree& tree) {
       double radius = 0;
@@ -363,16 +363,16 @@ class Fitter {
       return radius;
     };
     const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= o_.max_radius; };
-    if (options.spheres == 0) options.spheres = built.tree.leaf_count();
-    while (!fits(built) && options.spheres < most_spheres_for_radius) {
+    if (options.spheres == 0) options.spheres = model.tree.leaf_count();
+    while (!fits(model) && options.spheres < most_spheres_for_radius) {
       options.spheres *= 2;
-      built = build_link(link, options);
+      model = build_link(link, options);
     }
     // A thick link is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
-    for (int depth = 1; !fits(built) && depth <= max_depth; ++depth) {
-      built = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
+    for (int depth = 1; !fits(model) && depth <= max_depth; ++depth) {
+      model = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
     }
-    if (!fits(built)) {
+    if (!fits(model)) {
       link.notes.push_back(fmt::format("link {}: spheres are larger than asked for; allow larger ones", name_of(link)));
     }
   }
@@ -414,7 +414,7 @@ class Fitter {
     } else {
       const Coverage cover = coverage(surface.mesh, certified);
       figures.covered = figures.covered && cover.covered;
-      figures.gap = cover.gap;
+      figures.uncovered_distance = cover.uncovered_distance;
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));

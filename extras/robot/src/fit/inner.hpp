@@ -12,7 +12,7 @@ namespace morula::robot {
 /// closed have no inside, and what closed pieces enclose that face the other way is outside. None: nothing is closed.
 ///
 /// In decimals that files hold. Of these numbers, and of what they become as floats, each is proven to be inside by the
-/// distance of its centre from the surface and by how often this winds round it; what is not is left out.
+/// distance of its center from the surface and by how often this winds round it; what is not is left out.
 /// Throws FileError for meshes that cannot be read.
 std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
                                   std::span<const ClipPlane> planes, std::size_t count, std::uint64_t seed,

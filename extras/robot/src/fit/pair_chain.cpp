@@ -64,14 +64,14 @@ bool is_usable(const Joint& joint, const Dependence& of, const CoordinateRange& 
 
 JointRanges joint_ranges(const Robot& robot, double robot_size) {
   JointRanges ranges;
-  ranges.coordinates.resize(robot.own.size());
+  ranges.coordinates.resize(robot.independent_joints.size());
   ranges.usable.assign(robot.joints.size(), true);
   std::vector<bool> is_followed(robot.joints.size(), false);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     if (robot.joints[i].mimic) is_followed[dependence_of(robot, i).leader] = true;
   }
   std::vector<CoordinateRange> of_joint(robot.joints.size());
-  for (const std::size_t i : robot.own) of_joint[i] = range_of(robot.joints[i], is_followed[i]);
+  for (const std::size_t i : robot.independent_joints) of_joint[i] = range_of(robot.joints[i], is_followed[i]);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Dependence of = dependence_of(robot, i);
     const Joint& leader = robot.joints[of.leader];
@@ -79,8 +79,8 @@ JointRanges joint_ranges(const Robot& robot, double robot_size) {
                        (robot.joints[i].kind == Joint::Kind::fixed || leader.range_known);
   }
   const std::vector<double> rest = rest_values(robot);
-  for (std::size_t c = 0; c < robot.own.size(); ++c) {
-    const std::size_t joint = robot.own[c];
+  for (std::size_t c = 0; c < robot.independent_joints.size(); ++c) {
+    const std::size_t joint = robot.independent_joints[c];
     ranges.coordinates[c] = ranges.usable[joint] ? of_joint[joint] : CoordinateRange{rest[c], rest[c]};
   }
   return ranges;
@@ -95,7 +95,9 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
   // One link may carry the other.
   PairChain chain;
   const auto coordinate_of = [&](std::size_t joint) {
-    const auto own = static_cast<std::size_t>(std::find(robot.own.begin(), robot.own.end(), joint) - robot.own.begin());
+    const auto own =
+        static_cast<std::size_t>(std::find(robot.independent_joints.begin(), robot.independent_joints.end(), joint) -
+                                 robot.independent_joints.begin());
     const auto at = std::find(chain.coordinates.begin(), chain.coordinates.end(), own);
     if (at != chain.coordinates.end()) return static_cast<std::size_t>(at - chain.coordinates.begin());
     chain.coordinates.push_back(own);
@@ -111,7 +113,8 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
       chain.usable = chain.usable && ranges.usable[index];
       if (!joint.moves()) continue;
       const Dependence of = dependence_of(robot, index);
-      if (std::find(robot.own.begin(), robot.own.end(), of.leader) == robot.own.end()) {
+      if (std::find(robot.independent_joints.begin(), robot.independent_joints.end(), of.leader) ==
+          robot.independent_joints.end()) {
         chain.usable = false;  // it follows a joint that does not move
         continue;
       }
@@ -134,7 +137,7 @@ RigidTransform place(const Branch& branch, std::span<const double> values, std::
   joints.clear();
   for (const ChainJoint& joint : branch.joints) {
     at = composed(at, joint.before);
-    joints.push_back({at.translation, at.turn(joint.axis), &joint});
+    joints.push_back({at.translation, at.rotate(joint.axis), &joint});
     at = composed(at, motion(joint, joint.factor * values[joint.coordinate] + joint.offset));
   }
   return composed(at, branch.end);

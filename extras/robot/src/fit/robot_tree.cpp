@@ -37,15 +37,15 @@ RobotTree tree_of(const Robot& robot, const RobotSpheres& spheres, std::span<con
   if (spheres.links.empty()) throw std::invalid_argument("tree_of: the robot has no spheres");
   RobotMesh all = mesh_of(robot, spheres, values);
   RobotTree result{.mesh = std::move(all.mesh),
-                   .built = {},
+                   .model = {},
                    .links = std::move(all.links),
                    .vertex_begin = std::move(all.vertex_begin)};
   std::vector<Sphere> leaves;
   for (const LinkSpheres& link : spheres.links) {
     for (const Sphere& s : link.spheres) leaves.push_back({poses[link.link](s.center), s.radius});
   }
-  result.built = cover(result.mesh, tree_over_balls(leaves), CoverOptions{.nested = true}, workers);
-  result.built.report.method = "robot";
+  result.model = cover(result.mesh, tree_from_spheres(leaves), CoverOptions{.nested = true}, workers);
+  result.model.report.method = "robot";
   return result;
 }
 

@@ -83,7 +83,7 @@ struct Nearest {
 SphereGroup group_of(std::span<const Sphere> spheres) {
   SphereGroup group;
   if (spheres.empty()) return group;
-  const SphereTree tree = tree_over_balls(spheres);
+  const SphereTree tree = tree_from_spheres(spheres);
   for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
     group.nodes.push_back({tree.spheres[i], tree.is_leaf(i) ? 0 : tree.first_child[i], tree.child_count[i]});
   }

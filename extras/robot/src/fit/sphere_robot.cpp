@@ -21,7 +21,7 @@ bool spheres_meet(const Sphere& a, const Sphere& b, double more) {
 }
 
 bool meets_box(const Sphere& s, const ObstacleBox& box, double more) {
-  const Vec3 p = box.pose.turn_back(s.center - box.pose.translation);
+  const Vec3 p = box.pose.inverse_rotate(s.center - box.pose.translation);
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
     const double beyond = std::max(0.0, std::abs(p[k]) - box.half[k]);
@@ -47,7 +47,7 @@ SphereRobot::SphereRobot(const Robot& robot, const RobotSpheres& spheres, const 
     links_.push_back(link.link);
     sphere_count_ += link.spheres.size();
     LinkTree tree;
-    tree.tree = tree_over_balls(link.spheres);
+    tree.tree = tree_from_spheres(link.spheres);
     tree.spheres = link.spheres;
     tree.moved.resize(tree.tree.node_count());
     trees_.push_back(std::move(tree));
@@ -156,22 +156,22 @@ bool SphereRobot::any_leaf(const Inner& inner, const Leaf& leaf) {
   return false;
 }
 
-bool SphereRobot::meets(const Sphere& obstacle) {
+bool SphereRobot::collides(const Sphere& obstacle) {
   const double own = rounding(obstacle);
   return any_leaf([&](const Sphere& s) { return spheres_meet(s, obstacle, own + rounding(s)); },
                   [&](const Sphere& s) { return spheres_meet(s, obstacle, 0); });
 }
 
-bool SphereRobot::meets(const ObstacleBox& obstacle) {
+bool SphereRobot::collides(const ObstacleBox& obstacle) {
   const double own = 1e-12 * (max_norm(obstacle.pose.translation) + max_norm(obstacle.half));
   return any_leaf([&](const Sphere& s) { return meets_box(s, obstacle, own + rounding(s)); },
                   [&](const Sphere& s) { return meets_box(s, obstacle, 0); });
 }
 
-bool SphereRobot::meets(const PosedTree& other, const RigidTransform& placement) {
+bool SphereRobot::collides(const SphereState& other, const RigidTransform& transform) {
   const SphereTree& tree = *other.tree;
   other_.resize(tree.node_count());
-  for (std::uint32_t i = 0; i < tree.node_count(); ++i) other_[i] = moved_by(placement, other.sphere(i));
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i) other_[i] = moved_by(transform, other.sphere(i));
   std::vector<std::uint32_t> waiting;
   if (!other.nested) {
     for (std::uint32_t i = 0; i < tree.node_count(); ++i) {

@@ -196,7 +196,7 @@ void arrange(Robot& robot) {
             fmt::format("joint {} is part of a circle of links: a robot is a tree", robot.joints[lost].name));
   }
   for (const std::size_t joint : robot.order) {
-    if (robot.joints[joint].moves() && !robot.joints[joint].mimic) robot.own.push_back(joint);
+    if (robot.joints[joint].moves() && !robot.joints[joint].mimic) robot.independent_joints.push_back(joint);
   }
 }
 

@@ -19,7 +19,7 @@ RigidTransform motion(const Joint& joint, double value) {
 
 std::vector<double> rest_values(const Robot& robot) {
   std::vector<double> values;
-  for (const std::size_t i : robot.own) {
+  for (const std::size_t i : robot.independent_joints) {
     const Joint& joint = robot.joints[i];
     values.push_back(joint.lower <= 0 && 0 <= joint.upper ? 0 : 0.5 * (joint.lower + joint.upper));
   }
@@ -27,11 +27,11 @@ std::vector<double> rest_values(const Robot& robot) {
 }
 
 std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const double> values) {
-  if (values.size() != robot.own.size()) {
-    throw std::invalid_argument("link_poses: one value per joint that moves by itself (robot.own)");
+  if (values.size() != robot.independent_joints.size()) {
+    throw std::invalid_argument("link_poses: one value per joint that moves by itself (robot.independent_joints)");
   }
   std::vector<double> own(robot.joints.size(), 0.0);
-  for (std::size_t i = 0; i < values.size(); ++i) own[robot.own[i]] = values[i];
+  for (std::size_t i = 0; i < values.size(); ++i) own[robot.independent_joints[i]] = values[i];
   const auto value_of = [&](std::size_t joint) {
     double factor = 1, offset = 0;
     for (; robot.joints[joint].mimic; joint = robot.joints[joint].mimic->joint) {

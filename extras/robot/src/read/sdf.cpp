@@ -72,7 +72,7 @@ class SdfReader {
 
   const XMLElement& find_model() const {
     const XMLElement* model = nullptr;
-    const auto look = [&](const XMLElement& in) {
+    const auto visit = [&](const XMLElement& in) {
       for (const XMLElement* at = in.FirstChildElement("model"); at != nullptr; at = at->NextSiblingElement("model")) {
         if (model != nullptr) {
           xml_.fail(*at, fmt::format("there are two models, {} and {}: a robot is one; save them apart",
@@ -81,10 +81,10 @@ class SdfReader {
         model = at;
       }
     };
-    look(xml_.root());
+    visit(xml_.root());
     for (const XMLElement* world = xml_.root().FirstChildElement("world"); world != nullptr;
          world = world->NextSiblingElement("world")) {
-      look(*world);
+      visit(*world);
     }
     if (model == nullptr) xml_.fail(xml_.root(), "there is no <model>");
     return *model;
@@ -398,7 +398,7 @@ class SdfReader {
     } else if (is_true(at, "use_parent_model_frame") || version_ < 1.5) {
       base = {};
     }
-    m.axis = normalized(child_pose.turn_back(base.turn(axis)));
+    m.axis = normalized(child_pose.inverse_rotate(base.rotate(axis)));
     m.lower = -2 * no_limit, m.upper = 2 * no_limit;
     if (const XMLElement* limits = at.FirstChildElement("limit")) {
       m.lower = limit(*limits, "lower", m.lower);
@@ -448,7 +448,7 @@ class SdfReader {
     carriers_[carrier_of_all(child_link)] = carrier_of_all(parent_link);
     const RigidTransform joint_pose = pose_of(name, at), child_pose = pose_of(child, at);
     const RigidTransform in_parent = relative_to(pose_of(parent, at), child_pose);
-    Vec3 anchor = child_pose.turn_back(joint_pose.translation - child_pose.translation);
+    Vec3 anchor = child_pose.inverse_rotate(joint_pose.translation - child_pose.translation);
     // Poses that are given the other way round meet but for rounding.
     const double size = max_norm(joint_pose.translation) + max_norm(child_pose.translation);
     if (max_norm(anchor) <= 1e-14 * size) anchor = {};

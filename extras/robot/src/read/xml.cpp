@@ -206,7 +206,7 @@ Vec3 roll_pitch_yaw(const RigidTransform& pose) {
 RigidTransform composed(const RigidTransform& a, const RigidTransform& b) {
   RigidTransform result;
   for (int column = 0; column < 3; ++column) {
-    const Vec3 turned = a.turn({b.rows[0][column], b.rows[1][column], b.rows[2][column]});
+    const Vec3 turned = a.rotate({b.rows[0][column], b.rows[1][column], b.rows[2][column]});
     for (int row = 0; row < 3; ++row) result.rows[static_cast<std::size_t>(row)][column] = turned[row];
   }
   result.translation = a(b.translation);

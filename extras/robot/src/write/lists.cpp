@@ -49,19 +49,20 @@ Json link_json(const Description& d, const LinkSpheres& link) {
     for (const Sphere& s : spheres) json.push_back({{"center", numbers(s.center)}, {"radius", s.radius}});
     return json;
   };
-  Json json{{"link", d.robot.links[link.link].name},
-            {"alike", link.alike == none ? Json(nullptr) : Json(d.robot.links[link.alike].name)},
-            {"facets", f.facets},
-            {"covered", f.covered},
-            {"gap", f.gap},
-            {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
-            {"object_volume", or_null(f.object_volume)},
-            {"outside_volume", or_null(f.outside_volume)},
-            {"union_volume", f.solid.volume},
-            {"mass", f.mass},
-            {"center_of_mass", numbers(f.solid.center)},
-            {"inertia", inertia},
-            {"spheres", list(link.spheres)}};
+  Json json{
+      {"link", d.robot.links[link.link].name},
+      {"same_shape_as", link.same_shape_as == none ? Json(nullptr) : Json(d.robot.links[link.same_shape_as].name)},
+      {"facets", f.facets},
+      {"covered", f.covered},
+      {"uncovered_distance", f.uncovered_distance},
+      {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
+      {"object_volume", or_null(f.object_volume)},
+      {"outside_volume", or_null(f.outside_volume)},
+      {"union_volume", f.solid.volume},
+      {"mass", f.mass},
+      {"center_of_mass", numbers(f.solid.center)},
+      {"inertia", inertia},
+      {"spheres", list(link.spheres)}};
   if (f.beyond_clip) json["beyond_clip"] = *f.beyond_clip;
   if (d.spheres.inner_count() > 0) {
     json["inner_volume"] = link.inner_volume;
@@ -142,7 +143,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
     }
   }
   std::string links =
-      "link,facets,spheres,covered,gap,protrusion_mean,protrusion_p95,protrusion_max,object_volume,"
+      "link,facets,spheres,covered,uncovered_distance,protrusion_mean,protrusion_p95,protrusion_max,object_volume,"
       "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz\n";
   for (const LinkSpheres& link : d.spheres.links) {
     const LinkFigures& f = link.figures;
@@ -152,9 +153,9 @@ std::vector<OutputFile> write_csv(const Description& d) {
     };
     links +=
         fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", toolbox::csv_cell(d.robot.links[link.link].name),
-                    f.facets, link.spheres.size(), f.covered ? 1 : 0, f.gap, f.protrusion_mean, f.protrusion_p95,
-                    f.protrusion_max, cell(f.object_volume), cell(f.outside_volume), f.solid.volume, f.mass,
-                    f.solid.center.x, f.solid.center.y, f.solid.center.z);
+                    f.facets, link.spheres.size(), f.covered ? 1 : 0, f.uncovered_distance, f.protrusion_mean,
+                    f.protrusion_p95, f.protrusion_max, cell(f.object_volume), cell(f.outside_volume), f.solid.volume,
+                    f.mass, f.solid.center.x, f.solid.center.y, f.solid.center.z);
     for (const double entry : f.solid.inertia) links += fmt::format(",{}", scale * entry);
     links += "\n";
   }

@@ -95,7 +95,7 @@ std::vector<std::string> tool_frames(const Description& d) {
 
 std::vector<std::string> own_joint_names(const Robot& robot) {
   std::vector<std::string> names;
-  for (const std::size_t joint : robot.own) names.push_back(robot.joints[joint].name);
+  for (const std::size_t joint : robot.independent_joints) names.push_back(robot.joints[joint].name);
   return names;
 }
 

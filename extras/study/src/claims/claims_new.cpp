@@ -22,11 +22,11 @@ struct Bare {
 Bare bare_of(const Evidence& evidence, const RuleKey& rule) {
   Bare found;
   for (const Case& c : evidence.cases()) {
-    const Cell* cell = evidence.cell(c, rule);
+    const Run* cell = evidence.cell(c, rule);
     if (cell == nullptr) continue;
     double worst = 0;
     for (const Sample& s : cell->samples) {
-      worst = std::max(worst, cell->at(s.sample, c.level)->bare_area());
+      worst = std::max(worst, cell->at(s.sample, c.level)->uncovered_area());
       found.worst_gap = std::max(found.worst_gap, cell->at(s.sample, c.level)->gap());
     }
     ++found.total;
@@ -119,7 +119,7 @@ Claim bare_gain_claim(const Evidence& evidence) {
       ++total;
       if (second[i] >= exact[i]) continue;
       ++tighter;
-      bare += evidence.cell(c, Rule::approach2)->at(i, c.level)->bare_area() > 0 ? 1 : 0;
+      bare += evidence.cell(c, Rule::approach2)->at(i, c.level)->uncovered_area() > 0 ? 1 : 0;
     }
   }
   claim.verdict = verdict_of(bare, tighter);

@@ -102,8 +102,8 @@ Claim largely_better_claim(const Evidence& evidence) {
     twice += ratio >= 2 ? 1 : 0;
     better += ratio > 1 ? 1 : 0;
     double bare = 0;
-    const Cell& cell = *evidence.cell(*c, Rule::approach2);
-    for (const Sample& s : cell.samples) bare = std::max(bare, cell.at(s.sample, level)->bare_area());
+    const Run& cell = *evidence.cell(*c, Rule::approach2);
+    for (const Sample& s : cell.samples) bare = std::max(bare, cell.at(s.sample, level)->uncovered_area());
     text += fmt::format("{}level {}: {} as loose in the mean, while Approach 2 leaves up to {} of the surface bare",
                         text.empty() ? "" : "; ", level, times(ratio), percent(bare));
   }
@@ -128,7 +128,7 @@ Claim return_claim(const Evidence& evidence) {
   for (const Rule rule : {Rule::approach1, Rule::approach2}) {
     for (const std::size_t source : evidence.sources()) {
       for (const std::size_t motion : evidence.motions()) {
-        const Cell* cell = evidence.cell({source, motion}, rule);
+        const Run* cell = evidence.cell({source, motion}, rule);
         if (cell == nullptr || !cell->returns_to_rest) continue;
         ++total;
         count += *cell->returns_to_rest ? 1 : 0;

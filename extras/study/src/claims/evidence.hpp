@@ -71,14 +71,14 @@ class Evidence {
     return std::nullopt;
   }
   /// nullptr when there is none. The level of the case has no part in it.
-  const Cell* cell(const Case& c, const RuleKey& rule) const {
+  const Run* cell(const Case& c, const RuleKey& rule) const {
     const std::optional<std::size_t> place = plan_.find_rule(rule);
     return place ? result_.find({c.source, c.motion, *place}) : nullptr;
   }
   /// One per sample; empty when there is none, or it has no answer.
   std::vector<double> errors(const Case& c, const RuleKey& rule) const {
     std::vector<double> list;
-    const Cell* found = cell(c, rule);
+    const Run* found = cell(c, rule);
     if (found == nullptr) return list;
     for (const Sample& sample : found->samples) {
       const LevelFigures* figures = found->at(sample.sample, c.level);
@@ -96,7 +96,7 @@ class Evidence {
     return sum / static_cast<double>(e.size() - 1);
   }
   std::optional<double> error_at(const Case& c, const RuleKey& rule, std::size_t sample) const {
-    const Cell* found = cell(c, rule);
+    const Run* found = cell(c, rule);
     const LevelFigures* figures = found == nullptr ? nullptr : found->at(sample, c.level);
     return figures == nullptr ? std::nullopt : figures->error(plan_.unit);
   }

@@ -54,10 +54,10 @@ std::string table_csv(const Table& table) {
 std::string cells_csv(const Plan& plan, const Result& result) {
   std::string text =
       "body,method,motion,rule,sample,parameter,level,spheres,looseness,looseness_box,looseness_fixed,missed_volume,"
-      "bare_area,gap,protrusion_worst,protrusion_mean,returns_to_rest\n";
-  for (const std::vector<Cell>* list : {&result.cells, &result.mixes}) {
+      "uncovered_area,uncovered_distance,protrusion_worst,protrusion_mean,returns_to_rest\n";
+  for (const std::vector<Run>* list : {&result.cells, &result.mixes}) {
     const std::vector<FollowRule>& rules = list == &result.cells ? plan.rules : plan.mixes;
-    for (const Cell& c : *list) {
+    for (const Run& c : *list) {
       for (const Sample& s : c.samples) {
         for (const LevelFigures& l : s.levels) {
           text += fmt::format(
@@ -65,7 +65,7 @@ std::string cells_csv(const Plan& plan, const Result& result) {
               csv_cell(plan.sources[c.key.source].method), csv_cell(describe_all(plan.motions[c.key.motion])),
               csv_cell(rules[c.key.rule].name), s.sample, exact_digits(s.parameter), l.level, l.spheres,
               digits(l.looseness()), digits(l.looseness_box()), digits(l.looseness_fixed()), digits(l.missed_volume()),
-              exact_digits(l.bare_area()), exact_digits(l.gap()), digits(l.protrusion_worst()),
+              exact_digits(l.uncovered_area()), exact_digits(l.uncovered_distance()), digits(l.protrusion_worst()),
               digits(l.protrusion_mean()), c.returns_to_rest ? (*c.returns_to_rest ? "yes" : "no") : "");
         }
       }

@@ -27,10 +27,10 @@ std::vector<MeasureKind> measures(ErrorUnit unit) {
   return {
       {"", "looseness", error_label(unit), error_unit(unit), false,
        [unit](const LevelFigures& l) { return l.error(unit); }},
-      {"-bare", "bare area", "bare area", "% of the surface", true,
-       [](const LevelFigures& l) { return std::optional(100 * l.bare_area()); }},
-      {"-gap", "gap", "gap", "% of the diagonal at rest", true,
-       [](const LevelFigures& l) { return std::optional(100 * l.gap()); }},
+      {"-bare", "uncovered area", "uncovered area", "% of the surface", true,
+       [](const LevelFigures& l) { return std::optional(100 * l.uncovered_area()); }},
+      {"-gap", "uncovered_distance", "uncovered_distance", "% of the diagonal at rest", true,
+       [](const LevelFigures& l) { return std::optional(100 * l.uncovered_distance()); }},
       {"-protrusion", "protrusion", "mean protrusion", "% of the diagonal at rest", false,
        [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
 }
@@ -43,7 +43,7 @@ struct Curve {
   SeriesRole role;
 };
 
-/// Looseness, bare area, gap and protrusion of the same curves.
+/// Looseness, uncovered area, gap and protrusion of the same curves.
 void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& title,
                std::size_t motion, std::size_t level, const std::vector<Curve>& curves, std::vector<Figure>& figures) {
   for (const MeasureKind& kind : measures(plan.unit)) {
@@ -56,7 +56,7 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     figure.y_unit = kind.unit;
     bool known = false;
     for (const Curve& curve : curves) {
-      const Cell* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
+      const Run* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
       Series series{curve.name, kind.bare && curve.role == SeriesRole::method ? SeriesRole::bare : curve.role, {}, {}};
       for (const Sample& sample : cell->samples) {
@@ -132,7 +132,7 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
       const std::string part = i + 1 == levels.size() ? "d" : "c";
       std::vector<Curve> curves;
       for (const std::size_t source : sources) {
-        const bool ours = plan.sources[source].named() == Method::morula;
+        const bool ours = plan.sources[source].named() == Method::optimized;
         curves.push_back(
             {source, approach2, plan.sources[source].method, ours ? SeriesRole::reference : SeriesRole::method});
       }

@@ -96,7 +96,7 @@ Json table_json(const Table& table) {
   return json;
 }
 
-Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Cell& cell) {
+Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Run& cell) {
   Json samples = array_of(cell.samples, [](const Sample& s) -> Json {
     Json levels = array_of(s.levels, [](const LevelFigures& l) -> Json {
       return {{"level", l.level},
@@ -105,8 +105,8 @@ Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Cel
               {"looseness_box", json_of(l.looseness_box())},
               {"looseness_fixed", json_of(l.looseness_fixed())},
               {"missed_volume", json_of(l.missed_volume())},
-              {"bare_area", l.bare_area()},
-              {"gap", l.gap()},
+              {"uncovered_area", l.uncovered_area()},
+              {"uncovered_distance", l.uncovered_distance()},
               {"protrusion_worst", json_of(l.protrusion_worst())},
               {"protrusion_mean", json_of(l.protrusion_mean())}};
     });
@@ -137,7 +137,7 @@ Json truths_json(const Plan& plan, const PressScene& scene) {
     return {{"axis", name(truth.axis)},
             {"amount", truth.amount},
             {"turn_b", {{"axis", vector(axis)}, {"degrees", 90}}},
-            {"place_b", vector(truth.placement.translation)},
+            {"place_b", vector(truth.transform.translation)},
             {"normal", vector(truth.normal)},
             {"depth", truth.depth / scene.diagonal},
             {"crossings", truth.crossings.size()}};
@@ -159,8 +159,8 @@ Json cost_json(const Plan& plan, const Cost& cost) {
 std::string study_json(const Study& study) {
   const Plan& plan = study.plan;
   const Result& result = study.result;
-  Json cells = array_of(result.cells, [&](const Cell& cell) { return cell_json(plan, plan.rules, cell); });
-  for (const Cell& cell : result.mixes) cells.push_back(cell_json(plan, plan.mixes, cell));
+  Json cells = array_of(result.cells, [&](const Run& cell) { return cell_json(plan, plan.rules, cell); });
+  for (const Run& cell : result.mixes) cells.push_back(cell_json(plan, plan.mixes, cell));
   const Json json{
       {"morula", version},
       {"title", "Sphere trees on deforming bodies: the evaluation of Garcia, Bayona, Toharia and Mendoza, again"},

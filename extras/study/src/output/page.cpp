@@ -30,7 +30,7 @@ PageContent study_page(const Study& study, Workers& workers, const Progress& pro
         const auto done = static_cast<double>(m * rules.size() + r) + share;
         if (progress) progress(done / static_cast<double>(motions.size() * rules.size()), "the page");
       };
-      content.scenes.push_back(follow_motion(motion, body.mesh, study.result.built[chosen], plan.sources[chosen].method,
+      content.scenes.push_back(follow_motion(motion, body.mesh, study.result.model[chosen], plan.sources[chosen].method,
                                              {rules[r]}, true, workers, tell));
       content.scenes.back().motion = m;
     }

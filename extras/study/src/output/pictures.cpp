@@ -17,12 +17,12 @@ using namespace toolbox;
 
 namespace {
 
-/// The colour of a curve: the same for one rule, or one generator, in all plots.
+/// The color of a curve: the same for one rule, or one generator, in all plots.
 int color_of(const std::string& series) {
   static const std::vector<std::pair<std::string, int>> colors{
       {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, rebuilt", 5},
       {"fresh build", 7}, {"exact", 2},      {"medial", 0},      {"grid", 2},     {"hubbard", 1},
-      {"spawn", 3},       {"morula", 7},     {"octree", 4}};
+      {"spawn", 3},       {"optimized", 7},  {"octree", 4}};
   for (const auto& [begin, color] : colors)
     if (series.rfind(begin, 0) == 0) return color;
   return 7;
@@ -69,9 +69,9 @@ std::vector<Column> make_columns(const Plan& plan, const Result& result) {
   std::vector<MovedFrames> motions = move_frames(plan, 0, plan.motions, end, nullptr);
   std::reverse(motions.begin(), motions.end());
   motions.push_back({0, "at rest", {body.mesh.positions}});
-  const CoveredTree& built = result.built[shown_tree(plan)];
-  Body second(body.mesh, built, {.rules = {Rule::approach2}, .details = {}, .modes = {}});
-  Body exact(body.mesh, built, {.rules = {Rule::exact}, .details = {}, .modes = {}});
+  const CoveredTree& model = result.model[shown_tree(plan)];
+  Body second(body.mesh, model, {.rules = {Rule::approach2}, .details = {}, .modes = {}});
+  Body exact(body.mesh, model, {.rules = {Rule::exact}, .details = {}, .modes = {}});
   std::vector<Column> columns;
   for (MovedFrames& motion : motions) {
     const std::vector<Vec3>& positions = motion.frames.front();
@@ -104,7 +104,7 @@ Plot plot_of(std::span<const Figure> group) {
       }
       if (s.name.find("fresh") != std::string::npos) {
         line.style = PlotLine::Style::dots;
-      } else if (!line.strong && s.name != "morula") {
+      } else if (!line.strong && s.name != "optimized") {
         line.style = PlotLine::Style::dashed;
       }
       panel.lines.push_back(std::move(line));

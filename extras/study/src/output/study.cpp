@@ -61,7 +61,7 @@ void write_study(const Study& study, const std::filesystem::path& folder) {
 
 std::vector<std::string> faults(const Plan& plan, const Result& result) {
   std::vector<std::string> list;
-  for (const Cell& cell : result.cells) {
+  for (const Run& cell : result.cells) {
     const FollowRule& rule = plan.rules[cell.key.rule];
     const std::string where =
         fmt::format("{}, {} tree, {}", plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
@@ -70,7 +70,7 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
       list.push_back(fmt::format("{} does not return to rest ({})", rule.name, where));
     if (rule.key() != RuleKey(Rule::exact) && rule.kind == RuleKey::Kind::update) continue;
     const bool certified = !cell.certificate || cell.certificate->covered;
-    if (cell.worst_bare_area() > 0 || cell.worst_gap() > 0 || !certified)
+    if (cell.worst_uncovered_area() > 0 || cell.worst_gap() > 0 || !certified)
       list.push_back(fmt::format("{} leaves surface bare ({})", rule.name, where));
   }
   for (const PressCell& cell : result.presses) {

@@ -15,11 +15,11 @@ struct Summary {
   double bare_worst = 0, gap_worst = 0, protrusion_worst = 0;
   bool known = true;
 
-  void add(const Cell& cell, std::size_t level, ErrorUnit unit) {
+  void add(const Run& cell, std::size_t level, ErrorUnit unit) {
     for (const Sample& s : cell.samples) {
       const LevelFigures* l = cell.at(s.sample, level);
       if (l == nullptr) continue;
-      bare_worst = std::max(bare_worst, l->bare_area());
+      bare_worst = std::max(bare_worst, l->uncovered_area());
       gap_worst = std::max(gap_worst, l->gap());
       protrusion_worst = std::max(protrusion_worst, l->protrusion_worst().value_or(0));
       if (s.sample == 0) continue;
@@ -58,14 +58,14 @@ Table rule_table(const Plan& plan, const Result& result) {
   Table table{
       "rules",
       "Every tree, motion and rule",
-      fmt::format("Mean and worst {} ({}) over the deformed samples; bare area in % of the surface, gap and "
+      fmt::format("Mean and worst {} ({}) over the deformed samples; uncovered area in % of the surface, gap and "
                   "protrusion in % of the diagonal at rest, the worst of all samples. fresh: a tree built "
                   "anew, at samples of its own.",
                   error_label(plan.unit), error_unit(plan.unit)),
       false,
       {"body", "method", "motion", "level", "rule", "at rest", "mean", "worst", "bare, %", "gap, %", "protrusion, %"},
       {}};
-  for (const Cell& cell : result.cells) {
+  for (const Run& cell : result.cells) {
     for (const std::size_t level : plan.levels()) {
       Summary s;
       s.add(cell, level, plan.unit);
@@ -89,12 +89,12 @@ Table floor_table(const Plan& plan, const Result& result) {
               {"body", "method", "motion", "level", "fresh", "exact", "over fresh", "rebuilt", "over fresh"},
               {}};
   const std::size_t last = plan.samples - 1;
-  for (const Cell& cell : result.cells) {
+  for (const Run& cell : result.cells) {
     if (plan.rules[cell.key.rule].kind != study::fresh) continue;
     for (const std::size_t level : plan.levels()) {
       const auto error_of = [&](const RuleKey& rule) -> std::optional<double> {
         const std::optional<std::size_t> place = plan.find_rule(rule);
-        const Cell* other = place ? result.find({cell.key.source, cell.key.motion, *place}) : nullptr;
+        const Run* other = place ? result.find({cell.key.source, cell.key.motion, *place}) : nullptr;
         const LevelFigures* l = other == nullptr ? nullptr : other->at(last, level);
         return l == nullptr ? std::nullopt : l->error(plan.unit);
       };
@@ -112,7 +112,7 @@ Table floor_table(const Plan& plan, const Result& result) {
   return table;
 }
 
-/// Mean error over both levels and all motions; the worst bare area.
+/// Mean error over both levels and all motions; the worst uncovered area.
 struct Mix {
   std::string name;
   std::optional<double> error;
@@ -124,7 +124,7 @@ std::vector<Mix> ranked_mixes(const Plan& plan, const Result& result, const Cost
   std::vector<Mix> mixes;
   for (std::size_t r = 0; r < plan.mixes.size(); ++r) {
     Summary s;
-    for (const Cell& cell : result.mixes)
+    for (const Run& cell : result.mixes)
       if (cell.key.rule == r)
         for (const std::size_t level : plan.levels()) s.add(cell, level, plan.unit);
     mixes.push_back({plan.mixes[r].name, s.mean(), s.bare_worst, {}, {}});
@@ -149,7 +149,7 @@ void add_mix_tables(const Plan& plan, const Result& result, const Cost& cost, st
                  "Mixes of rules by looseness: those that leave nothing bare first",
                  "Inner levels + leaves; covering: radii grow to what owned corners need. " + of + ".",
                  false,
-                 {"mix", error_label(plan.unit), "worst bare area, %", "points per vertex"},
+                 {"mix", error_label(plan.unit), "worst uncovered area, %", "points per vertex"},
                  {}};
   for (const Mix& mix : mixes)
     by_error.rows.push_back({mix.name, value_of(mix.error), 100 * mix.bare, value_of(mix.points)});

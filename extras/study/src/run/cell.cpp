@@ -27,7 +27,7 @@ class Follower {
 
 class UpdatedTree final : public Follower {
  public:
-  UpdatedTree(const Mesh& mesh, const CoveredTree& built, const UpdateOptions& options) : body_(mesh, built, options) {}
+  UpdatedTree(const Mesh& mesh, const CoveredTree& model, const UpdateOptions& options) : body_(mesh, model, options) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     return body_.current_tree();
@@ -45,8 +45,8 @@ class UpdatedTree final : public Follower {
 /// On the caller's thread, so that every run gives the same bits.
 class RebuiltTree final : public Follower {
  public:
-  RebuiltTree(const Mesh& mesh, const CoveredTree& built)
-      : body_(mesh, built, {.check_every = 1, .thread = RebuildThread::caller, .executor = {}}) {}
+  RebuiltTree(const Mesh& mesh, const CoveredTree& model)
+      : body_(mesh, model, {.check_every = 1, .thread = RebuildThread::caller, .executor = {}}) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     return body_.body().current_tree();
@@ -59,8 +59,8 @@ class RebuiltTree final : public Follower {
 
 class FreshTree final : public Follower {
  public:
-  FreshTree(const Mesh& mesh, const CoveredTree& built, BuildOptions options)
-      : mesh_(mesh), rest_(built.tree), options_(std::move(options)) {}
+  FreshTree(const Mesh& mesh, const CoveredTree& model, BuildOptions options)
+      : mesh_(mesh), rest_(model.tree), options_(std::move(options)) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (positions == mesh_.positions) return rest_;
     return build({positions, mesh_.facets}, options_).tree;
@@ -73,12 +73,12 @@ class FreshTree final : public Follower {
   BuildOptions options_;
 };
 
-std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& built,
+std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& model,
                                         const FollowRule& rule, const std::stop_token& stop) {
   const Mesh& mesh = plan.bodies[source.body].mesh;
   switch (rule.kind) {
     case rebuilt:
-      return std::make_unique<RebuiltTree>(mesh, built);
+      return std::make_unique<RebuiltTree>(mesh, model);
     case fresh: {
       BuildOptions options{.method = source.generator.value(),
                            .branching = plan.branching,
@@ -86,12 +86,12 @@ std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, 
                            .seed = plan.seed,
                            .stop = stop,
                            .progress = {}};
-      return std::make_unique<FreshTree>(mesh, built, std::move(options));
+      return std::make_unique<FreshTree>(mesh, model, std::move(options));
     }
     case RuleKey::Kind::update:
       break;
   }
-  return std::make_unique<UpdatedTree>(mesh, built, rule.options);
+  return std::make_unique<UpdatedTree>(mesh, model, rule.options);
 }
 
 double box_volume(const Mesh& mesh) {
@@ -152,13 +152,13 @@ std::optional<Looseness> loose_from(const Json& json) {
 
 }  // namespace
 
-Cell run_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
-              const FollowRule& rule, bool with_protrusion, const std::stop_token& stop) {
+Run run_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses, const FollowRule& rule,
+             bool with_protrusion, const std::stop_token& stop) {
   const Source& source = plan.sources[key.source];
   const Mesh& rest = plan.bodies[source.body].mesh;
-  Cell cell;
+  Run cell;
   cell.key = key;
-  const std::unique_ptr<Follower> follower = make_follower(plan, source, built, rule, stop);
+  const std::unique_ptr<Follower> follower = make_follower(plan, source, model, rule, stop);
   const LoosenessMeter meter(rest);
   const std::vector<double> parameters = plan.parameters();
   const std::vector<std::size_t> wanted = wanted_samples(plan, source, rule);
@@ -186,10 +186,10 @@ Cell run_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, co
   return cell;
 }
 
-std::optional<double> time_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
+std::optional<double> time_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses,
                                 const FollowRule& rule) {
   if (rule.kind != RuleKey::Kind::update) return std::nullopt;
-  Body body(plan.body_of(key.source).mesh, built, rule.options);
+  Body body(plan.body_of(key.source).mesh, model, rule.options);
   std::vector<double> times;
   for (const std::vector<Vec3>& positions : poses.motion.frames) {
     for (int repeat = 0; repeat < plan.measures.timed_updates; ++repeat) {
@@ -202,7 +202,7 @@ std::optional<double> time_cell(const Plan& plan, const CellKey& key, const Cove
   return median(times);
 }
 
-Json stored_json(const Cell& cell) {
+Json stored_json(const Run& cell) {
   Json samples = Json::array();
   for (const Sample& s : cell.samples) {
     Json levels = Json::array();
@@ -216,7 +216,9 @@ Json stored_json(const Cell& cell) {
                         {"box_volume", l.box_volume},
                         {"grid", loose_json(l.grid)},
                         {"lattice", loose_json(l.lattice)},
-                        {"coverage", {c.covered, c.bare_area, c.gap, c.gap_upper, c.tolerance, c.worst_facet}},
+                        {"coverage",
+                         {c.covered, c.uncovered_area, c.uncovered_distance, c.uncovered_distance_upper, c.tolerance,
+                          c.worst_facet}},
                         {"protrusion", stick_out}});
     }
     samples.push_back({{"sample", s.sample}, {"parameter", s.parameter}, {"levels", levels}});
@@ -227,8 +229,8 @@ Json stored_json(const Cell& cell) {
   return {{"returns_to_rest", json_of(cell.returns_to_rest)}, {"certificate", certificate}, {"samples", samples}};
 }
 
-Cell cell_from_json(const Json& json) {
-  Cell cell;
+Run cell_from_json(const Json& json) {
+  Run cell;
   cell.returns_to_rest = value_from<bool>(json.at("returns_to_rest"));
   if (const Json& c = json.at("certificate"); !c.is_null()) cell.certificate = Certificate{c.at(0), c.at(1), c.at(2)};
   for (const Json& s : json.at("samples")) {

@@ -21,16 +21,16 @@ struct Poses {
 };
 
 /// Throws BuildStopped when the stop is requested.
-Cell run_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
-              const FollowRule& rule, bool with_protrusion, const std::stop_token& stop);
+Run run_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses, const FollowRule& rule,
+             bool with_protrusion, const std::stop_token& stop);
 
 /// Seconds of one update of the cell's body; nothing of rules that are no plain update.
-std::optional<double> time_cell(const Plan& plan, const CellKey& key, const CoveredTree& built, const Poses& poses,
+std::optional<double> time_cell(const Plan& plan, const RunKey& key, const CoveredTree& model, const Poses& poses,
                                 const FollowRule& rule);
 
 /// All that was measured.
-Json stored_json(const Cell& cell);
+Json stored_json(const Run& cell);
 /// Throws nlohmann::json::exception when it is none.
-Cell cell_from_json(const Json& json);
+Run cell_from_json(const Json& json);
 
 }  // namespace morula::study

@@ -62,8 +62,8 @@ std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem
   }
 }
 
-void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& built) {
-  if (cache != nullptr) write_tree(path_of(*cache, stem, settings, ".morula"), built);
+void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& model) {
+  if (cache != nullptr) write_tree(path_of(*cache, stem, settings, ".morula"), model);
 }
 
 }  // namespace morula::study

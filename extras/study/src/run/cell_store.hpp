@@ -24,6 +24,6 @@ void store(const Cache* cache, const std::string& stem, const Json& settings, co
 
 std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem, const Json& settings,
                                      const Mesh& mesh);
-void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& built);
+void store_tree(const Cache* cache, const std::string& stem, const Json& settings, const CoveredTree& model);
 
 }  // namespace morula::study

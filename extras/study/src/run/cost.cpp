@@ -78,11 +78,11 @@ const UpdateCost* Cost::find(std::string_view name) const {
 Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   const NamedMesh& body = plan.bodies.front();
   const std::size_t chosen = shown_tree(plan);
-  const CoveredTree& built = result.built[chosen];
+  const CoveredTree& model = result.model[chosen];
   Cost cost{chosen, body.mesh.vertex_count(), {}, {}, {}};
   Json settings{{"morula", version},
                 {"mesh", hash_text(mesh_hash(body.mesh))},
-                {"tree", hash_text(tree_hash(built.tree))},
+                {"tree", hash_text(tree_hash(model.tree))},
                 {"repeats", plan.cost_repeats},
                 {"mixes", plan.mixes.size()}};
   const std::string stem = fmt::format("{}-{}-cost", body.name, plan.sources[chosen].method);
@@ -98,11 +98,11 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   const std::vector<std::vector<Vec3>> poses = timed_poses(plan);
   for (const Rule r : position_rules()) {
     const FollowRule rule(r);
-    cost.rules.push_back(time_updates(rule.name, Body(body.mesh, built, rule.options), poses, plan.cost_repeats));
+    cost.rules.push_back(time_updates(rule.name, Body(body.mesh, model, rule.options), poses, plan.cost_repeats));
   }
-  cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, built, 6), poses, plan.cost_repeats));
-  cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, built, 18), poses, plan.cost_repeats));
-  const CoveredTree& first = result.built.front();  // what the mixes are run on
+  cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, model, 6), poses, plan.cost_repeats));
+  cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, model, 18), poses, plan.cost_repeats));
+  const CoveredTree& first = result.model.front();  // what the mixes are run on
   for (const FollowRule& mix : plan.mixes)
     cost.mixes.push_back(time_updates(mix.name, Body(body.mesh, first, mix.options), poses, plan.cost_repeats));
   store(cache, stem, settings, costs_json(cost));

@@ -178,11 +178,11 @@ std::vector<PressQuery> press_queries(const Plan& plan) {
   return queries;
 }
 
-PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& built,
+PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& model,
                     const PressScene& scene, const std::stop_token& stop) {
   PressCell cell{source, rule, {}};
   const Mesh& mesh = plan.bodies[scene.body].mesh;
-  Body moving(mesh, built, plan.press_rules[rule].options);  // one for both sides: they are in the same pose
+  Body moving(mesh, model, plan.press_rules[rule].options);  // one for both sides: they are in the same pose
   if (!moving.update(scene.positions)) throw std::logic_error("the study's own motion was refused by update");
   Collider a(mesh, moving);
   Collider b(mesh, moving);
@@ -191,13 +191,13 @@ PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, cons
   const std::vector<PressQuery> queries = press_queries(plan);
   Contacts found;
   for (const PressTruth& truth : scene.truths) {
-    b.place(truth.placement);
+    b.set_transform(truth.transform);
     Judge truth_of(a, b, truth);
     for (std::size_t q = 0; q < queries.size(); ++q) {
       if (stop.stop_requested()) throw BuildStopped();
       CollideOptions options;
       options.surfaces = true;
-      const std::size_t last = built.tree.level_count() - 1;  // of a tree from a file: perhaps less than planned
+      const std::size_t last = model.tree.level_count() - 1;  // of a tree from a file: perhaps less than planned
       if (!queries[q].leaves) options.level = static_cast<std::uint32_t>(std::min(queries[q].level, last));
       if (queries[q].budget) options.budget = *queries[q].budget;
       ContactQuery query(options);

@@ -34,8 +34,8 @@ constexpr std::array axes{Axis::x, Axis::y, Axis::z};
 /// The body and its copy, which moves.
 class Pair {
  public:
-  Pair(const Mesh& mesh, const CoveredTree& built, const std::vector<Vec3>& positions)
-      : body_(mesh, built, {.rules = {Rule::exact}, .details = {}, .modes = {}}), a_(mesh, body_), b_(mesh, body_) {
+  Pair(const Mesh& mesh, const CoveredTree& model, const std::vector<Vec3>& positions)
+      : body_(mesh, model, {.rules = {Rule::exact}, .details = {}, .modes = {}}), a_(mesh, body_), b_(mesh, body_) {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
     a_.set_positions(positions);
     b_.set_positions(positions);
@@ -43,13 +43,13 @@ class Pair {
   const Collider& a() const { return a_; }
   const Collider& b() const { return b_; }
 
-  std::span<const Crossing> crossings(const RigidTransform& placement) {
-    b_.place(placement);
+  std::span<const Crossing> crossings(const RigidTransform& transform) {
+    b_.set_transform(transform);
     if (const Status status = found_.run(a_, b_); !status) throw std::invalid_argument(message(status));
     return found_.pairs();
   }
-  double distance_above(const RigidTransform& placement) {
-    b_.place(placement);
+  double distance_above(const RigidTransform& transform) {
+    b_.set_transform(transform);
     return query_.run(a_, b_).lower;
   }
 
@@ -60,9 +60,9 @@ class Pair {
   DistanceQuery query_;
 };
 
-RigidTransform moved(RigidTransform placement, const Vec3& by) {
-  placement.translation += by;
-  return placement;
+RigidTransform moved(RigidTransform transform, const Vec3& by) {
+  transform.translation += by;
+  return transform;
 }
 
 /// From `far` along the axis inwards until the bodies touch: never farther than they are proved to be apart, so that
@@ -104,12 +104,12 @@ Vec3 push_direction(const Collider& a, const Collider& b, std::span<const Crossi
 }
 
 /// How far b has to go along `away` for nothing to cross, by bisection; not more than `most`.
-double way_out(Pair& pair, const RigidTransform& placement, const Vec3& away, double most, double diagonal) {
+double way_out(Pair& pair, const RigidTransform& transform, const Vec3& away, double most, double diagonal) {
   double crossing = 0;
   double free = most;
   while (free - crossing > precision * diagonal) {
     const double middle = 0.5 * (crossing + free);
-    (pair.crossings(moved(placement, middle * away)).empty() ? free : crossing) = middle;
+    (pair.crossings(moved(transform, middle * away)).empty() ? free : crossing) = middle;
   }
   return free;
 }
@@ -119,7 +119,7 @@ std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box
   Vec3 axis{0, 0, 0};
   axis[side] = 1;
   RigidTransform turned = RigidTransform::from_axis(axis, std::numbers::pi / 2);
-  turned.translation = box.center() - turned.turn(box.center());
+  turned.translation = box.center() - turned.rotate(box.center());
   const std::optional<double> touch =
       touching_offset(pair, turned, axis, 1.01 * std::abs(dot(box.extent(), axis)), diagonal);
   if (!touch) return {};
@@ -128,12 +128,12 @@ std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box
     PressTruth truth;
     truth.axis = axes[static_cast<std::size_t>(side)];
     truth.amount = amount;
-    truth.placement = moved(turned, (*touch - amount * diagonal) * axis);
-    const std::span<const Crossing> found = pair.crossings(truth.placement);
+    truth.transform = moved(turned, (*touch - amount * diagonal) * axis);
+    const std::span<const Crossing> found = pair.crossings(truth.transform);
     truth.crossings.assign(found.begin(), found.end());
     if (truth.crossings.empty()) return {};
     truth.normal = push_direction(pair.a(), pair.b(), truth.crossings, -axis);
-    truth.depth = way_out(pair, truth.placement, -truth.normal, amount * diagonal, diagonal);
+    truth.depth = way_out(pair, truth.transform, -truth.normal, amount * diagonal, diagonal);
     truths.push_back(std::move(truth));
   }
   return truths;
@@ -141,7 +141,7 @@ std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box
 
 }  // namespace
 
-std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const CoveredTree& built,
+std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const CoveredTree& model,
                                      std::vector<Skipped>& skipped) {
   const auto& [name_of_body, mesh] = plan.bodies[body];
   if (!inspect(mesh).has_volume()) {
@@ -153,7 +153,7 @@ std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const C
   const std::vector<MovedFrames> frames = move_frames(plan, body, motions, end, &skipped);
   if (frames.empty()) return std::nullopt;
   PressScene scene{body, frames.front().frames.front(), bounding_box(mesh).diagonal(), {}};
-  Pair pair(mesh, built, scene.positions);
+  Pair pair(mesh, model, scene.positions);
 
   const Box box = bounding_box({scene.positions, mesh.facets});
   for (const int side : axes_by_length(box.extent())) {

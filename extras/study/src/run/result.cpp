@@ -13,7 +13,7 @@ std::optional<double> part_of(const std::optional<Looseness>& looseness, Part pa
 }
 
 template <class Value>
-double worst(const Cell& cell, const Value& value) {
+double worst(const Run& cell, const Value& value) {
   double most = 0;
   for (const Sample& s : cell.samples)
     for (const LevelFigures& l : s.levels) most = std::max(most, value(l));
@@ -51,7 +51,7 @@ std::optional<double> LevelFigures::error(ErrorUnit unit) const {
   return unit == ErrorUnit::volume ? looseness() : looseness_box();
 }
 
-const LevelFigures* Cell::at(std::size_t sample, std::size_t level) const {
+const LevelFigures* Run::at(std::size_t sample, std::size_t level) const {
   for (const Sample& s : samples) {
     if (s.sample != sample) continue;
     for (const LevelFigures& l : s.levels)
@@ -60,29 +60,29 @@ const LevelFigures* Cell::at(std::size_t sample, std::size_t level) const {
   return nullptr;
 }
 
-double Cell::worst_looseness_fixed() const {
+double Run::worst_looseness_fixed() const {
   return worst(*this, [](const LevelFigures& l) { return l.looseness_fixed().value_or(0); });
 }
 
-double Cell::worst_bare_area() const {
-  return worst(*this, [](const LevelFigures& l) { return l.coverage.bare_area; });
+double Run::worst_uncovered_area() const {
+  return worst(*this, [](const LevelFigures& l) { return l.coverage.uncovered_area; });
 }
 
-double Cell::worst_gap() const {
-  return worst(*this, [](const LevelFigures& l) { return l.coverage.gap; });
+double Run::worst_gap() const {
+  return worst(*this, [](const LevelFigures& l) { return l.coverage.uncovered_distance; });
 }
 
-const Cell* Result::find(const CellKey& key) const {
+const Run* Result::find(const RunKey& key) const {
   const auto at = std::lower_bound(cells.begin(), cells.end(), key,
-                                   [](const Cell& cell, const CellKey& wanted) { return cell.key < wanted; });
+                                   [](const Run& cell, const RunKey& wanted) { return cell.key < wanted; });
   return at != cells.end() && at->key == key ? &*at : nullptr;
 }
 
-std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& built) {
+std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& model) {
   std::vector<bool> used(mesh.vertex_count(), false);
   for (const Facet& facet : mesh.facets)
     for (const std::uint32_t vertex : facet) used[vertex] = true;
-  const SphereTree& tree = built.tree;
+  const SphereTree& tree = model.tree;
   std::vector<TreeLevel> levels(tree.level_count());
   for (std::size_t level = 0; level < levels.size(); ++level) {
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
@@ -92,7 +92,7 @@ std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& built) {
         empty = !used[v] || power(tree.spheres[node], mesh.positions[v]) > 0;
       levels[level].void_spheres += empty ? 1 : 0;
     }
-    if (level < built.report.growth.size()) levels[level].grown = built.report.growth[level].grown;
+    if (level < model.report.growth.size()) levels[level].grown = model.report.growth[level].grown;
   }
   return levels;
 }

@@ -56,10 +56,10 @@ Json rule_json(const FollowRule& rule) {
   return {{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
 }
 
-Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& built, const std::string& motion,
+Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& model, const std::string& motion,
                    const FollowRule& rule, bool with_protrusion) {
   Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
-  json["tree"] = hash_text(tree_hash(built.tree));
+  json["tree"] = hash_text(tree_hash(model.tree));
   json["motion"] = motion;
   json["rule"] = rule_json(rule);
   json["parameters"] = plan.parameters();
@@ -72,9 +72,9 @@ Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& bu
   return json;
 }
 
-Json press_settings(const Plan& plan, const Source& source, const CoveredTree& built, const FollowRule& rule) {
+Json press_settings(const Plan& plan, const Source& source, const CoveredTree& model, const FollowRule& rule) {
   Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
-  json["tree"] = hash_text(tree_hash(built.tree));
+  json["tree"] = hash_text(tree_hash(model.tree));
   json["press"] = describe_all(plan.press_pose);
   json["rule"] = rule_json(rule);
   json["amounts"] = plan.press_amounts;
@@ -116,7 +116,7 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
   const std::string stem = fmt::format("{}-{}", body.name, source.method);
   const Json settings = tree_settings(plan, body.mesh, source.method);
   if (std::optional<CoveredTree> stored = find_tree(c.cache, stem, settings, body.mesh)) return std::move(*stored);
-  CoveredTree built = build(body.mesh,
+  CoveredTree model = build(body.mesh,
                             {.method = *source.generator,
                              .branching = plan.branching,
                              .depth = plan.depth,
@@ -124,17 +124,17 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
                              .stop = c.stop,
                              .progress = {}},
                             workers);
-  store_tree(c.cache, stem, settings, built);
-  return built;
+  store_tree(c.cache, stem, settings, model);
+  return model;
 }
 
 struct CellTask {
-  CellKey key;
+  RunKey key;
   std::size_t source;  // among the body's
   std::size_t motion;  // among those that it can make
   const FollowRule* rule;
   bool with_protrusion;
-  Cell* result;
+  Run* result;
 };
 
 /// Everything about one body; its trees and poses are dropped at the end, unless somebody wants its trees.
@@ -151,7 +151,7 @@ class BodyRun {
     run_cells();
     run_presses();
     if (body_ != 0 && !c_.plan.keep_trees) return;
-    for (std::size_t s = 0; s < sources_.size(); ++s) c_.result.built[sources_[s]] = std::move(trees_[s]);
+    for (std::size_t s = 0; s < sources_.size(); ++s) c_.result.model[sources_[s]] = std::move(trees_[s]);
   }
 
  private:
@@ -192,14 +192,14 @@ class BodyRun {
 
   void run_cells() {
     const Plan& plan = c_.plan;
-    std::vector<Cell> cells(sources_.size() * poses_.size() * plan.rules.size());
-    std::vector<Cell> mixes(body_ == 0 && !sources_.empty() ? poses_.size() * plan.mixes.size() : 0);
+    std::vector<Run> cells(sources_.size() * poses_.size() * plan.rules.size());
+    std::vector<Run> mixes(body_ == 0 && !sources_.empty() ? poses_.size() * plan.mixes.size() : 0);
     std::vector<CellTask> tasks;
     std::size_t next = 0;
     for (std::size_t s = 0; s < sources_.size(); ++s) {
       for (std::size_t m = 0; m < poses_.size(); ++m) {
         for (std::size_t r = 0; r < plan.rules.size(); ++r) {
-          Cell* cell = &cells[next++];
+          Run* cell = &cells[next++];
           if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built anew
           tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], true, cell});
         }
@@ -217,9 +217,9 @@ class BodyRun {
       for (const CellTask& task : tasks)
         task.result->update_seconds = time_cell(plan, task.key, trees_[task.source], poses_[task.motion], *task.rule);
     }
-    for (std::vector<Cell>* part : {&cells, &mixes}) {
-      std::vector<Cell>& all = part == &cells ? c_.result.cells : c_.result.mixes;
-      for (Cell& cell : *part)
+    for (std::vector<Run>* part : {&cells, &mixes}) {
+      std::vector<Run>& all = part == &cells ? c_.result.cells : c_.result.mixes;
+      for (Run& cell : *part)
         if (!cell.samples.empty()) all.push_back(std::move(cell));
     }
   }
@@ -228,14 +228,14 @@ class BodyRun {
     if (c_.stop.stop_requested()) throw BuildStopped();
     const Poses& poses = poses_[task.motion];
     const Source& of = source(task.source);
-    const CoveredTree& built = trees_[task.source];
+    const CoveredTree& model = trees_[task.source];
     c_.counter.next(fmt::format("{} {} {} {}", body().name, of.method, poses.motion.name, task.rule->name));
     *task.result = c_.cached(
         fmt::format("{}-{}-{}-{}", body().name, of.method, poses.motion.name, task.rule->name),
-        cell_settings(c_.plan, of, built, poses.motion.name, *task.rule,
+        cell_settings(c_.plan, of, model, poses.motion.name, *task.rule,
                       task.with_protrusion && !poses.distances.empty()),
         cell_from_json,
-        [&] { return run_cell(c_.plan, task.key, built, poses, *task.rule, task.with_protrusion, c_.stop); },
+        [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, task.with_protrusion, c_.stop); },
         stored_json);
     task.result->key = task.key;
   }
@@ -257,25 +257,25 @@ class BodyRun {
     std::vector<PressCell> cells(pressed.size() * rules);
     c_.workers.run(cells.size(), [&](std::size_t i) {
       const std::size_t s = i / rules;
-      const CoveredTree& built = s < sources_.size() ? trees_[s] : others[s - sources_.size()];
-      cells[i] = press(*scene, pressed[s], i % rules, built);
+      const CoveredTree& model = s < sources_.size() ? trees_[s] : others[s - sources_.size()];
+      cells[i] = press(*scene, pressed[s], i % rules, model);
     });
     for (PressCell& cell : cells) c_.result.presses.push_back(std::move(cell));
     c_.result.scenes.push_back(std::move(*scene));
   }
 
-  PressCell press(const PressScene& scene, std::size_t source, std::size_t rule, const CoveredTree& built) const {
+  PressCell press(const PressScene& scene, std::size_t source, std::size_t rule, const CoveredTree& model) const {
     if (c_.stop.stop_requested()) throw BuildStopped();
     const std::string& method = c_.plan.pressed(source).method;
     const FollowRule& follow = c_.plan.press_rules[rule];
     c_.counter.next(fmt::format("{} {} pressed, {}", body().name, method, follow.name));
     return c_.cached(
         fmt::format("{}-{}-press-{}", body().name, method, follow.name),
-        press_settings(c_.plan, c_.plan.pressed(source), built, follow),
+        press_settings(c_.plan, c_.plan.pressed(source), model, follow),
         [&](const Json& json) {
           return PressCell{source, rule, figures_from_json(json)};
         },
-        [&] { return run_press(c_.plan, source, rule, built, scene, c_.stop); }, figures_json);
+        [&] { return run_press(c_.plan, source, rule, model, scene, c_.stop); }, figures_json);
   }
 
   const Context& c_;
@@ -294,8 +294,8 @@ void run_needles(const Context& c) {
   c.workers.run(sources.size(), [&](std::size_t i) {
     const Source& source = c.plan.sources[sources[i]];
     c.counter.next(fmt::format("building {} {}", prism.name, source.method));
-    const CoveredTree built = make_tree(c, prism, source, serial_workers());
-    c.result.needles[i] = {sources[i], tree_levels(prism.mesh, built), 0};
+    const CoveredTree model = make_tree(c, prism, source, serial_workers());
+    c.result.needles[i] = {sources[i], tree_levels(prism.mesh, model), 0};
   });
 }
 
@@ -336,7 +336,7 @@ Result run(const Plan& plan, Workers& workers, const RunOptions& options) {
   Counter counter(count_steps(plan), options.progress);
   Result result;
   result.trees.resize(plan.sources.size());
-  result.built.resize(plan.sources.size());
+  result.model.resize(plan.sources.size());
   const Context context{plan, options.cache, workers, options.stop, counter, result};
   try {
     for (std::size_t body = 0; body < plan.bodies.size(); ++body) BodyRun(context, body).run();

@@ -21,9 +21,9 @@ namespace {
 /// One copy: where its motion and its place have taken it.
 class TouchingBody {
  public:
-  TouchingBody(const Mesh& mesh, const CoveredTree& built, const TouchSide& side)
-      : mesh_(mesh), body_(mesh, built), collider_(mesh, body_), motion_(side.motion) {
-    collider_.place(side.placement);
+  TouchingBody(const Mesh& mesh, const CoveredTree& model, const TouchSide& side)
+      : mesh_(mesh), body_(mesh, model), collider_(mesh, body_), motion_(side.motion) {
+    collider_.set_transform(side.transform);
   }
   TouchingBody(const TouchingBody&) = delete;
   TouchingBody& operator=(const TouchingBody&) = delete;
@@ -86,11 +86,11 @@ std::size_t Touch::crossing_count() const {
   return std::accumulate(crossings.begin(), crossings.end(), std::size_t{0});
 }
 
-Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& built) {
+Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& model) {
   const double diagonal = bounding_box(mesh).diagonal();
   const auto frames = static_cast<double>(plan.frames);
-  TouchingBody a(mesh, built, plan.a);
-  TouchingBody b(mesh, built, plan.b);
+  TouchingBody a(mesh, model, plan.a);
+  TouchingBody b(mesh, model, plan.b);
   Touch touch;
   for (const std::optional<std::size_t>& budget : plan.budgets) touch.rows.push_back({.budget = budget});
 

@@ -31,10 +31,10 @@ struct PictureBox {
 };
 PictureBox picture_box(const PictureView& view, const PositionView& points, std::span<const Sphere> spheres);
 
-/// Facets that face the viewer, in the order of their depth; neighbouring ones of one shade share a path.
+/// Facets that face the viewer, in the order of their depth; neighboring ones of one shade share a path.
 std::string svg_mesh(const MeshView& mesh, const PictureView& view);
 
-/// The visible part of every sphere, shaded as a ball, and in a colour of its own the part of the mesh that is in front
+/// The visible part of every sphere, shaded as a ball, and in a color of its own the part of the mesh that is in front
 /// of all spheres: surface that is bare. Found on a raster of a third of a page unit. id: begins the names of
 /// gradients.
 std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,

@@ -27,7 +27,7 @@ struct ClumpOptions {
   /// Not 0: none is larger. A cover then has as many spheres as it takes, inner ones are made smaller.
   double max_radius = 0;
   double density = 1000;                ///< mass over mesh units cubed
-  Method method = Method::morula;       ///< of a cover
+  Method method = Method::optimized;    ///< of a cover
   Quality quality = Quality::standard;  ///< of a cover
   std::size_t candidates = 2000;        ///< inner balls to choose from
   std::uint64_t seed = 1;
@@ -42,15 +42,15 @@ struct Clump {
   /// The promise of the kind, proven for the spheres as they are and for any other axes and floats that a file may use:
   /// radii carry what that can move.
   bool proven = false;
-  double gap = 0;             ///< of a cover, largest distance of a surface point from the spheres; 0 when proven
-  double protrusion_max = 0;  ///< largest (r + φ(c))⁺: an upper bound of how far a sphere sticks out
+  double uncovered_distance = 0;  ///< of a cover, largest distance of a surface point from the spheres; 0 when proven
+  double protrusion_max = 0;      ///< largest (r + φ(c))⁺: an upper bound of how far a sphere sticks out
   std::optional<double> object_volume;   ///< nothing: the mesh tells no inside from outside
   std::optional<double> missed_volume;   ///< of the object, in no sphere
   std::optional<double> outside_volume;  ///< of the spheres, outside the object
   UnionMass solid;                       ///< of the union of the spheres
   double solid_change = 0;               ///< what the last refinement changed of it, as a share
   double density = 0;
-  /// About the centre of mass along principal axes: x ↦ rows · (x − centre). The axes are numbered so that they turn
+  /// About the center of mass along principal axes: x ↦ rows · (x − center). The axes are numbered so that they turn
   /// least away from the mesh's, which stay where the tensor is diagonal within what it is known to.
   RigidTransform principal;
   Vec3 principal_inertia{};  ///< along those axes, of density 1

@@ -89,7 +89,7 @@ struct PageContent {
 ///
 /// tree: what to call it. rules: one per level from the root, the last one for all deeper levels. progress: told the
 /// share done, or none. Throws std::invalid_argument, naming the frame, for positions that cannot be used.
-PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& built, const std::string& tree,
+PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& model, const std::string& tree,
                         const std::vector<Rule>& rules, bool measured, Workers& workers = serial_workers(),
                         const std::function<void(double)>& progress = {});
 

@@ -23,23 +23,23 @@ struct ClipPlane {
 struct FitOptions {
   std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
   /// Not 0: most of the whole robot, shared so that the next sphere goes where it takes away most outside volume.
-  std::size_t total = 0;
+  std::size_t max_total = 0;
   std::map<std::string, std::size_t> link_spheres{};  ///< most of single links, instead of these two
-  double max_protrusion = 0;         ///< not 0: as few as needed to stick out by at most so much, mesh units
-  double max_protrusion_share = 0;   ///< not 0: the same as a share of the diagonal of each link's box
-  double padding = 0;                ///< added to every radius, 0 or more
-  double min_radius = 0;             ///< smaller ones are enlarged
-  double max_radius = 0;             ///< not 0: as many spheres as it takes for none to be larger
-  bool visual = false;               ///< the visual shapes, not those of collision
-  std::set<std::string> left_out{};  ///< links that get none
-  std::map<std::string, std::vector<Sphere>> kept{};  ///< links that keep these, which are certified anew
+  double max_protrusion = 0;        ///< not 0: as few as needed to stick out by at most so much, mesh units
+  double max_protrusion_share = 0;  ///< not 0: the same as a share of the diagonal of each link's box
+  double padding = 0;               ///< added to every radius, 0 or more
+  double min_radius = 0;            ///< smaller ones are enlarged
+  double max_radius = 0;            ///< not 0: as many spheres as it takes for none to be larger
+  bool visual = false;              ///< the visual shapes, not those of collision
+  std::set<std::string> skip{};     ///< links that get none
+  std::map<std::string, std::vector<Sphere>> fixed_spheres{};  ///< links that keep these, which are certified anew
   /// What lies beyond one of a link's planes is left out, up to rounding: it need not be covered.
   std::map<std::string, std::vector<ClipPlane>> clip{};
   /// Not 0: what is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it
   /// takes. It has to be more than the padding and 2e-6 of the largest |coordinate| where something is that near.
   double clip_margin = 0;
   std::size_t inner = 0;  ///< not 0: each link also gets at most so many spheres inside its shapes
-  Method method = Method::morula;
+  Method method = Method::optimized;
   Quality quality = Quality::fast;
   std::uint64_t seed = 1;
   double density = 1000;  ///< of links without a mass, mass over mesh units cubed
@@ -50,7 +50,7 @@ struct FitOptions {
 struct LinkFigures {
   std::size_t facets = 0;
   bool covered = false;  ///< proven: every point of the shapes is in a sphere, also when numbers are read as float
-  double gap = 0;        ///< largest distance of a point of the shapes from the spheres; 0 when covered
+  double uncovered_distance = 0;  ///< largest distance of a point of the shapes from the spheres; 0 when covered
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;  ///< over spheres, of (r + φ(c))⁺: upper bounds
   std::optional<double> object_volume;   ///< nothing: the shapes tell no inside from outside, or overlap with spheres
   std::optional<double> outside_volume;  ///< inside the spheres and outside the shapes
@@ -61,8 +61,8 @@ struct LinkFigures {
 
 struct LinkSpheres {
   std::size_t link = none;
-  std::vector<Sphere> spheres;  ///< in the link's axes, in decimals that files hold
-  std::size_t alike = none;     ///< the link whose shapes are the same, where there was one before
+  std::vector<Sphere> spheres;       ///< in the link's axes, in decimals that files hold
+  std::size_t same_shape_as = none;  ///< the link whose shapes are the same, where there was one before
   LinkSurface surface;
   std::shared_ptr<const CoveredTree> tree;  ///< whose leaves became these, without padding; none for spheres alone
   LinkFigures figures;

@@ -36,7 +36,7 @@ struct Shape {
   int line = 0;                          ///< of the robot's file
   RigidTransform before{};               ///< of a mesh: what moves it before it is scaled
   std::string part{};                    ///< of a mesh: the only node of its scene that is meant; empty: all
-  bool part_centered = false;            ///< its box is centred on the origin before everything else
+  bool part_centered = false;            ///< its box is centered on the origin before everything else
   std::filesystem::path described_in{};  ///< the file that describes it, where the robot's file includes others
 };
 std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
@@ -44,7 +44,7 @@ std::string_view name(Shape::Kind kind);  ///< "mesh", "box", …
 struct Inertial {
   double mass = 0;
   RigidTransform origin{};
-  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the centre, along the origin's axes
+  std::array<double, 6> inertia{};  ///< xx, xy, xz, yy, yz, zz about the center, along the origin's axes
 };
 
 struct Link {
@@ -87,7 +87,8 @@ struct Robot {
   std::vector<Joint> joints;
   std::size_t root = none;         ///< link
   std::vector<std::size_t> order;  ///< joints, each after the one that carries its parent
-  std::vector<std::size_t> own;    ///< joints that move and follow no other: the coordinates of a configuration
+  std::vector<std::size_t>
+      independent_joints;          ///< joints that move and follow no other: the coordinates of a configuration
   std::vector<std::string> notes;  ///< what was passed over, in words
   std::vector<std::filesystem::path> included{};  ///< files that the robot's file includes
   std::vector<std::array<std::string, 2>>
@@ -103,9 +104,9 @@ struct ReadOptions {
   /// lie in, after links are resolved.
   std::vector<std::filesystem::path> package_paths{};
   bool visual = false;  ///< the visual shapes are needed, not those of collision: only needed meshes have to be there
-  std::set<std::string> left_out{};  ///< links whose shapes are not needed
+  std::set<std::string> skip{};  ///< links whose shapes are not needed
 
-  bool needs(const std::string& link, bool is_visual) const { return is_visual == visual && left_out.count(link) == 0; }
+  bool needs(const std::string& link, bool is_visual) const { return is_visual == visual && skip.count(link) == 0; }
 };
 
 /// Reads a URDF, MJCF or SDF, as the first element says. Throws FileError, with file, line and remedy: XML that is
@@ -141,13 +142,13 @@ struct LinkSurface {
 LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
                        RoundShapes round = RoundShapes::around);
 
-/// Where the links are, in the root's axes. values: one per joint of robot.own, in that order. Joints that follow
-/// others are computed; floating and planar ones stay at 0.
+/// Where the links are, in the root's axes. values: one per joint of robot.independent_joints, in that order. Joints
+/// that follow others are computed; floating and planar ones stay at 0.
 std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const double> values);
 /// The middle between the limits where 0 is outside of them, else 0.
 std::vector<double> rest_values(const Robot& robot);
 
-/// COLLADA: triangles and polygons of the scene, in its units turned to metres; axes as written, as robots' tools take
+/// COLLADA: triangles and polygons of the scene, in its units turned to meters; axes as written, as robots' tools take
 /// them. Holes of polygons are filled. Not all of it where a part is named: what is below the nodes, or belongs to the
 /// geometries, of this name or id. Throws FileError, also where there is no such part.
 Mesh read_collada(const std::filesystem::path& path, const std::string& part = {});

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <morula/robot/self_collision.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <utility>
 
 namespace morula::robot {
@@ -15,7 +15,7 @@ struct ObstacleBox {
   Vec3 half{};  ///< half its edges
 };
 
-/// Verdicts are those of testing every sphere: two spheres meet where their centres, in double, are no farther apart
+/// Verdicts are those of testing every sphere: two spheres meet where their centers, in double, are no farther apart
 /// than their radii together. One thread at a time; copies are apart from each other. Posing allocates nothing but what
 /// link_poses() does, and of queries only the first ones do.
 class SphereRobot {
@@ -24,8 +24,8 @@ class SphereRobot {
   /// Throws std::invalid_argument for links without spheres, and for spheres that are none.
   SphereRobot(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
 
-  /// By the coordinates of a configuration: one value per joint of robot.own. Throws std::invalid_argument for another
-  /// number of them.
+  /// By the coordinates of a configuration: one value per joint of robot.independent_joints. Throws
+  /// std::invalid_argument for another number of them.
   void pose(std::span<const double> values);
   /// By the poses of all links, in the robot's order. Throws std::invalid_argument for another number of them.
   void place(std::span<const RigidTransform> link_poses);
@@ -39,12 +39,12 @@ class SphereRobot {
   /// The first two links, by their places in links(), that meet although they are not ignored; nothing: none do.
   std::optional<std::pair<std::size_t, std::size_t>> self_collision();
   /// Does a sphere of the robot meet it?
-  bool meets(const Sphere& obstacle);
-  bool meets(const ObstacleBox& obstacle);
+  bool collides(const Sphere& obstacle);
+  bool collides(const ObstacleBox& obstacle);
   /// Does a sphere of the robot meet a leaf's sphere of another tree: a body's, or that of a scene of spheres
-  /// (PosedSpheres, tree_over_balls)? Inner spheres have to contain what is below them, as those of every tree for
+  /// (PosedSpheres, tree_from_spheres)? Inner spheres have to contain what is below them, as those of every tree for
   /// which pose.nested holds do; of others every leaf is asked.
-  bool meets(const PosedTree& other, const RigidTransform& placement = {});
+  bool collides(const SphereState& other, const RigidTransform& transform = {});
 
   std::size_t sphere_tests() const { return sphere_tests_; }  ///< of all queries so far
 

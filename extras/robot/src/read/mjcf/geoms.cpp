@@ -56,7 +56,7 @@ void MjcfGeoms::add(const XMLElement& at, Link& link, const RigidTransform& fram
                         (name != nullptr && (paired_.count(name) != 0 || paired_.count(name + suffix) != 0));
   const double group = values_.number(e, "group", 0);
   const bool seen = group >= 0 && group <= 2;
-  const bool needed = (options_.visual ? seen : collides) && options_.left_out.count(link.name) == 0;
+  const bool needed = (options_.visual ? seen : collides) && options_.skip.count(link.name) == 0;
   if (!collides && !seen) return;
   try {
     const std::optional<Shape> shape = shape_of(e, link.name, frame, needed);

@@ -253,7 +253,7 @@ class MjcfReader {
     }
     const bool slides = type == "slide";
     Movement m{.name = name,
-               .axis = frame.turn(values_.vector(e, "axis", {0, 0, 1})),
+               .axis = frame.rotate(values_.vector(e, "axis", {0, 0, 1})),
                .anchor = anchor,
                .line = at.GetLineNum()};
     if (!(length(m.axis) > 0)) files_.fail(at, fmt::format("joint {} has an axis of length 0", name));

@@ -14,11 +14,11 @@
 namespace morula::study {
 
 /// Places in the plan.
-struct CellKey {
+struct RunKey {
   std::size_t source = 0;
   std::size_t motion = 0;
   std::size_t rule = 0;  ///< in Plan::rules, or in Plan::mixes
-  auto operator<=>(const CellKey&) const = default;
+  auto operator<=>(const RunKey&) const = default;
 };
 
 /// One level set in one pose. What has no answer on an open mesh is empty, and so is what the plan does not measure.
@@ -37,9 +37,9 @@ struct LevelFigures {
   std::optional<double> looseness_box() const;
   std::optional<double> looseness_fixed() const;
   std::optional<double> missed_volume() const;
-  double bare_area() const { return coverage.bare_area; }
+  double uncovered_area() const { return coverage.uncovered_area; }
   /// Lengths as shares of the diagonal at rest.
-  double gap() const { return coverage.gap / diagonal; }
+  double uncovered_distance() const { return coverage.uncovered_distance / diagonal; }
   std::optional<double> protrusion_worst() const;
   std::optional<double> protrusion_mean() const;
   std::optional<double> error(ErrorUnit unit) const;
@@ -51,8 +51,8 @@ struct Sample {
   std::vector<LevelFigures> levels;
 };
 
-struct Cell {
-  CellKey key;
+struct Run {
+  RunKey key;
   std::optional<bool> returns_to_rest;     ///< the same bits; nothing for `fresh`
   std::optional<Certificate> certificate;  ///< over all samples: covered in all, the worst excess of any
   std::optional<double> update_seconds;    ///< of one update, median over all samples and repeats, one thread
@@ -62,7 +62,7 @@ struct Cell {
   const LevelFigures* at(std::size_t sample, std::size_t level) const;
   /// The largest over all samples and levels; an unknown looseness counts as 0.
   double worst_looseness_fixed() const;
-  double worst_bare_area() const;
+  double worst_uncovered_area() const;
   /// In mesh units.
   double worst_gap() const;
 };

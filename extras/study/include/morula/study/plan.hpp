@@ -78,7 +78,7 @@ enum class ErrorUnit : std::uint8_t {
   box,     ///< the volume of the object's box at rest: "object dimensions"
 };
 
-/// What the centres of a .sph file are measured from.
+/// What the centers of a .sph file are measured from.
 struct SphOrigin {
   enum class Kind : std::uint8_t { none, box_center, point };
   Kind kind = Kind::none;
@@ -89,7 +89,7 @@ struct SphOrigin {
 /// "none", "bbox-center" or "x,y,z".
 std::string name(const SphOrigin& origin);
 
-/// What is measured of every sphere set that is looked at, beside its bare area and gap, which always are.
+/// What is measured of every sphere set that is looked at, beside its uncovered area and gap, which always are.
 struct Measures {
   bool paper_grid = true;    ///< looseness on the paper's grid
   bool lattice = true;       ///< looseness on one lattice for all samples, `resolution` voxels along the rest diagonal

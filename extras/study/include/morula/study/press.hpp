@@ -30,7 +30,7 @@ std::vector<PressQuery> press_queries(const Plan& plan);
 struct PressTruth {
   Axis axis = Axis::x;       ///< b is turned about it by a right angle, and pressed against it
   double amount = 0;         ///< share of the diagonal, along the axis, from where they touch
-  RigidTransform placement;  ///< of b; a stays
+  RigidTransform transform;  ///< of b; a stays
   std::vector<Crossing> crossings;
   Vec3 normal;       ///< from b to a: minus the mean outward normal of a's surface inside b
   double depth = 0;  ///< how far b has to go against it for no facets to cross

@@ -36,17 +36,17 @@ struct Skipped {
 struct Result {
   std::vector<TreeFigures> trees;    ///< one per source
   std::vector<TreeFigures> needles;  ///< the same generators on the prism of long thin triangles
-  std::vector<Cell> cells;           ///< ascending by key; those that cannot be made are left out
-  std::vector<Cell> mixes;           ///< motions × mixes of the first source
+  std::vector<Run> cells;            ///< ascending by key; those that cannot be made are left out
+  std::vector<Run> mixes;            ///< motions × mixes of the first source
   std::vector<PressCell> presses;    ///< ascending by body
   std::vector<PressScene> scenes;    ///< of the presses, one per body that is pressed
   std::vector<Skipped> skipped;
-  std::vector<CoveredTree> built;    ///< one per source; empty but for the first body's, unless the plan keeps them
+  std::vector<CoveredTree> model;    ///< one per source; empty but for the first body's, unless the plan keeps them
   std::size_t taken_from_cache = 0;  ///< cells that were there already
 
   std::size_t cell_count() const { return cells.size() + mixes.size() + presses.size(); }
   /// nullptr when there is none.
-  const Cell* find(const CellKey& key) const;
+  const Run* find(const RunKey& key) const;
 };
 
 /// A stop was requested; finished cells are kept.
@@ -70,7 +70,7 @@ struct RunOptions {
 Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
 /// Nodes per level, and how many of them are void.
-std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& built);
+std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& model);
 
 /// Which of the first body's trees stands for it in pictures and costs: the medial one, else the first.
 std::size_t shown_tree(const Plan& plan);

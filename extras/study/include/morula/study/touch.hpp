@@ -14,7 +14,7 @@ namespace morula::study {
 /// How one copy moves, and where it is.
 struct TouchSide {
   Deformations motion;
-  RigidTransform placement;
+  RigidTransform transform;
 };
 
 struct TouchPlan {
@@ -49,6 +49,6 @@ struct Touch {
 };
 
 /// built: a tree of the mesh.
-Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& built);
+Touch run_touch(const TouchPlan& plan, const Mesh& mesh, const CoveredTree& model);
 
 }  // namespace morula::study

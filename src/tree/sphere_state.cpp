@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <morula/geometry/scale.hpp>
-#include <morula/tree/posed_tree.hpp>
+#include <morula/tree/sphere_state.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -18,20 +18,20 @@ void narrow_spheres(std::span<const Sphere> spheres, const Vec3& origin, std::ve
     const Vec3 center = s.center - origin;
     // Adding zero makes a negative zero positive, as the rules do.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
-    // mutant narrowed-centre: `s.radius + scaled_length(Vec3(nearest) - center)` -> `s.radius`
+    // mutant narrowed-center: `s.radius + scaled_length(Vec3(nearest) - center)` -> `s.radius`
     narrow.push_back({nearest, rounded_up(s.radius + scaled_length(Vec3(nearest) - center))});
     if (!(is_finite(nearest) && max_norm(nearest) <= largest_local_coordinate &&
           narrow.back().radius <= largest_local_coordinate))
       throw std::invalid_argument("sphere " + std::to_string(narrow.size() - 1) +
                                   " is too large for an update: scale "
-                                  "mesh and tree so that coordinates about the centre stay below 1e17");
+                                  "mesh and tree so that coordinates about the center stay below 1e17");
   }
 }
 
 struct PosedSpheres::State {
   SphereTree tree;
   std::vector<Spheref> spheres, next;
-  PosedTree pose;
+  SphereState pose;
 
   static std::shared_ptr<State> make() {
     auto state = std::make_shared<State>();
@@ -55,12 +55,12 @@ PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(State::make())
   State& s = *state_;
   s.tree = std::move(tree);
   narrow_spheres(s.tree.spheres, s.tree.spheres[0].center, s.spheres);
-  s.pose.ownership = tree_hash(s.tree);
+  s.pose.cover_id = tree_hash(s.tree);
   s.pose.covers = covers;
   s.show(0, s.tree.spheres[0].center);
 }
 
-PosedSpheres::PosedSpheres(const PosedTree& pose) : state_(State::make()) {
+PosedSpheres::PosedSpheres(const SphereState& pose) : state_(State::make()) {
   State& s = *state_;
   s.tree = *pose.tree;
   s.spheres.assign(pose.spheres.begin(), pose.spheres.end());
@@ -80,7 +80,7 @@ void PosedSpheres::end() noexcept {
 PosedSpheres::~PosedSpheres() {
   end();
 }
-PosedSpheres::PosedSpheres(const PosedSpheres& other) : PosedSpheres(other.pose()) {}
+PosedSpheres::PosedSpheres(const PosedSpheres& other) : PosedSpheres(other.sphere_state()) {}
 PosedSpheres& PosedSpheres::operator=(const PosedSpheres& other) {
   return *this = PosedSpheres(other);
 }
@@ -118,7 +118,7 @@ void PosedSpheres::set(std::span<const Sphere> spheres) {
   set(s.next, origin);
 }
 
-const PosedTree& PosedSpheres::pose() const {
+const SphereState& PosedSpheres::sphere_state() const {
   return state_->pose;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Colours: a perceptual map for quantities, and hues of equal lightness for kinds.
+// Colors: a perceptual map for quantities, and hues of equal lightness for kinds.
 
 const viridis = [
   [68, 1, 84], [72, 40, 120], [62, 73, 137], [49, 104, 142], [38, 130, 142],
@@ -18,8 +18,8 @@ export function mapGradient() {
   return `linear-gradient(to right, ${viridis.map((c) => `rgb(${c.join(' ')})`).join(', ')})`;
 }
 
-/** One colour per level, the root first. */
-export const levelColours = [
+/** One color per level, the root first. */
+export const levelColors = [
   '#7c8796', '#9467d1', '#e0912f', '#2f7fd6', '#17a08b', '#d4577f', '#7a9a2e', '#a5744a', '#5b6bd6',
 ];
 
@@ -30,7 +30,7 @@ export function css([r, g, b]) {
   return `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`;
 }
 
-/** A colour of Björn Ottosson's OKLab space: lightness, chroma, hue in degrees. */
+/** A color of Björn Ottosson's OKLab space: lightness, chroma, hue in degrees. */
 function oklch(lightness, chroma, hue) {
   const a = chroma * Math.cos((hue * Math.PI) / 180);
   const b = chroma * Math.sin((hue * Math.PI) / 180);
@@ -48,8 +48,8 @@ function oklch(lightness, chroma, hue) {
   });
 }
 
-/** The k-th of many kinds: the golden angle keeps neighbours apart, and so does their lightness. Red is left to bare surface. */
-export function kindColour(k) {
+/** The k-th of many kinds: the golden angle keeps neighbors apart, and so does their lightness. Red is left to bare surface. */
+export function kindColor(k) {
   const hue = 62 + ((k * 191.6) % 310);
   return oklch([0.76, 0.64, 0.7][k % 3], 0.12, hue);
 }

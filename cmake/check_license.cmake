@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 # Every source, CMake file and script starts with the two SPDX lines (after a script's #! line).
-# Run as: cmake [-D ROOT=folder] -P cmake/check_licence.cmake
+# Run as: cmake [-D ROOT=folder] -P cmake/check_license.cmake
 cmake_minimum_required(VERSION 3.24)
 
 if(NOT DEFINED ROOT)
@@ -36,4 +36,4 @@ endif()
 if(file_count EQUAL 0)
   message(FATAL_ERROR "nothing to check in ${ROOT}")
 endif()
-message(STATUS "${file_count} files carry their licence lines")
+message(STATUS "${file_count} files carry their license lines")

@@ -10,8 +10,8 @@
 namespace morula::detail {
 
 /// The candidate of least power at x; the first of equals. candidates: indices into spheres, at least one.
-inline std::uint32_t owner_by_power(const Vec3& x, std::span<const Sphere> spheres,
-                                    std::span<const std::uint32_t> candidates) {
+inline std::uint32_t power_cell_of(const Vec3& x, std::span<const Sphere> spheres,
+                                   std::span<const std::uint32_t> candidates) {
   std::uint32_t best = candidates[0];
   double least = power(spheres[best], x);
   for (const std::uint32_t i : candidates.subspan(1)) {

@@ -38,8 +38,8 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> facet_pairs(std::span<const Cr
 // In double, one pair of nodes at a time, down from the roots: what is surely near, and what is perhaps.
 void near_leaves(const Collider& a, const Collider& b, double margin, double unsure, NodePair at,
                  std::set<std::pair<std::uint32_t, std::uint32_t>>& found) {
-  const Sphere s = a.pose().sphere(at.a), t = b.pose().sphere(at.b);
-  const double gap = distance(a.placement()(s.center), b.placement()(t.center)) - s.radius - t.radius;
+  const Sphere s = a.sphere_state().sphere(at.a), t = b.sphere_state().sphere(at.b);
+  const double gap = distance(a.transform()(s.center), b.transform()(t.center)) - s.radius - t.radius;
   if (gap > margin + unsure) return;
   const SphereTree &tree_a = a.tree(), &tree_b = b.tree();
   if (tree_a.is_leaf(at.a) && tree_b.is_leaf(at.b)) {
@@ -56,15 +56,15 @@ void near_leaves(const Collider& a, const Collider& b, double margin, double uns
     for (const std::uint32_t j : below(tree_b, at.b)) near_leaves(a, b, margin, unsure, {i, j}, found);
 }
 
-TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
+TEST(SphereState, boxes_of_a_kdop_tree_find_every_crossing) {
   Specimen limb("limb", 8, shallow), torus("torus", 8, shallow);
   Random random(3);
   std::size_t crossed = 0;
   for (const int k : {6, 14, 26}) {
-    KDopTree tree(limb.mesh, limb.built, k);
+    KDopTree tree(limb.mesh, limb.model, k);
     PosedSpheres spheres = tree.posed();
-    Collider boxes(limb.mesh, limb.built.cover, spheres.pose());
-    EXPECT_TRUE(boxes.pose().covers);
+    Collider boxes(limb.mesh, limb.model.cover, spheres.sphere_state());
+    EXPECT_TRUE(boxes.sphere_state().covers);
     for (int frame = 0; frame < 8; ++frame) {
       const std::vector<Vec3> moved = rippled(limb.mesh, 0.03 * frame, 7 * frame + 1);
       ASSERT_TRUE(tree.update(moved));
@@ -72,7 +72,7 @@ TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
       boxes.set_positions(moved);
       // The spheres contain the k-DOPs, corner by corner.
       for (std::uint32_t node = 0; node < boxes.tree().node_count(); ++node) {
-        const Sphere s = spheres.pose().sphere(node);
+        const Sphere s = spheres.sphere_state().sphere(node);
         for (int corner = 0; corner < 8; ++corner) {
           const auto at = [&](int axis) {
             return static_cast<double>((corner >> axis & 1) != 0 ? tree.upper(node)[axis] : tree.lower(node)[axis]);
@@ -80,7 +80,7 @@ TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
           ASSERT_LE(distance(tree.origin() + Vec3{at(0), at(1), at(2)}, s.center), s.radius);
         }
       }
-      torus.place(test::random_placement(random, 0.8));
+      torus.set_transform(test::random_transform(random, 0.8));
       const auto expected = facet_pairs(brute_force::crossings(boxes, *torus.collider));
       EXPECT_EQ(facet_pairs(crossings(boxes, *torus.collider)), expected);
       crossed += expected.size();
@@ -89,15 +89,15 @@ TEST(PosedTree, boxes_of_a_kdop_tree_find_every_crossing) {
   EXPECT_GT(crossed, 100u);
 }
 
-TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
+TEST(SphereState, imported_spheres_are_asked_like_those_of_a_body) {
   Specimen limb("limb", 8, shallow), torus("torus", 8, shallow);
-  const PosedSpheres imported(limb.built.tree);
-  Collider alone(imported.pose());
-  EXPECT_FALSE(alone.pose().covers);
+  const PosedSpheres imported(limb.model.tree);
+  Collider alone(imported.sphere_state());
+  EXPECT_FALSE(alone.sphere_state().covers);
   Random random(5);
   int touching = 0;
   for (int i = 0; i < 60; ++i) {
-    torus.place(test::random_placement(random, 3));
+    torus.set_transform(test::random_transform(random, 3));
     const bool expected = overlap(*limb.collider, *torus.collider);
     EXPECT_EQ(overlap(alone, *torus.collider), expected);
     std::set<std::pair<std::uint32_t, std::uint32_t>> surely, perhaps, found;
@@ -122,39 +122,39 @@ TEST(PosedTree, imported_spheres_are_asked_like_those_of_a_body) {
   EXPECT_EQ(DistanceQuery().run(alone, *torus.collider).status.code, Status::Code::no_surface);
 }
 
-TEST(PosedTree, spheres_that_were_set_are_the_ones_asked) {
+TEST(SphereState, spheres_that_were_set_are_the_ones_asked) {
   Specimen limb("limb", 6, shallow), torus("torus", 6, shallow);
-  PosedSpheres spheres(limb.built.tree);
-  Collider collider(spheres.pose());
+  PosedSpheres spheres(limb.model.tree);
+  Collider collider(spheres.sphere_state());
   const Vec3 away{50, 0, 0};
   EXPECT_TRUE(overlap(collider, *torus.collider));
-  std::vector<Sphere> moved = limb.built.tree.spheres;
+  std::vector<Sphere> moved = limb.model.tree.spheres;
   for (Sphere& s : moved) s.center = s.center + away;
   spheres.set(moved);
-  EXPECT_EQ(spheres.pose().frame, 1u);
+  EXPECT_EQ(spheres.sphere_state().frame, 1u);
   EXPECT_FALSE(overlap(collider, *torus.collider));
-  torus.place(RigidTransform::from_axis({0, 0, 1}, 0, away));
+  torus.set_transform(RigidTransform::from_axis({0, 0, 1}, 0, away));
   EXPECT_TRUE(overlap(collider, *torus.collider));
   // Float spheres as they come back from elsewhere, bit for bit.
   limb.deform(*std::make_unique<Random>(2), 0.05);
-  const PosedTree& pose = limb.body->pose();
+  const SphereState& pose = limb.body->sphere_state();
   spheres.set(pose.spheres, pose.origin);
   for (std::uint32_t i = 0; i < pose.spheres.size(); ++i) {
-    EXPECT_EQ(spheres.pose().sphere(i).center, pose.sphere(i).center);
-    EXPECT_EQ(spheres.pose().sphere(i).radius, pose.sphere(i).radius);
+    EXPECT_EQ(spheres.sphere_state().sphere(i).center, pose.sphere(i).center);
+    EXPECT_EQ(spheres.sphere_state().sphere(i).radius, pose.sphere(i).radius);
   }
 }
 
-TEST(PosedTree, refuses_spheres_that_are_none_and_changes_nothing) {
+TEST(SphereState, refuses_spheres_that_are_none_and_changes_nothing) {
   Specimen limb("limb", 4, shallow);
-  PosedSpheres spheres(limb.built.tree);
-  const std::vector<Spheref> before(spheres.pose().spheres.begin(), spheres.pose().spheres.end());
+  PosedSpheres spheres(limb.model.tree);
+  const std::vector<Spheref> before(spheres.sphere_state().spheres.begin(), spheres.sphere_state().spheres.end());
   const auto refused = [&](auto change) {
     std::vector<Spheref> bad = before;
     change(bad);
     EXPECT_THROW(spheres.set(bad, {}), std::invalid_argument);
-    EXPECT_EQ(spheres.pose().frame, 0u);
-    EXPECT_TRUE(std::equal(before.begin(), before.end(), spheres.pose().spheres.begin()));
+    EXPECT_EQ(spheres.sphere_state().frame, 0u);
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), spheres.sphere_state().spheres.begin()));
   };
   refused([](auto& s) { s.pop_back(); });
   refused([](auto& s) { s.back().radius = -1; });
@@ -162,16 +162,16 @@ TEST(PosedTree, refuses_spheres_that_are_none_and_changes_nothing) {
   refused([](auto& s) { s.front().center.y = std::numeric_limits<float>::quiet_NaN(); });
   refused([](auto& s) { s.front().center.x = 0x1p60f; });
   EXPECT_THROW(spheres.set(before, Vec3{0, std::numeric_limits<double>::quiet_NaN(), 0}), std::invalid_argument);
-  SphereTree broken = limb.built.tree;
+  SphereTree broken = limb.model.tree;
   broken.parent[1] = 7;
   EXPECT_THROW(PosedSpheres{broken}, std::invalid_argument);
   EXPECT_THROW(PosedSpheres{SphereTree{}}, std::invalid_argument);
 }
 
-TEST(PosedTree, two_poses_of_one_body_are_asked_against_each_other) {
+TEST(SphereState, two_poses_of_one_body_are_asked_against_each_other) {
   Specimen limb("limb", 8, shallow);
-  const PosedSpheres then(limb.body->pose());
-  Collider before(limb.mesh, limb.built.cover, then.pose());
+  const PosedSpheres then(limb.body->sphere_state());
+  Collider before(limb.mesh, limb.model.cover, then.sphere_state());
   const std::vector<Vec3> rest = limb.mesh.positions;
   before.set_positions(rest);
   std::vector<Vec3> bent = rest;
@@ -179,7 +179,7 @@ TEST(PosedTree, two_poses_of_one_body_are_asked_against_each_other) {
   ASSERT_TRUE(limb.body->update(bent));
   limb.positions = bent;
   Collider& now = *limb.collider;
-  EXPECT_NE(before.pose().frame, now.pose().frame);
+  EXPECT_NE(before.sphere_state().frame, now.sphere_state().frame);
   const auto expected = facet_pairs(brute_force::crossings(before, now));
   EXPECT_GT(expected.size(), 20u);
   EXPECT_EQ(facet_pairs(crossings(before, now)), expected);
@@ -190,18 +190,19 @@ TEST(PosedTree, two_poses_of_one_body_are_asked_against_each_other) {
 TEST(Collider, stays_good_when_its_owner_moves) {
   struct Thing {
     Mesh mesh;
-    CoveredTree built;
+    CoveredTree model;
     Body body;
     Collider collider;
-    explicit Thing(Mesh m) : mesh(std::move(m)), built(build(mesh, shallow)), body(mesh, built), collider(mesh, body) {}
+    explicit Thing(Mesh m) : mesh(std::move(m)), model(build(mesh, shallow)), body(mesh, model), collider(mesh, body) {}
   };
   std::vector<Thing> things;
   std::vector<std::size_t> contacts;
   for (int i = 0; i < 6; ++i) {
     things.emplace_back(sample_body("limb", 4 + i));
-    things.back().collider.place(RigidTransform::from_axis({0, 0, 1}, 0.3 * i, {0.1 * i, 0, 0}));
+    things.back().collider.set_transform(RigidTransform::from_axis({0, 0, 1}, 0.3 * i, {0.1 * i, 0, 0}));
     if (i > 0)
-      contacts.push_back(collide(things.front().collider, things.back().collider, {.exact = true}).crossings.size());
+      contacts.push_back(
+          collide(things.front().collider, things.back().collider, {.find_crossings = true}).crossings.size());
   }
   for (int i = 1; i < 6; ++i) {
     const std::vector<Crossing> found = crossings(things[0].collider, things[i].collider);
@@ -240,7 +241,7 @@ TEST(PairWalk, visits_the_leaf_pairs_within_the_margin) {
   std::size_t seen = 0;
   for (int i = 0; i < 40; ++i) {
     a.deform(random, 0.02);
-    b.place(test::random_placement(random, 1.5));
+    b.set_transform(test::random_transform(random, 1.5));
     const double margin = i % 2 == 0 ? 0 : 0.15;
     std::set<std::pair<std::uint32_t, std::uint32_t>> surely, perhaps, found;
     near_leaves(*a.collider, *b.collider, margin, -1e-4, {0, 0}, surely);
@@ -272,10 +273,10 @@ TEST(PairWalk, skips_and_stops_where_it_is_told) {
   EXPECT_GT(all, 10u);
   EXPECT_EQ(first, 1u);
   // Nothing below the first child of a's root.
-  const std::uint32_t left_out = a.built.tree.first_child[0];
+  const std::uint32_t left_out = a.model.tree.first_child[0];
   walk_pairs(*a.collider, *b.collider, {}, [&](NodePair pair, bool is_final) {
     if (pair.a == left_out) return Step::skip;
-    for (std::uint32_t node = pair.a; node != no_node; node = a.built.tree.parent[node]) EXPECT_NE(node, left_out);
+    for (std::uint32_t node = pair.a; node != no_node; node = a.model.tree.parent[node]) EXPECT_NE(node, left_out);
     without += is_final;
     return Step::open;
   });
@@ -313,7 +314,7 @@ TEST(ContactQuery, surfaces_under_a_budget_are_those_of_finished_contacts) {
 TEST(ContactQuery, warming_up_changes_no_answer) {
   Specimen a("limb", 8, shallow), b("torus", 8, shallow);
   for (const CollideOptions& options :
-       {CollideOptions{.surfaces = true, .exact = true}, CollideOptions{.budget = 40}}) {
+       {CollideOptions{.surfaces = true, .find_crossings = true}, CollideOptions{.budget = 40}}) {
     ContactQuery cold(options), warm(options);
     cold.add(*a.collider, *b.collider);
     warm.add(*a.collider, *b.collider);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Method morula: the balls of each node are sought, from several starts, where they take in least empty space together.
+// Method optimized: the balls of each node are sought, from several starts, where they take in least empty space
+// together.
 //
 //   starts   one ball over the region, split until there are enough; then what the paper's reducers propose
 //   seeds    inscribed balls that need to grow least, spread over the region
@@ -166,7 +167,7 @@ class OptimizedDivider {
     return std::max(std::min(changes, least), changes * children / few_children);
   }
 
-  // Side by side on a tube: centres are much nearer to their middle than to the surface.
+  // Side by side on a tube: centers are much nearer to their middle than to the surface.
   static bool are_slabs(std::span<const Sphere> spheres, double mean_radius) {
     constexpr double much_nearer = 0.3;
     const Vec3 middle = middle_of(spheres);
@@ -174,7 +175,7 @@ class OptimizedDivider {
     for (const Sphere& s : spheres) squares += squared_distance(s.center, middle);
     return squares < much_nearer * much_nearer * mean_radius * mean_radius * static_cast<double>(spheres.size());
   }
-  // Those of a ball or a shell are so, too, but centres on a tube's axis are in one line.
+  // Those of a ball or a shell are so, too, but centers on a tube's axis are in one line.
   static bool are_in_line(std::span<const Sphere> spheres) {
     constexpr double much_nearer = 0.1;
     const Vec3 middle = middle_of(spheres);
@@ -238,7 +239,7 @@ class OptimizedDivider {
       children.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
-      // Centres on a tube's axis are where they are to be already: what counts is how far they are apart.
+      // Centers on a tube's axis are where they are to be already: what counts is how far they are apart.
       if (!balls_.empty() && !fine_slabs) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
@@ -416,7 +417,7 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
                   {.divide = OptimizedDivider(input, deep, fast, none, {}, workers), .lines = &input.lines}, workers);
 }
 
-CoveredTree build_own(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_optimized(const Mesh& mesh, const BuildRun& run, Workers& workers) {
   const Effort effort = effort_for(run);
   const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;

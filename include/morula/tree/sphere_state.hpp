@@ -12,13 +12,13 @@
 
 namespace morula {
 
-/// Borrowed from a source: a Body, a PosedSpheres, or something of the caller's own. The source keeps one PosedTree at
-/// one address and brings it up to date whenever its spheres move; queries read it there.
-struct PosedTree {
+/// Borrowed from a source: a Body, a PosedSpheres, or something of the caller's own. The source keeps one SphereState
+/// at one address and brings it up to date whenever its spheres move; queries read it there.
+struct SphereState {
   const SphereTree* tree = nullptr;  ///< levels and children; its own spheres are those of rest
   std::span<const Spheref> spheres;  ///< one per node of the tree, about `origin`, mesh units
   Vec3 origin{};                     ///< mesh units
-  std::uint64_t ownership = 0;       ///< equal for poses of one tree with one cover
+  std::uint64_t cover_id = 0;        ///< equal for poses of one tree with one cover
   std::uint64_t frame = 0;           ///< tells one pose of a source from the next; 0 at rest
   bool covers = false;               ///< every level's spheres contain the surface, whatever the motion
   bool nested = false;               ///< every sphere contains its children's, whatever the motion
@@ -44,10 +44,10 @@ class PosedSpheres {
   ///
   /// covers: the caller vouches that every level contains the surface, now and after each set(); queries then call
   /// their misses proofs. Throws std::invalid_argument, with the first of its words, for a tree that fails validate(),
-  /// and for spheres that reach 2^57 about the root's centre. Cost: linear in nodes.
+  /// and for spheres that reach 2^57 about the root's center. Cost: linear in nodes.
   explicit PosedSpheres(SphereTree tree, bool covers = false);
   /// A copy of a pose as it is now. The positions it followed are not copied. The tree is.
-  explicit PosedSpheres(const PosedTree& pose);
+  explicit PosedSpheres(const SphereState& pose);
   ~PosedSpheres();
   PosedSpheres(const PosedSpheres&);
   PosedSpheres& operator=(const PosedSpheres&);
@@ -58,11 +58,11 @@ class PosedSpheres {
   /// Throws std::invalid_argument, and changes nothing, for a wrong count, and for a sphere that is not finite, has a
   /// negative radius, or reaches 2^57.
   void set(std::span<const Spheref> spheres, const Vec3& origin = {});
-  /// The same in double, narrowed about the root's centre so that each contains what it was.
+  /// The same in double, narrowed about the root's center so that each contains what it was.
   void set(std::span<const Sphere> spheres);
 
-  /// At one address as long as this lives, also when it is moved. Assigning to this ends it (PosedTree::ended).
-  const PosedTree& pose() const;
+  /// At one address as long as this lives, also when it is moved. Assigning to this ends it (SphereState::ended).
+  const SphereState& sphere_state() const;
 
  private:
   struct State;

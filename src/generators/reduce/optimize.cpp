@@ -4,7 +4,7 @@
 // Departures: a compass search replaces the simplex; protrusions in the metric are taken relative to the worst one at
 // the start, where the published metric depends on the unit of length.
 
-#include "generators/reduce/optimise.hpp"
+#include "generators/reduce/optimize.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ namespace {
 // Balls that share out the samples: every sample has one owner, every ball is as small as its samples let it be.
 struct Share {
   Sphere ball;
-  double distance = 0;  // signed, of the centre
+  double distance = 0;  // signed, of the center
   double protrusion = 0;
   std::vector<std::uint32_t> samples;
 };
@@ -33,9 +33,9 @@ double worst_protrusion(const Shares& shares) {
   return worst;
 }
 
-class Optimisation {
+class Optimization {
  public:
-  explicit Optimisation(const ReducerInput& node) : node_(node) {}
+  explicit Optimization(const ReducerInput& node) : node_(node) {}
 
   // Samples to the balls that they are deepest in by power; those in none to the nearest surface.
   Shares shared_out(std::span<const Sphere> balls) const {
@@ -54,12 +54,12 @@ class Optimisation {
     return shares;
   }
 
-  // C.7 refit: every ball to where it sticks out least with the samples it has, then the samples anew.
-  Shares refitted(Shares best, int rounds) const {
+  // C.7 recenter: every ball to where it sticks out least with the samples it has, then the samples anew.
+  Shares recentered(Shares best, int rounds) const {
     for (int round = 0; round < rounds; ++round) {
       Shares moved = best;
       for (Share& s : moved) {
-        const Sphere ball = refit(points_of(s), s.ball.center, node_.shape.distance());
+        const Sphere ball = recenter(points_of(s), s.ball.center, node_.shape.distance());
         const double distance = node_.shape.distance()(ball.center);
         if (const double p = std::max(0.0, ball.radius + distance); p < s.protrusion)
           s = {ball, distance, p, std::move(s.samples)};
@@ -74,7 +74,7 @@ class Optimisation {
     return best;
   }
 
-  // C.7 simplex: the ball that sticks out most is searched over centre and radius, and takes or leaves samples.
+  // C.7 simplex: the ball that sticks out most is searched over center and radius, and takes or leaves samples.
   Shares searched(Shares shares) const {
     const double unit = worst_protrusion(shares);
     if (!(unit > 0)) return shares;
@@ -89,7 +89,7 @@ class Optimisation {
       if (!improved) break;
     }
     std::erase_if(shares, [](const Share& s) { return s.samples.empty(); });
-    return refitted(std::move(shares), 1);
+    return recentered(std::move(shares), 1);
   }
 
   static std::vector<Sphere> spheres_of(const Shares& shares) {
@@ -114,7 +114,7 @@ class Optimisation {
     return points;
   }
 
-  // The radius that its samples need, about the same centre.
+  // The radius that its samples need, about the same center.
   void tighten(Share& share) const {
     double farthest = 0;
     for (const std::uint32_t k : share.samples)
@@ -199,31 +199,31 @@ class Optimisation {
   const ReducerInput& node_;
 };
 
-Shares one_fewer(const Shares& shares, const ReducerInput& node, const Optimisation& optimisation) {
+Shares one_fewer(const Shares& shares, const ReducerInput& node, const Optimization& optimization) {
   std::vector<Sphere> balls;
   std::vector<double> distances;
   for (const Share& s : shares) balls.push_back(s.ball), distances.push_back(s.distance);
-  return optimisation.shared_out(
+  return optimization.shared_out(
       burst({std::move(balls), std::move(distances), node.samples}, shares.size() - 1, node.shape.distance()).balls);
 }
 
 }  // namespace
 
-void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser, double excess) {
-  if (optimiser == Optimiser::none || proposal.spheres.empty() || node.samples.empty()) return;
-  const Optimisation optimisation(node);
-  Shares shares = optimisation.shared_out(proposal.spheres);
-  if (optimiser == Optimiser::refit) {
-    shares = optimisation.refitted(std::move(shares), 3);
+void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer, double excess) {
+  if (optimizer == Optimizer::none || proposal.spheres.empty() || node.samples.empty()) return;
+  const Optimization optimization(node);
+  Shares shares = optimization.shared_out(proposal.spheres);
+  if (optimizer == Optimizer::recenter) {
+    shares = optimization.recentered(std::move(shares), 3);
   } else {
-    shares = optimisation.searched(std::move(shares));
+    shares = optimization.searched(std::move(shares));
   }
-  if (optimiser == Optimiser::balance) {
+  if (optimizer == Optimizer::balance) {
     constexpr std::size_t least_spheres = 3;
     const double bound = (1 + excess) * worst_protrusion(shares);
     while (shares.size() > least_spheres) {
-      Shares fewer = one_fewer(shares, node, optimisation);
-      if (worst_protrusion(fewer) > bound) fewer = optimisation.searched(std::move(fewer));
+      Shares fewer = one_fewer(shares, node, optimization);
+      if (worst_protrusion(fewer) > bound) fewer = optimization.searched(std::move(fewer));
       if (worst_protrusion(fewer) > bound) break;
       shares = std::move(fewer);
       proposal.fill_places = false;
@@ -233,7 +233,7 @@ void optimise(Proposal& proposal, const ReducerInput& node, Optimiser optimiser,
   // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
   std::vector<double> distances;
   for (const Share& s : shares) distances.push_back(s.distance);
-  proposal.spheres = equally_grown(Optimisation::spheres_of(shares), distances, node.samples);
+  proposal.spheres = equally_grown(Optimization::spheres_of(shares), distances, node.samples);
 }
 
 }  // namespace morula::detail

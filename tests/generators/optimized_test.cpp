@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is particular to method morula: its qualities, and how much its seed matters.
+// What is particular to method optimized: its qualities, and how much its seed matters.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,12 +28,12 @@ class OwnAt : public testing::TestWithParam<Quality> {};
 
 TEST_P(OwnAt, keeps_its_promises) {
   for (const Mesh& mesh : {sample_body("two", 6), test::mesh_named("moebius_strip").mesh}) {
-    const CoveredTree built = build(mesh, {.method = Method::morula, .depth = 2, .quality = GetParam()});
-    const auto faults = validate(mesh, built);
+    const CoveredTree model = build(mesh, {.method = Method::optimized, .depth = 2, .quality = GetParam()});
+    const auto faults = validate(mesh, model);
     EXPECT_TRUE(faults.empty()) << (faults.empty() ? "" : faults.front());
-    EXPECT_TRUE(certify(built.cover, mesh.positions, built.tree.spheres).covered);
-    EXPECT_TRUE(built.report.complete);
-    for (const std::uint32_t count : built.tree.child_count) EXPECT_LE(count, 8u);
+    EXPECT_TRUE(certify(model.cover, mesh.positions, model.tree.spheres).covered);
+    EXPECT_TRUE(model.report.complete);
+    for (const std::uint32_t count : model.tree.child_count) EXPECT_LE(count, 8u);
   }
 }
 
@@ -49,8 +49,8 @@ TEST(Own, has_a_test_for_every_quality) {
 
 TEST(LongOwn, is_tighter_with_more_work) {
   const Mesh mesh = sample_body("limb", 16);
-  const auto fast = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::fast});
-  const auto best = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .quality = Quality::best});
+  const auto fast = loose_at_levels_2_and_3(mesh, {.method = Method::optimized, .quality = Quality::fast});
+  const auto best = loose_at_levels_2_and_3(mesh, {.method = Method::optimized, .quality = Quality::best});
   for (const std::size_t i : {0u, 1u}) {
     RecordProperty(i == 0 ? "level_2" : "level_3", std::to_string(fast[i]) + " " + std::to_string(best[i]));
     EXPECT_LE(best[i], fast[i]) << "level " << i + 2;
@@ -75,7 +75,7 @@ double taken_in_by_discs(std::span<const Sphere> spheres, double half, double cr
 }
 
 // Slabs of a tube are a fifth as wide as its spheres: what weighs them has to be as fine. Spheres in a row whose
-// centres are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
+// centers are s radii apart take in s² / 6 beside what the polygon of the mesh does, whose corners they go through.
 TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
   constexpr int around = 40;
   constexpr double radius = 0.5, chain_of_80 = 0.15 * 0.15 / 6;  // along 12 radii
@@ -84,7 +84,7 @@ TEST(LongOwn, has_leaves_as_tight_as_a_chain_on_a_long_capsule) {
   const double step = 2 * std::numbers::pi / around;
   const double circle = std::numbers::pi * radius * radius, polygon = circle * std::sin(step) / step;
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 3, .seed = seed}).tree;
+    const SphereTree tree = build(mesh, {.method = Method::optimized, .depth = 3, .seed = seed}).tree;
     const double leaves = taken_in_by_discs(level_set_spheres(tree, 3), 2.8, polygon);
     RecordProperty("seed_" + std::to_string(seed), std::to_string(leaves));
     EXPECT_GE(leaves, circle / polygon - 1);
@@ -101,7 +101,7 @@ TEST(LongOwn, has_a_level_2_nearly_as_tight_as_a_chain_on_a_short_capsule) {
   const Mesh mesh = sample_body("capsule", around);
   double mean = 0;
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 3, .seed = seed}).tree;
+    const SphereTree tree = build(mesh, {.method = Method::optimized, .depth = 3, .seed = seed}).tree;
     const double level_2 = taken_in_by_discs(level_set_spheres(tree, 2), 0.8, polygon);
     RecordProperty("seed_" + std::to_string(seed), std::to_string(level_2));
     EXPECT_GE(level_2, circle / polygon - 1);
@@ -113,7 +113,7 @@ TEST(LongOwn, has_a_level_2_nearly_as_tight_as_a_chain_on_a_short_capsule) {
 TEST(Own, is_tighter_with_more_work_at_one_level) {
   const Mesh mesh = sample_body("limb", 8);
   const auto loose = [&](Quality quality) {
-    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 1, .quality = quality}).tree;
+    const SphereTree tree = build(mesh, {.method = Method::optimized, .depth = 1, .quality = quality}).tree;
     return looseness(mesh, level_set_spheres(tree, 1), {.resolution = 128}).looseness.value();
   };
   EXPECT_LE(loose(Quality::best), loose(Quality::fast));
@@ -123,7 +123,7 @@ TEST(Own, is_nearly_as_tight_for_every_seed_at_one_level) {
   const Mesh mesh = sample_body("limb", 16);
   std::vector<double> loose;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const SphereTree tree = build(mesh, {.method = Method::morula, .depth = 1, .seed = seed}).tree;
+    const SphereTree tree = build(mesh, {.method = Method::optimized, .depth = 1, .seed = seed}).tree;
     loose.push_back(looseness(mesh, level_set_spheres(tree, 1), {.resolution = 128}).looseness.value());
   }
   const double mean = std::accumulate(loose.begin(), loose.end(), 0.0) / 5;
@@ -134,7 +134,7 @@ TEST(LongOwn, is_nearly_as_tight_for_every_seed) {
   const Mesh mesh = sample_body("limb", 16);
   std::array<std::vector<double>, 2> loose;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const auto both = loose_at_levels_2_and_3(mesh, {.method = Method::morula, .seed = seed});
+    const auto both = loose_at_levels_2_and_3(mesh, {.method = Method::optimized, .seed = seed});
     for (const std::size_t i : {0u, 1u}) loose[i].push_back(both[i]);
   }
   for (const std::size_t i : {0u, 1u}) {
