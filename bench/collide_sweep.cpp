@@ -8,7 +8,7 @@
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 
 namespace morula::bench {

@@ -11,9 +11,8 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 

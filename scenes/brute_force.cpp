@@ -3,8 +3,7 @@
 #include "brute_force.hpp"
 
 #include <cmath>
-#include <morula/geometry/random.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 
 namespace morula::brute_force {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 #include <set>
 

@@ -9,7 +9,7 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/surface/surface_crossings.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/body.hpp>
 
 #include "peers.hpp"

@@ -9,7 +9,7 @@
 #include <morula/collide/containment.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/query/triangle_bvh.hpp>
 #include <numbers>
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <morula/generators/build.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
 

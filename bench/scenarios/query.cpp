@@ -5,7 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
+#include <morula/query/brute_force.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <scenes/brute_force.hpp>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
 #include <morula/update/body.hpp>

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <morula/generators/build.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/body.hpp>
 #include <span>
 

@@ -8,8 +8,8 @@
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/trigonometry.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/geometry/reproducible.hpp>
+#include <morula/tree/cover.hpp>
 
 #include "frames.hpp"
 #include "resources.hpp"

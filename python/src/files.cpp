@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of other programs, and what there is to read and write: ParaView, glTF, SOFA; tables of formats; folders of
 // frames.
-#include <morula/io/file_formats.hpp>
-#include <morula/io/gltf_spheres.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/paraview_file.hpp>
-#include <morula/io/sofa_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <morula/morula.hpp>
 #include <set>

@@ -3,7 +3,7 @@
 // The extension morula._morula: everything of the library, under the same names.
 #include "module.hpp"
 
-#include <morula/io/system_file_error.hpp>
+#include <morula/io/files.hpp>
 #include <morula/morula.hpp>
 #include <stdexcept>
 #include <string>

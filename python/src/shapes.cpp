@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Questions about a mesh as it stands: distances, insides, volumes of balls, medial balls.
-#include <morula/medial/inner_balls.hpp>
+#include <morula/medial/medial_balls.hpp>
 #include <morula/morula.hpp>
 
 #include "choices.hpp"

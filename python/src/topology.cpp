@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Topology: edges, fans, pieces and borders of meshes; and single triangles.
 #include <morula/geometry/connectivity.hpp>
+#include <morula/geometry/repair.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
-#include <morula/geometry/used_vertices.hpp>
 #include <morula/morula.hpp>
 
 #include "holders.hpp"

@@ -50,7 +50,7 @@ ELSEWHERE = {
 LEFT_OUT = {
     "geometry/vector.hpp": "points are tuples and arrays", "geometry/sphere.hpp": "spheres are tuples and arrays",
     "geometry/box.hpp": "a box is two corners", "geometry/positions.hpp": "any array is taken as it is",
-    "geometry/random.hpp": "numpy.random", "geometry/trigonometry.hpp": "numpy; what needs its bits is in C++",
+    "geometry/reproducible.hpp": "numpy; what needs its bits is in C++",
     "geometry/scale.hpp": "checks that every function makes", "geometry/status.hpp": "a refusal is an exception",
     "io/file_reference.hpp": "readers ask it", "io/whole_output.hpp": "every writer of the package writes whole files",
     "parallel/interrupt.hpp": "Ctrl-C", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",

@@ -7,7 +7,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <span>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <limits>
 #include <morula/accuracy/measure.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
 

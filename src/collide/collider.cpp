@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <morula/collide/collider.hpp>
-#include <morula/geometry/nearest_rotation.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <stdexcept>
 #include <string>
 

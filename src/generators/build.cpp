@@ -5,7 +5,7 @@
 #include <cmath>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 
 #include "generators/driver/equal_children.hpp"

@@ -91,14 +91,14 @@ std::vector<Reduction> chosen_or(const BuildOptions& options, const std::vector<
 Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions) {
   const BallSet set = adaptive_medial(node);
   const auto grown = [&](const Reduced& reduced) {
-    return equally_grown(GrowBy::power, reduced.balls, reduced.distances, node.samples);
+    return equally_grown(reduced.balls, reduced.distances, node.samples);
   };
   Proposals proposals;
   for (const Reduction r : reductions) {
     std::vector<Sphere> spheres;
     if (r == Reduction::merge) spheres = grown(merge(set, node.branching, node.shape.distance()));
     if (r == Reduction::burst) spheres = grown(burst(set, node.branching, node.shape.distance()));
-    if (r == Reduction::expand) spheres = expand(set, node.branching, GrowBy::power);
+    if (r == Reduction::expand) spheres = expand(set, node.branching);
     if (!spheres.empty()) proposals.push_back({name(r), std::move(spheres)});
   }
   return proposals;

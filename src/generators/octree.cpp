@@ -7,6 +7,7 @@
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
 
+#include "generators/driver/join.hpp"
 #include "generators/driver/top_down.hpp"
 #include "generators/fit/object_lines.hpp"
 #include "generators/fit/partition.hpp"
@@ -92,17 +93,11 @@ class OctreeDivider {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < cells.size(); ++i)
       for (std::size_t j = i + 1; j < cells.size(); ++j) {
-        const Sphere &a = cells[i].sphere, &b = cells[j].sphere;
-        const double radius =
-            std::max({a.radius, b.radius, 0.5 * (a.radius + b.radius + distance(a.center, b.center))});
+        const double radius = common_radius(cells[i].sphere, cells[j].sphere);
         if (radius < least) least = radius, first = i, second = j;
       }
-    Region joined = std::move(cells[first].region);
-    const Region& other = cells[second].region;
-    for (std::size_t k = 0; k < other.size(); ++k) joined.add(other.facet[k], other.polygon(k));
-    Box cell = cells[first].cell;
-    cell.add(cells[second].cell);
-    cells[first] = made(std::move(joined), cell);
+    BuildNode both = joined(cells[first], cells[second], {});
+    cells[first] = made(std::move(both.region), both.cell);
     cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(second));
   }
 

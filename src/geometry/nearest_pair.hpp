@@ -3,7 +3,6 @@
 // Nearest points of two triangles, or of a segment or a point and a triangle, with bounds that hold in real numbers.
 #pragma once
 
-#include <morula/geometry/surface_point.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <span>
 

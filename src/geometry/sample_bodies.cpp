@@ -4,8 +4,8 @@
 // and our own sine and cosine are used: the same bits everywhere.
 #include <algorithm>
 #include <array>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <stdexcept>
 #include <string>

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 
 #include "parallel/float_environment.hpp"

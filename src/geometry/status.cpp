@@ -1,85 +1,109 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <morula/geometry/status.hpp>
+#include <string_view>
 
 namespace morula {
+namespace {
 
-std::string message(const Status& status) {
-  using Code = Status::Code;
+// What a message begins with.
+enum class Subject : std::uint8_t { none, vertex, coordinate, bone, pair, body, surface };
+
+struct Words {
+  Status::Code code;
+  Subject subject;
+  std::string_view text;
+};
+
+using enum Status::Code;
+constexpr std::array words{
+    Words{ok, Subject::none, ""},
+    Words{wrong_vertex_count, Subject::none, "its vertex count is not the mesh's"},
+    Words{non_finite_position, Subject::vertex,
+          " is not finite, or too far away for single precision: coordinates about the center stay below 1e17"},
+    Words{bad_range, Subject::none, "a range of changed vertices ends before it begins, or behind the last vertex"},
+    Words{needs_coordinates, Subject::none,
+          "the body has levels of the rule modal, which follow coordinates: call update_modal"},
+    Words{no_modes, Subject::none, "the body has no modes: give them in UpdateOptions::modes when it is made"},
+    Words{wrong_coordinate_count, Subject::none, "the coordinates are not one per mode"},
+    Words{bad_coordinate, Subject::coordinate, " is not finite, or moves the body too far for single precision"},
+    Words{needs_transforms, Subject::none,
+          "the body has levels of the rule skinned, which follow the transforms of bones: call update_skinned"},
+    Words{no_skin, Subject::none, "the body has no skin: give it in UpdateOptions::skin when it is made"},
+    Words{wrong_transform_count, Subject::none, "the transforms are not one per bone"},
+    Words{bad_transform, Subject::bone, " is not finite, or moves the body too far for single precision"},
+    Words{body_not_current, Subject::body,
+          "'s last update was refused, so its spheres are those of an older frame: update it first"},
+    Words{body_not_complete, Subject::body,
+          " was updated lazily, and not all of its nodes have been reached: update it in full, or give "
+          "CollideOptions::reach where a query takes it"},
+    Words{no_surface, Subject::body,
+          " has spheres alone, and facets are asked for: make its collider with a mesh and a cover"},
+    Words{positions_not_current, Subject::body,
+          " was not given the positions of this frame: call Collider::set_positions after each update"},
+    Words{transform_too_far, Subject::body, " is placed 2^200 or more from the origin"},
+    Words{surface_not_current, Subject::surface,
+          " follows a body that was updated since: call SurfaceTree::follow after each update"},
+    Words{bad_option, Subject::none,
+          "an option of the query is negative or not a number, or names a vertex that is none"},
+    Words{bad_shape, Subject::none,
+          "the shape that is asked about is not finite, has a negative radius or no direction, or is too far away"},
+    Words{bad_level, Subject::pair, "neither tree has the level that contacts are asked for at"},
+    Words{no_front, Subject::none, "there is no front: call start() first"},
+    Words{other_bodies, Subject::pair, "the front is of other bodies or of another cover: call start()"},
+    Words{other_frame, Subject::pair, "a body was updated since the front was made: call carry() or start()"},
+    Words{other_transform, Subject::pair,
+          "a body was placed elsewhere since the front was made: call carry() or start()"},
+    Words{other_options, Subject::none, "what was started is of another margin, level or distance: start anew"},
+    Words{bad_front, Subject::none, "the front has indices out of range: call start()"},
+    Words{body_replaced, Subject::body,
+          " is gone, or another was assigned to it: make another collider of the body that is to be asked"},
+    Words{in_use, Subject::none,
+          "a callback asked the very object whose call it is part of: ask another object, or ask it afterwards"},
+    Words{ended_by_exception, Subject::none,
+          "the last call was ended by an exception, and nothing is left of it: call run(), start() or update()"},
+    Words{changed_during_call, Subject::body,
+          " was moved by a callback of the call that read it, and nothing is left of that call: move bodies and "
+          "surfaces after it, and call run(), start() or update() again"},
+};
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < words.size(); ++i)
+        if (static_cast<std::size_t>(words[i].code) != i) return false;
+      return words.back().code == changed_during_call;
+    }(),
+    "one row for every code, in their order");
+
+std::string subject_of(const Status& status, Subject subject) {
   const std::string pair = status.pair ? "pair " + std::to_string(*status.pair) + ": " : "";
-  const std::string body = pair + (status.body == 0 ? "the first body" : "the second body");
+  const std::string which = status.body == 0 ? "the first " : "the second ";
   const std::string index = std::to_string(status.index);
-  switch (status.code) {
-    case Code::ok:
+  switch (subject) {
+    case Subject::none:
       return {};
-    case Code::wrong_vertex_count:
-      return "its vertex count is not the mesh's";
-    case Code::non_finite_position:
-      return "vertex " + index +
-             " is not finite, or too far away for single precision: coordinates about the center stay below 1e17";
-    case Code::bad_range:
-      return "a range of changed vertices ends before it begins, or behind the last vertex";
-    case Code::needs_coordinates:
-      return "the body has levels of the rule modal, which follow coordinates: call update_modal";
-    case Code::no_modes:
-      return "the body has no modes: give them in UpdateOptions::modes when it is made";
-    case Code::wrong_coordinate_count:
-      return "the coordinates are not one per mode";
-    case Code::bad_coordinate:
-      return "coordinate " + index + " is not finite, or moves the body too far for single precision";
-    case Code::needs_transforms:
-      return "the body has levels of the rule skinned, which follow the transforms of bones: call update_skinned";
-    case Code::no_skin:
-      return "the body has no skin: give it in UpdateOptions::skin when it is made";
-    case Code::wrong_transform_count:
-      return "the transforms are not one per bone";
-    case Code::bad_transform:
-      return "the transform of bone " + index + " is not finite, or moves the body too far for single precision";
-    case Code::body_not_current:
-      return body + "'s last update was refused, so its spheres are those of an older frame: update it first";
-    case Code::body_not_complete:
-      return body +
-             " was updated lazily, and not all of its nodes have been reached: update it in full, or give "
-             "CollideOptions::reach where a query takes it";
-    case Code::no_surface:
-      return body + " has spheres alone, and facets are asked for: make its collider with a mesh and a cover";
-    case Code::positions_not_current:
-      return body + " was not given the positions of this frame: call Collider::set_positions after each update";
-    case Code::transform_too_far:
-      return body + " is placed 2^200 or more from the origin";
-    case Code::surface_not_current:
-      return std::string(status.body == 0 ? "the first surface" : "the second surface") +
-             " follows a body that was updated since: call SurfaceTree::follow after each update";
-    case Code::bad_option:
-      return "an option of the query is negative or not a number, or names a vertex that is none";
-    case Code::bad_shape:
-      return "the shape that is asked about is not finite, has a negative radius or no direction, or is too far away";
-    case Code::bad_level:
-      return pair + "neither tree has the level that contacts are asked for at";
-    case Code::no_front:
-      return "there is no front: call start() first";
-    case Code::other_bodies:
-      return pair + "the front is of other bodies or of another cover: call start()";
-    case Code::other_frame:
-      return pair + "a body was updated since the front was made: call carry() or start()";
-    case Code::other_transform:
-      return pair + "a body was placed elsewhere since the front was made: call carry() or start()";
-    case Code::other_options:
-      return "what was started is of another margin, level or distance: start anew";
-    case Code::bad_front:
-      return "the front has indices out of range: call start()";
-    case Code::body_replaced:
-      return body + " is gone, or another was assigned to it: make another collider of the body that is to be asked";
-    case Code::in_use:
-      return "a callback asked the very object whose call it is part of: ask another object, or ask it afterwards";
-    case Code::ended_by_exception:
-      return "the last call was ended by an exception, and nothing is left of it: call run(), start() or update()";
-    case Code::changed_during_call:
-      return body +
-             " was moved by a callback of the call that read it, and nothing is left of that call: move bodies and "
-             "surfaces after it, and call run(), start() or update() again";
+    case Subject::vertex:
+      return "vertex " + index;
+    case Subject::coordinate:
+      return "coordinate " + index;
+    case Subject::bone:
+      return "the transform of bone " + index;
+    case Subject::pair:
+      return pair;
+    case Subject::body:
+      return pair + which + "body";
+    case Subject::surface:
+      return which + "surface";
   }
   return {};
+}
+
+}  // namespace
+
+std::string message(const Status& status) {
+  const auto i = static_cast<std::size_t>(status.code);
+  if (i >= words.size()) return {};
+  return subject_of(status, words[i].subject).append(words[i].text);
 }
 
 }  // namespace morula

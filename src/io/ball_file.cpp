@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
+#include <morula/io/whole_output.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "io/byte_reader.hpp"
 #include "io/mesh/formats.hpp"
 #include "io/mesh/ply_header.hpp"
+#include "io/number_text.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
@@ -51,6 +53,26 @@ bool is_ball_file(const std::filesystem::path& path) {
   } catch (const FileError&) {
     return false;
   }
+}
+
+void write_sofa_spheres(const std::filesystem::path& path, std::span<const Sphere> spheres) {
+  // The loader steps over the first line whatever it says, and does not look at the index.
+  std::string text = "sph 1.0\nnums ";
+  detail::append_number(text, spheres.size());
+  detail::AskNowAndThen ask_now_and_then(4096);
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    ask_now_and_then();
+    const Sphere& s = spheres[i];
+    if (!is_finite(s.center) || !std::isfinite(s.radius))
+      throw std::invalid_argument("sphere " + std::to_string(i) + " has a number that is not finite");
+    text += "\nsphe ";
+    detail::append_number(text, i);
+    for (const double value : {s.center.x, s.center.y, s.center.z, s.radius}) {
+      text += ' ';
+      detail::append_number(text, value);
+    }
+  }
+  write_whole(path, text + '\n');
 }
 
 }  // namespace morula

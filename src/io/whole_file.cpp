@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
-#include <morula/io/system_file_error.hpp>
 #include <system_error>
 
 #include "io/first_bytes.hpp"

@@ -11,9 +11,11 @@
 #include <charconv>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
-#include <morula/io/system_file_error.hpp>
 #include <morula/io/whole_output.hpp>
+#include <mutex>
 #include <random>
 #include <set>
 #include <string>
@@ -21,7 +23,6 @@
 #include <utility>
 #include <vector>
 
-#include "io/unfinished.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
 
@@ -34,6 +35,7 @@ namespace fs = std::filesystem;
 constexpr int most_attempts = 100;
 constexpr int most_links = 40;  // as the system follows
 
+// Hidden names that a process ending now would leave behind, and the lock under which they come and go.
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
@@ -42,6 +44,21 @@ struct Registry {
 Registry& registry() {
   static Registry& all = *new Registry;
   return all;
+}
+
+// Held while a name appears, is replaced or disappears: whoever abandons the rest then sees all of it or nothing.
+std::unique_lock<std::mutex> lock_unfinished() {
+  return std::unique_lock(registry().mutex);
+}
+// All under the lock.
+void note_unfinished(const fs::path& path) {
+  registry().paths.insert(path);
+}
+void forget_unfinished(const fs::path& path) noexcept {
+  registry().paths.erase(path);
+}
+bool is_unfinished(const fs::path& path) {
+  return registry().paths.count(path) != 0;
 }
 
 /// Nobody else's, in this process and others: 64 random bits.
@@ -143,19 +160,6 @@ bool stays_where_it_is(const fs::path& folder) {
 }
 
 }  // namespace
-
-std::unique_lock<std::mutex> detail::lock_unfinished() {
-  return std::unique_lock(registry().mutex);
-}
-void detail::note_unfinished(const fs::path& path) {
-  registry().paths.insert(path);
-}
-void detail::forget_unfinished(const fs::path& path) noexcept {
-  registry().paths.erase(path);
-}
-bool detail::is_unfinished(const fs::path& path) {
-  return registry().paths.count(path) != 0;
-}
 
 void abandon_unfinished() noexcept {
   try {

@@ -6,7 +6,7 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/medial/inner_balls.hpp>
+#include <morula/medial/medial_balls.hpp>
 
 #include "medial/shrunken_balls.hpp"
 #include "parallel/interruption.hpp"
@@ -15,7 +15,61 @@ namespace morula {
 
 namespace {
 
-constexpr int lattice_points = 40;  // along the longest side: what tells how much a ball adds
+// The points of a lattice over the box of some balls, and which of them chosen balls contain.
+class FilledLattice {
+ public:
+  explicit FilledLattice(std::span<const Sphere> balls) {
+    constexpr int points = 40;  // along the longest side: what tells how much a ball adds
+    for (const Sphere& ball : balls) {
+      box_.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
+      box_.add(ball.center + Vec3{ball.radius, ball.radius, ball.radius});
+    }
+    edge_ = box_.extent()[box_.longest_axis()] / points;
+    if (!tells_balls_apart()) return;
+    for (int axis = 0; axis < 3; ++axis)
+      sides_[static_cast<std::size_t>(axis)] =
+          std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(box_.extent()[axis] / edge_)));
+    filled_.resize(sides_[0] * sides_[1] * sides_[2], 0);
+  }
+
+  // False for balls that are no larger than what coordinates can tell, or not finite: there is no lattice of those.
+  bool tells_balls_apart() const { return edge_ > 0 && std::isfinite(edge_); }
+  // Points in the ball that no chosen one contains.
+  std::size_t gain(const Sphere& ball) const {
+    std::size_t points = 0;
+    each_point(ball, [&](std::size_t point) { points += filled_[point] == 0 ? 1 : 0; });
+    return points;
+  }
+  void fill(const Sphere& ball) {
+    each_point(ball, [&](std::size_t point) { filled_[point] = 1; });
+  }
+
+ private:
+  template <class Visit>
+  void each_point(const Sphere& ball, const Visit& visit) const {
+    std::array<std::size_t, 3> begin{}, end{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      const double low = (ball.center[axis] - ball.radius - box_.lower[axis]) / edge_ - 0.5;
+      const double high = (ball.center[axis] + ball.radius - box_.lower[axis]) / edge_ + 0.5;
+      begin[a] = static_cast<std::size_t>(std::max(0.0, std::floor(low)));
+      end[a] = std::min(sides_[a], static_cast<std::size_t>(std::max(0.0, std::ceil(high))));
+    }
+    const double square = ball.radius * ball.radius;
+    for (std::size_t i = begin[0]; i < end[0]; ++i)
+      for (std::size_t j = begin[1]; j < end[1]; ++j)
+        for (std::size_t k = begin[2]; k < end[2]; ++k) {
+          const Vec3 p = box_.lower + edge_ * Vec3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
+                                                   static_cast<double>(k) + 0.5};
+          if (squared_distance(p, ball.center) <= square) visit((i * sides_[1] + j) * sides_[2] + k);
+        }
+  }
+
+  Box box_;
+  double edge_;
+  std::array<std::size_t, 3> sides_{};
+  std::vector<char> filled_;
+};
 
 }  // namespace
 
@@ -43,56 +97,18 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
 }
 
 std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const std::stop_token& stop) {
-  Box box;
-  for (const Sphere& ball : balls) {
-    box.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
-    box.add(ball.center + Vec3{ball.radius, ball.radius, ball.radius});
-  }
   if (balls.empty()) return {};
-  const double edge = box.extent()[box.longest_axis()] / lattice_points;
-  // No lattice: balls that are no larger than what coordinates can tell, or not finite.
-  if (!(edge > 0) || !std::isfinite(edge)) {
+  FilledLattice lattice(balls);
+  if (!lattice.tells_balls_apart()) {
     if (count == 0) return {};
     return {*std::max_element(balls.begin(), balls.end(),
                               [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; })};
   }
-  std::array<std::size_t, 3> sides{};
-  for (int axis = 0; axis < 3; ++axis) {
-    sides[static_cast<std::size_t>(axis)] =
-        std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(box.extent()[axis] / edge)));
-  }
-  std::vector<char> taken(sides[0] * sides[1] * sides[2], 0);
-  /// Calls f for the lattice points in a ball.
-  const auto for_each_point = [&](const Sphere& ball, const auto& f) {
-    std::array<std::size_t, 3> begin{}, end{};
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      const double low = (ball.center[axis] - ball.radius - box.lower[axis]) / edge - 0.5;
-      const double high = (ball.center[axis] + ball.radius - box.lower[axis]) / edge + 0.5;
-      begin[a] = static_cast<std::size_t>(std::max(0.0, std::floor(low)));
-      end[a] = std::min(sides[a], static_cast<std::size_t>(std::max(0.0, std::ceil(high))));
-    }
-    const double square = ball.radius * ball.radius;
-    for (std::size_t i = begin[0]; i < end[0]; ++i) {
-      for (std::size_t j = begin[1]; j < end[1]; ++j) {
-        for (std::size_t k = begin[2]; k < end[2]; ++k) {
-          const Vec3 p = box.lower + edge * Vec3{static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
-                                                 static_cast<double>(k) + 0.5};
-          if (squared_distance(p, ball.center) <= square) f((i * sides[1] + j) * sides[2] + k);
-        }
-      }
-    }
-  };
   std::vector<std::size_t> gains(balls.size());
-  const auto gain = [&](std::size_t i) {
-    std::size_t points = 0;
-    for_each_point(balls[i], [&](std::size_t point) { points += taken[point] == 0 ? 1 : 0; });
-    return points;
-  };
   detail::AskNowAndThen ask_now_and_then(16);
   for (std::size_t i = 0; i < balls.size(); ++i) {
     ask_now_and_then();
-    gains[i] = gain(i);
+    gains[i] = lattice.gain(balls[i]);
   }
   // Gains only fall, so one that was computed before is a bound: the heap's top is computed again until it stays.
   std::vector<std::size_t> heap(balls.size());
@@ -108,7 +124,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
     ask_now_and_then();
     std::pop_heap(heap.begin(), heap.end(), later);
     const std::size_t i = heap.back();
-    const std::size_t now = gain(i);
+    const std::size_t now = lattice.gain(balls[i]);
     if (now != gains[i]) {
       gains[i] = now;
       std::push_heap(heap.begin(), heap.end(), later);
@@ -118,7 +134,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
     // Nothing is left to add; but a body too thin for the lattice still gets its largest ball.
     if (now == 0 && !chosen.empty()) break;
     chosen.push_back(balls[i]);
-    for_each_point(balls[i], [&](std::size_t point) { taken[point] = 1; });
+    lattice.fill(balls[i]);
   }
   return chosen;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <numbers>
 #include <utility>

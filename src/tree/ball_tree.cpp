@@ -6,7 +6,7 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <numeric>
 #include <stdexcept>
 

@@ -6,7 +6,7 @@
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/tree/cover.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 
 #include "parallel/float_environment.hpp"
@@ -103,6 +103,75 @@ Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, doub
   return moved.radius < same_center.radius ? moved : same_center;
 }
 
+// What each leaf owns, an empty region for inner nodes. All leaves share the surface in one power partition. leftover:
+// pieces that had to go to another leaf are added to it.
+std::vector<Region> regions_by_power(const Mesh& mesh, const SphereTree& tree, std::size_t& leftover,
+                                     Workers& workers) {
+  std::vector<std::uint32_t> leaf_nodes;
+  std::vector<Sphere> leaves;
+  for (std::uint32_t i = 0; i < tree.node_count(); ++i)
+    if (tree.is_leaf(i)) {
+      leaf_nodes.push_back(i);
+      leaves.push_back(tree.spheres[i]);
+    }
+  const PowerDiagram diagram(leaves);
+
+  constexpr std::size_t facets_per_chunk = 1024;
+  std::vector<Pieces> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
+  parallel_for(workers, mesh.facet_count(), facets_per_chunk, [&](std::size_t begin, std::size_t end) {
+    chunks[begin / facets_per_chunk] = assign_facets(mesh, diagram, leaves, begin, end);
+  });
+
+  std::vector<Region> regions(tree.node_count());
+  for (const Pieces& chunk : chunks)
+    for (std::size_t k = 0; k < chunk.pieces.size(); ++k) {
+      const Piece& piece = chunk.pieces[k];
+      leftover += piece.leftover;
+      const std::uint32_t begin = chunk.corner_begin[k];
+      regions[leaf_nodes[piece.leaf]].add(piece.facet,
+                                          std::span(chunk.corners).subspan(begin, chunk.corner_begin[k + 1] - begin));
+    }
+  return regions;
+}
+
+// Spheres that do not contain their regions.
+void grow_spheres(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+  const double pad_coordinate = largest_coordinate(mesh);
+  parallel_for(workers, model.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
+    std::vector<Vec3> points;
+    for (const std::uint32_t c : model.cover.region_corners(static_cast<std::uint32_t>(i)))
+      points.push_back(corner_position(model.cover, c, mesh.positions));
+    Sphere& sphere = model.tree.spheres[i];
+    // mutant cover-does-not-grow: `farthest_distance(sphere.center, points) > sphere.radius` -> `false`
+    if (farthest_distance(sphere.center, points) > sphere.radius)
+      sphere = grown_to_contain(sphere, points, pad_coordinate);
+  });
+}
+
+// tree: as it was given; kept: its node of each that is left.
+void complete_report(const Mesh& mesh, const SphereTree& tree, std::span<const std::uint32_t> kept,
+                     CoveredTree& model) {
+  BuildReport& report = model.report;
+  report.method = "imported";
+  report.branching = tree.branching;
+  report.depth = static_cast<std::uint32_t>(tree.level_count() - 1);
+  report.mesh_hash = mesh_hash(mesh);
+  report.most_patches_of_a_facet = model.cover.most_patches_of_a_facet();
+  report.dropped_spheres = tree.node_count() - model.tree.node_count();
+  report.growth.resize(model.tree.level_count());
+  for (std::size_t level = 0; level < model.tree.level_count(); ++level)
+    for (std::uint32_t i = model.tree.level_begin[level]; i < model.tree.level_begin[level + 1]; ++i) {
+      const double before = tree.spheres[kept[i]].radius, after = model.tree.spheres[i].radius;
+      if (tree.spheres[kept[i]] == model.tree.spheres[i]) continue;
+      LevelGrowth& growth = report.growth[level];
+      ++growth.grown;
+      growth.largest_growth = std::max(growth.largest_growth, after - before);
+      growth.largest_factor = std::max(growth.largest_factor, before > 0 ? after / before : 1.0);
+    }
+  for (std::uint32_t i = 0; i + 1 < model.tree.level_begin.back(); ++i)
+    report.early_leaves += model.tree.is_leaf(i) && i < model.tree.level_begin[model.tree.level_count() - 1];
+}
+
 // |p − c| − r where squares vanish or overflow: in units of the largest number involved, which changes no digit. What
 // is not comparable is far outside.
 double excess_at_any_scale(const Sphere& sphere, const Vec3& p) {
@@ -166,73 +235,18 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
       throw std::invalid_argument("node " + std::to_string(i) +
                                   " of the sphere tree has a number beyond 1e30: scale mesh and tree down");
 
-  std::vector<std::uint32_t> leaf_nodes;
-  std::vector<Sphere> leaves;
-  for (std::uint32_t i = 0; i < tree.node_count(); ++i)
-    if (tree.is_leaf(i)) {
-      leaf_nodes.push_back(i);
-      leaves.push_back(tree.spheres[i]);
-    }
-  const PowerDiagram diagram(leaves);
-
-  constexpr std::size_t facets_per_chunk = 1024;
-  std::vector<Pieces> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
-  parallel_for(workers, mesh.facet_count(), facets_per_chunk, [&](std::size_t begin, std::size_t end) {
-    chunks[begin / facets_per_chunk] = assign_facets(mesh, diagram, leaves, begin, end);
-  });
-
   CoveredTree model;
-  std::vector<Region> regions(tree.node_count());
-  for (const Pieces& chunk : chunks)
-    for (std::size_t k = 0; k < chunk.pieces.size(); ++k) {
-      const Piece& piece = chunk.pieces[k];
-      model.report.leftover_patches += piece.leftover;
-      const std::uint32_t begin = chunk.corner_begin[k];
-      regions[leaf_nodes[piece.leaf]].add(piece.facet,
-                                          std::span(chunk.corners).subspan(begin, chunk.corner_begin[k + 1] - begin));
-    }
-  chunks.clear();
-
+  std::vector<Region> regions = regions_by_power(mesh, tree, model.report.leftover_patches, workers);
   std::vector<std::uint32_t> kept;
   model.tree = without_empty(tree, regions, kept);
   std::vector<Region> kept_regions(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) kept_regions[i] = std::move(regions[kept[i]]);
   model.cover = assemble_cover(mesh, model.tree, std::move(kept_regions));
-
-  const double pad_coordinate = largest_coordinate(mesh);
-  parallel_for(workers, model.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
-    std::vector<Vec3> points;
-    for (const std::uint32_t c : model.cover.region_corners(static_cast<std::uint32_t>(i)))
-      points.push_back(corner_position(model.cover, c, mesh.positions));
-    Sphere& sphere = model.tree.spheres[i];
-    // mutant cover-does-not-grow: `farthest_distance(sphere.center, points) > sphere.radius` -> `false`
-    if (farthest_distance(sphere.center, points) > sphere.radius)
-      sphere = grown_to_contain(sphere, points, pad_coordinate);
-  });
-
+  grow_spheres(mesh, model, workers);
   model.cover = with_fewer_cuts(mesh, model, workers);
   // mutant cover-keeps-nested: `options.nested || tree.nested` -> `options.nested`
   if (options.nested || tree.nested) make_nested(model.tree);
-
-  BuildReport& report = model.report;
-  report.method = "imported";
-  report.branching = tree.branching;
-  report.depth = static_cast<std::uint32_t>(tree.level_count() - 1);
-  report.mesh_hash = mesh_hash(mesh);
-  report.most_patches_of_a_facet = model.cover.most_patches_of_a_facet();
-  report.dropped_spheres = tree.node_count() - model.tree.node_count();
-  report.growth.resize(model.tree.level_count());
-  for (std::size_t level = 0; level < model.tree.level_count(); ++level)
-    for (std::uint32_t i = model.tree.level_begin[level]; i < model.tree.level_begin[level + 1]; ++i) {
-      const double before = tree.spheres[kept[i]].radius, after = model.tree.spheres[i].radius;
-      if (tree.spheres[kept[i]] == model.tree.spheres[i]) continue;
-      LevelGrowth& growth = report.growth[level];
-      ++growth.grown;
-      growth.largest_growth = std::max(growth.largest_growth, after - before);
-      growth.largest_factor = std::max(growth.largest_factor, before > 0 ? after / before : 1.0);
-    }
-  for (std::uint32_t i = 0; i + 1 < model.tree.level_begin.back(); ++i)
-    report.early_leaves += model.tree.is_leaf(i) && i < model.tree.level_begin[model.tree.level_count() - 1];
+  complete_report(mesh, tree, kept, model);
   return model;
 }
 

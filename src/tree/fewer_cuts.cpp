@@ -56,6 +56,7 @@ class Sharing {
   template <class Corners>
   bool contains(std::uint32_t leaf, const Corners& corners) const;
   double area_of(std::uint32_t patch) const;
+  std::vector<std::vector<std::uint32_t>> patches_of_leaves() const;
   Cover assembled() const;
 
   const Mesh& mesh_;
@@ -226,7 +227,7 @@ double Sharing::area_of(std::uint32_t patch) const {
 }
 
 // Patches in the order that they had, a whole facet where the first of its owner's was; what came from elsewhere last.
-Cover Sharing::assembled() const {
+std::vector<std::vector<std::uint32_t>> Sharing::patches_of_leaves() const {
   std::vector<std::vector<std::uint32_t>> patches_of(tree_.node_count());
   std::vector<std::uint8_t> placed(mesh_.facet_count());
   const auto is_leafs_own = [&](std::uint32_t node, std::uint32_t p) {
@@ -245,7 +246,11 @@ Cover Sharing::assembled() const {
     for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
       if (owner_[p] < part_of_another && owner_[p] != node) patches_of[owner_[p]].push_back(p);
   }
+  return patches_of;
+}
 
+Cover Sharing::assembled() const {
+  const std::vector<std::vector<std::uint32_t>> patches_of = patches_of_leaves();
   Cover result;
   result.vertex_count = cover_.vertex_count;
   result.facet_count = cover_.facet_count;

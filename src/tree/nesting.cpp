@@ -5,7 +5,7 @@
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <stdexcept>
 #include <string>
 

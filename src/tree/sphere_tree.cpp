@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cassert>
-#include <morula/tree/nesting.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <string>
@@ -73,67 +72,78 @@ std::vector<Sphere> level_set_spheres(const SphereTree& tree, std::size_t level)
   return level_set_spheres(tree, tree.spheres, level);
 }
 
-std::vector<std::string> validate(const SphereTree& tree) {
-  const StandardFloats standard;
-  std::vector<std::string> faults;
-  const std::size_t n = tree.node_count();
-  if (tree.branching < 2 || tree.branching > static_cast<std::uint32_t>(max_branching))
-    faults.push_back("branching " + std::to_string(tree.branching) + " is not in 2…64");
-  if (n == 0) {
-    faults.emplace_back("the tree has no nodes");
-    return faults;
-  }
-  if (tree.first_child.size() != n || tree.child_count.size() != n || tree.parent.size() != n) {
-    faults.emplace_back("spheres, first_child, child_count and parent differ in length");
-    return faults;
-  }
-  if (tree.level_begin.size() < 2 || tree.level_begin.front() != 0 || tree.level_begin.back() != n ||
-      tree.level_begin[1] != 1) {
-    faults.emplace_back("level_begin does not span the nodes with a single root");
-    return faults;
-  }
-  for (std::size_t j = 0; j + 1 < tree.level_begin.size(); ++j)
-    if (tree.level_begin[j] >= tree.level_begin[j + 1]) {
-      faults.push_back("level " + std::to_string(j) + " is empty or out of order");
-      return faults;
-    }
-  if (tree.parent[0] != no_node) faults.emplace_back("the root has a parent");
+namespace {
 
-  const auto node = [](std::size_t i) { return "node " + std::to_string(i); };
+// The first fault of the arrays' sizes and of the levels; empty where there is none.
+std::string fault_of_arrays(const SphereTree& tree) {
+  const std::size_t n = tree.node_count();
+  if (n == 0) return "the tree has no nodes";
+  if (tree.first_child.size() != n || tree.child_count.size() != n || tree.parent.size() != n)
+    return "spheres, first_child, child_count and parent differ in length";
+  if (tree.level_begin.size() < 2 || tree.level_begin.front() != 0 || tree.level_begin.back() != n ||
+      tree.level_begin[1] != 1)
+    return "level_begin does not span the nodes with a single root";
+  for (std::size_t j = 0; j + 1 < tree.level_begin.size(); ++j)
+    if (tree.level_begin[j] >= tree.level_begin[j + 1])
+      return "level " + std::to_string(j) + " is empty or out of order";
+  return {};
+}
+
+std::string node_name(std::size_t i) {
+  return "node " + std::to_string(i);
+}
+
+void check_nodes(const SphereTree& tree, std::vector<std::string>& faults) {
+  const std::size_t n = tree.node_count();
   std::size_t next = 1;  // children follow one another in the order of their parents
   for (std::size_t level = 0; level + 1 < tree.level_begin.size(); ++level)
     for (std::uint32_t i = tree.level_begin[level]; i < tree.level_begin[level + 1]; ++i) {
       const Sphere& s = tree.spheres[i];
       if (!is_finite(s.center) || !std::isfinite(s.radius))
-        faults.push_back(node(i) + " has a number that is not finite");
+        faults.push_back(node_name(i) + " has a number that is not finite");
       // mutant validate-tree-negative-radius: `s.radius < 0` -> `false`
-      if (s.radius < 0) faults.push_back(node(i) + " has a negative radius");
+      if (s.radius < 0) faults.push_back(node_name(i) + " has a negative radius");
       const std::uint32_t count = tree.child_count[i];
       if (count > tree.branching)
-        faults.push_back(node(i) + " has " + std::to_string(count) + " children, more than the branching");
+        faults.push_back(node_name(i) + " has " + std::to_string(count) + " children, more than the branching");
       if (count == 0) {
-        if (tree.first_child[i] != no_node) faults.push_back(node(i) + " is a leaf with a first child");
+        if (tree.first_child[i] != no_node) faults.push_back(node_name(i) + " is a leaf with a first child");
         continue;
       }
       if (tree.first_child[i] != next || next + count > n) {
-        faults.push_back("the children of " + node(i) + " are not where they belong");
-        return faults;
+        faults.push_back("the children of " + node_name(i) + " are not where they belong");
+        return;
       }
       for (std::uint32_t c = 0; c < count; ++c)
         if (tree.parent[next + c] != i)
-          faults.push_back(node(next + c) + " does not name " + node(i) + " as its parent");
+          faults.push_back(node_name(next + c) + " does not name " + node_name(i) + " as its parent");
       if (level + 2 >= tree.level_begin.size() || next < tree.level_begin[level + 1] ||
           next + count > tree.level_begin[level + 2])
-        faults.push_back("the children of " + node(i) + " are not on the next level");
+        faults.push_back("the children of " + node_name(i) + " are not on the next level");
       next += count;
     }
   if (next != n) faults.emplace_back("some nodes have no parent");
+}
+
+}  // namespace
+
+std::vector<std::string> validate(const SphereTree& tree) {
+  const StandardFloats standard;
+  std::vector<std::string> faults;
+  if (tree.branching < 2 || tree.branching > static_cast<std::uint32_t>(max_branching))
+    faults.push_back("branching " + std::to_string(tree.branching) + " is not in 2…64");
+  if (std::string fault = fault_of_arrays(tree); !fault.empty()) {
+    faults.push_back(std::move(fault));
+    return faults;
+  }
+  if (tree.parent[0] != no_node) faults.emplace_back("the root has a parent");
+  check_nodes(tree, faults);
   // mutant validate-nested: `faults.empty()` -> `false`
   if (tree.nested && faults.empty()) {
     const Nesting nesting = certify_nesting(tree, tree.spheres);
     if (!nesting.nested)
-      faults.push_back("the tree says that it is nested, but " + node(nesting.worst_node) + " sticks out of " +
-                       node(tree.parent[nesting.worst_node]) + ", its parent, by " +
+      faults.push_back("the tree says that it is nested, but " + node_name(nesting.worst_node) + " sticks out of " +
+                       node_name(tree.parent[nesting.worst_node]) + ", its parent, by " +
                        std::to_string(nesting.worst_excess));
   }
   return faults;

@@ -13,6 +13,9 @@
 #include "update/rules/skin_poser.hpp"
 
 namespace morula {
+namespace detail {
+struct BodyPlan;
+}
 
 struct Body::State {
   std::shared_ptr<const CoveredTree> model;
@@ -41,6 +44,10 @@ struct Body::State {
   std::vector<std::uint8_t> reached{};
   std::vector<double> coordinates_reached{};
 
+  // At rest; throws like Body's constructors.
+  static std::shared_ptr<State> made(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options,
+                                     Workers& workers);
+
   // Each moves the spheres, or says why not; what they return is to be counted.
   UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
   UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
@@ -67,6 +74,11 @@ struct Body::State {
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;
 
  private:
+  // Of a new one, in this order.
+  void bind(const detail::BodyPlan& plan, const detail::LocalPoints::Frame& rest, Workers& workers);
+  void raise_at_rest(const detail::BodyPlan& plan, const detail::Rounding& rounding, Workers& workers);
+  void note_promises(const detail::BodyPlan& plan);
+
   UpdateStatus refused_positions(const PositionView& positions) const noexcept;
   UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
   UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;

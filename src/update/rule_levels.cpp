@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
-#include <morula/update/rule_levels.hpp>
+#include <morula/update/body.hpp>
 
 namespace morula {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/box.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/update/sample_motions.hpp>
 #include <numbers>
 #include <stdexcept>

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <morula/accuracy/measure.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/query/power_diagram.hpp>

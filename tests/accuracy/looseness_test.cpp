@@ -5,7 +5,7 @@
 #include <cmath>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <stdexcept>

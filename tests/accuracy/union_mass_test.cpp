@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <morula/accuracy/measure.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 #include <vector>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <concepts>
-#include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 #include <morula/tree/cover.hpp>
 #include <optional>
 #include <string_view>

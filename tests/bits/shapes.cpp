@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/signed_distance.hpp>
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <set>
 #include <string>
 #include <utility>

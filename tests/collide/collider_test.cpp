@@ -12,7 +12,7 @@
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/nearest_rotation.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
 #include <optional>

@@ -8,7 +8,7 @@
 #include <morula/collide/crossings.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
 #include <support/transforms.hpp>

@@ -5,7 +5,7 @@
 
 #include <map>
 #include <morula/collide/primitives.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <set>
 #include <support/numbers.hpp>
 

@@ -7,7 +7,7 @@
 
 #include <bit>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <vector>
 
 #include "collide/pairs/placed_pair.hpp"

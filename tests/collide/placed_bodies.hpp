@@ -6,7 +6,7 @@
 #include <memory>
 #include <morula/collide/collider.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <string>
 #include <support/transforms.hpp>
 #include <vector>

@@ -10,7 +10,7 @@
 #include <limits>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/primitives.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 
 #include "collide/facets/world_facets.hpp"

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 

@@ -7,9 +7,9 @@
 #include <fstream>
 #include <iterator>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/io/ball_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <string>
 #include <support/scratch_folder.hpp>
 

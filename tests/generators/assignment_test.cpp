@@ -6,7 +6,7 @@
 #include <cmath>
 #include <generators/fit/assignment.hpp>
 #include <generators/fit/child_state.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numeric>
 
 namespace morula {

@@ -7,7 +7,7 @@
 #include <bit>
 #include <generators/reduce/ball_set.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/medial/medial_balls.hpp>
@@ -37,8 +37,7 @@ bool contain(std::span<const Sphere> spheres, const Vec3& p) {
 
 std::vector<std::vector<Sphere>> all_reductions_of(const BallSet& set, std::size_t branching,
                                                    const SignedDistance& shape) {
-  return {merge(set, branching, shape).balls, burst(set, branching, shape).balls,
-          expand(set, branching, GrowBy::protrusion), expand(set, branching, GrowBy::power)};
+  return {merge(set, branching, shape).balls, burst(set, branching, shape).balls, expand(set, branching)};
 }
 
 TEST(BallSet, reductions_contain_all_samples_with_few_spheres) {
@@ -111,7 +110,12 @@ TEST(BallSet, every_sample_has_one_owner_and_that_ball_contains_it_when_any_does
   }
 }
 
-TEST(BallSet, equally_grown_spheres_have_the_least_worst_protrusion_that_contains_all_samples) {
+// What a ball has grown by, of which all have the same: its radius squared beside that of the ball that just fits.
+double growth(double radius, double signed_distance) {
+  return radius * radius + signed_distance * std::abs(signed_distance);
+}
+
+TEST(BallSet, equally_grown_spheres_have_the_least_growth_that_contains_all_samples) {
   Random random(5);
   std::vector<Sphere> balls;
   std::vector<double> distances;
@@ -121,24 +125,21 @@ TEST(BallSet, equally_grown_spheres_have_the_least_worst_protrusion_that_contain
   }
   std::vector<Vec3> samples;
   for (int i = 0; i < 30; ++i) samples.push_back({random.uniform(), random.uniform(), random.uniform()});
-  for (const GrowBy grow_by : {GrowBy::protrusion, GrowBy::power}) {
-    const std::vector<Sphere> spheres = equally_grown(grow_by, balls, distances, samples);
-    const auto contain_all = [&](double factor) {
-      return std::all_of(samples.begin(), samples.end(), [&](const Vec3& p) {
-        return std::any_of(spheres.begin(), spheres.end(),
-                           [&](const Sphere& s) { return distance(s.center, p) <= factor * s.radius; });
-      });
-    };
-    EXPECT_TRUE(contain_all(1 + 1e-12));
-    EXPECT_FALSE(contain_all(1 - 1e-6));
-  }
-  const std::vector<Sphere> spheres = equally_grown(GrowBy::protrusion, balls, distances, samples);
+  const std::vector<Sphere> spheres = equally_grown(balls, distances, samples);
+  const auto contain_all = [&](double factor) {
+    return std::all_of(samples.begin(), samples.end(), [&](const Vec3& p) {
+      return std::any_of(spheres.begin(), spheres.end(),
+                         [&](const Sphere& s) { return distance(s.center, p) <= factor * s.radius; });
+    });
+  };
+  EXPECT_TRUE(contain_all(1 + 1e-12));
+  EXPECT_FALSE(contain_all(1 - 1e-6));
   ASSERT_GE(spheres.size(), 2u);
-  std::vector<double> protrusions;
+  std::vector<double> growths;
   for (const Sphere& s : spheres)
     for (std::size_t i = 0; i < balls.size(); ++i)
-      if (balls[i].center == s.center) protrusions.push_back(s.radius + distances[i]);
-  for (const double p : protrusions) EXPECT_NEAR(p, protrusions[0], 1e-12);
+      if (balls[i].center == s.center) growths.push_back(growth(s.radius, distances[i]));
+  for (const double g : growths) EXPECT_NEAR(g, growths[0], 1e-12);
 }
 
 struct RandomSet {
@@ -160,7 +161,7 @@ RandomSet random_set(std::size_t ball_count, std::size_t sample_count, std::uint
 }
 
 // The least stand-off of all choices of at most `branching` balls.
-double least_stand_off(const RandomSet& set, int branching, GrowBy grow_by) {
+double least_stand_off(const RandomSet& set, int branching) {
   double least = 1e300;
   for (unsigned choice = 1; choice < 1u << set.balls.size(); ++choice) {
     if (std::popcount(choice) > branching) continue;
@@ -169,7 +170,7 @@ double least_stand_off(const RandomSet& set, int branching, GrowBy grow_by) {
       double first = 1e300;
       for (std::size_t i = 0; i < set.balls.size(); ++i)
         if ((choice >> i & 1u) != 0)
-          first = std::min(first, growth_to_contain(grow_by, set.distances[i], distance(p, set.balls[i].center)));
+          first = std::min(first, growth(distance(p, set.balls[i].center), set.distances[i]));
       needed = std::max(needed, first);
     }
     least = std::min(least, needed);
@@ -178,32 +179,29 @@ double least_stand_off(const RandomSet& set, int branching, GrowBy grow_by) {
 }
 
 TEST(Expand, finds_the_least_stand_off_of_small_sets_or_nearly) {
-  for (const GrowBy grow_by : {GrowBy::protrusion, GrowBy::power}) {
-    int exact = 0;
-    constexpr int trials = 40;
-    for (int trial = 0; trial < trials; ++trial) {
-      const RandomSet set = random_set(9, 20, 100 + static_cast<std::uint64_t>(trial));
-      const double least = least_stand_off(set, 3, grow_by);
-      const std::vector<Sphere> spheres = expand({set.balls, set.distances, set.samples}, 3, grow_by);
-      ASSERT_FALSE(spheres.empty());
-      double found = -1e300;
-      for (const Sphere& s : spheres)
-        for (std::size_t i = 0; i < set.balls.size(); ++i)
-          if (set.balls[i].center == s.center)
-            found = std::max(found, growth_to_contain(grow_by, set.distances[i], s.radius));
-      EXPECT_GE(found, least - 1e-12);
-      EXPECT_LE(found, least + 0.25) << trial;
-      exact += found <= least + 1e-12;
-    }
-    EXPECT_GE(exact, trials / 2);
+  int exact = 0;
+  constexpr int trials = 40;
+  for (int trial = 0; trial < trials; ++trial) {
+    const RandomSet set = random_set(9, 20, 100 + static_cast<std::uint64_t>(trial));
+    const double least = least_stand_off(set, 3);
+    const std::vector<Sphere> spheres = expand({set.balls, set.distances, set.samples}, 3);
+    ASSERT_FALSE(spheres.empty());
+    double found = -1e300;
+    for (const Sphere& s : spheres)
+      for (std::size_t i = 0; i < set.balls.size(); ++i)
+        if (set.balls[i].center == s.center) found = std::max(found, growth(s.radius, set.distances[i]));
+    EXPECT_GE(found, least - 1e-12);
+    EXPECT_LE(found, least + 0.25) << trial;
+    exact += found <= least + 1e-12;
   }
+  EXPECT_GE(exact, trials / 2);
 }
 
 TEST(Expand, needs_one_ball_for_a_ball) {
   const Mesh mesh = test::icosphere(3);
   const std::vector<Vec3> samples = surface_points(mesh, 100, 1);
   const BallSet set({{{0, 0, 0}, 1}, {{0.5, 0, 0}, 0.5}, {{0, 0.5, 0}, 0.5}}, {-1, -0.5, -0.5}, samples);
-  const std::vector<Sphere> spheres = expand(set, 2, GrowBy::protrusion);
+  const std::vector<Sphere> spheres = expand(set, 2);
   ASSERT_EQ(spheres.size(), 1u);
   EXPECT_EQ(spheres[0].center, (Vec3{0, 0, 0}));
   EXPECT_NEAR(spheres[0].radius, 1, 0.02);

@@ -7,7 +7,7 @@
 #include <generators/reduce/reduce.hpp>
 #include <generators/reduce/reducers.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <support/meshes.hpp>
 #include <support/methods.hpp>
 

@@ -8,7 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <vector>
 
 namespace morula {

@@ -5,8 +5,7 @@
 #include <generators/fit/lattice.hpp>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <set>
 #include <support/meshes.hpp>

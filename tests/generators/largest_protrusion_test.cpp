@@ -8,7 +8,7 @@
 #include <generators/divide/largest_protrusion.hpp>
 #include <generators/fit/partition.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <scenes/brute_force.hpp>
 #include <support/meshes.hpp>

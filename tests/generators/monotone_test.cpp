@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <numbers>

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <numbers>
 #include <set>

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <generators/fit/object_lines.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/meshes.hpp>
 

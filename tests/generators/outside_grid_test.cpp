@@ -7,7 +7,7 @@
 #include <generators/fit/ball_fit.hpp>
 #include <generators/fit/extremes.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/query/signed_distance.hpp>

@@ -8,7 +8,7 @@
 #include <generators/fit/partition.hpp>
 #include <map>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <support/meshes.hpp>
 #include <tree/vertex_memo.hpp>

@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <support/meshes.hpp>
 #include <support/methods.hpp>

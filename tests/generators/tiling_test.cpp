@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <support/aligned.hpp>
 #include <support/methods.hpp>

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <generators/driver/union_volume.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <support/meshes.hpp>

@@ -7,7 +7,7 @@
 #include <map>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <set>
 #include <support/meshes.hpp>

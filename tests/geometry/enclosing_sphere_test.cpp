@@ -6,7 +6,7 @@
 #include <geometry/enclosing/sphere_support.hpp>
 #include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <vector>
 

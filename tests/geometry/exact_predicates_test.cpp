@@ -7,7 +7,7 @@
 
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <support/transforms.hpp>
 #include <vector>
 

@@ -7,7 +7,7 @@
 
 #include <bit>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <vector>
 

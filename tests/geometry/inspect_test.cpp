@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <set>
 #include <support/meshes.hpp>

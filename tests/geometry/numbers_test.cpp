@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 
 #include "geometry/hash.hpp"

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numeric>
 
 namespace morula {

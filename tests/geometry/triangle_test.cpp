@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <numbers>
 #include <support/transforms.hpp>

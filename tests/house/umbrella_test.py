@@ -8,7 +8,7 @@ import re
 import sys
 
 include = pathlib.Path(sys.argv[1])
-tools = {"geometry/random.hpp", "geometry/trigonometry.hpp"}
+tools = {"geometry/reproducible.hpp"}
 found, waiting = set(), ["morula.hpp"]
 while waiting:
     header = waiting.pop()

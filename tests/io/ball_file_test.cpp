@@ -4,8 +4,8 @@
 
 #include <cstring>
 #include <limits>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
 
 #include "files.hpp"
 

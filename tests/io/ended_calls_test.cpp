@@ -5,12 +5,9 @@
 
 #include <functional>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/io/ball_file.hpp>
-#include <morula/io/gltf_spheres.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
-#include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <support/ended_where_asked.hpp>

@@ -5,8 +5,8 @@
 
 #include <cstring>
 #include <morula/geometry/inspect.hpp>
-#include <morula/io/gltf_spheres.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <nlohmann/json.hpp>
 
 #include "files.hpp"

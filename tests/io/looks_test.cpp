@@ -14,8 +14,8 @@
 #include <morula/parallel/interrupt.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/surface/surface_tree.hpp>
-#include <morula/tree/ball_tree.hpp>
 #include <morula/tree/cover.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <thread>
 
 #include "files.hpp"

@@ -4,7 +4,7 @@
 // read into something that can be used. Which of the two is not the question here.
 #include <gtest/gtest.h>
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>

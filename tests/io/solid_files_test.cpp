@@ -8,12 +8,12 @@
 #include <cstring>
 #include <map>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/repair.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/geometry/used_vertices.hpp>
-#include <morula/io/file_formats.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/paraview_file.hpp>
-#include <morula/io/sofa_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <set>
 #include <sstream>
 #include <support/allocations.hpp>

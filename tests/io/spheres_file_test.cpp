@@ -6,7 +6,7 @@
 #include <cstring>
 #include <map>
 #include <morula/io/spheres_file.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <support/zip.hpp>
 

@@ -4,7 +4,7 @@
 
 #include <fstream>
 #include <morula/io/tree_file.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <support/meshes.hpp>
 
 #include "files.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <morula/medial/inner_balls.hpp>
+#include <morula/medial/medial_balls.hpp>
 #include <vector>
 
 namespace morula {

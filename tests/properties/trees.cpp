@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 
 #include "covering.hpp"
 #include "motions.hpp"

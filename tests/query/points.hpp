@@ -4,7 +4,7 @@
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <vector>

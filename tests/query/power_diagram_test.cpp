@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <numeric>

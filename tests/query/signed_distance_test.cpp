@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/signed_distance.hpp>

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <cstring>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <query/stack_memory.hpp>
 #include <vector>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/triangle_bvh.hpp>
 #include <scenes/brute_force.hpp>

@@ -7,7 +7,7 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>

@@ -5,7 +5,7 @@
 
 #include <cmath>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
 #include <morula/update/looseness_estimate.hpp>

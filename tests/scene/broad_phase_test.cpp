@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <stdexcept>
 #include <support/allocations.hpp>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 #include <stdexcept>
 #include <support/meshes.hpp>

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <map>
-#include <morula/geometry/random.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 #include <support/meshes.hpp>
 #include <utility>

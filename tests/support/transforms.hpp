@@ -3,7 +3,7 @@
 // Random points and transforms.
 #pragma once
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 
 namespace morula::test {

@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/triangle_intersection.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <morula/surface/proximity.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/surface/swept.hpp>

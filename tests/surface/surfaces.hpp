@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <morula/geometry/mesh.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/surface_tree.hpp>
 #include <support/meshes.hpp>

@@ -6,7 +6,7 @@
 
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/tree/cover.hpp>
 #include <support/meshes.hpp>
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/geometry/reproducible.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <tuple>
 

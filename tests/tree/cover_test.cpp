@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/tree/cover.hpp>

@@ -8,10 +8,9 @@
 #include <limits>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
-#include <morula/tree/ball_tree.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <support/aligned.hpp>
 #include <support/meshes.hpp>

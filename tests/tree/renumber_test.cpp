@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/body.hpp>
 #include <numeric>
 

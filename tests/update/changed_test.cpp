@@ -5,9 +5,9 @@
 
 #include <limits>
 #include <morula/generators/build.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/body.hpp>
 #include <support/aligned.hpp>
 

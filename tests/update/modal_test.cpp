@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>
 #include <support/numbers.hpp>

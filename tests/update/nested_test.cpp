@@ -9,7 +9,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/update/rule_levels.hpp>
+#include <morula/update/body.hpp>
 #include <support/aligned.hpp>
 
 #include "bodies.hpp"

@@ -5,7 +5,7 @@
 
 #include <cstring>
 #include <functional>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>

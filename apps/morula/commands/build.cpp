@@ -9,8 +9,8 @@
 #include <limits>
 #include <memory>
 #include <morula/generators/build.hpp>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/update/known_poses.hpp>
 #include <optional>

@@ -4,16 +4,13 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <morula/geometry/used_vertices.hpp>
-#include <morula/io/ball_file.hpp>
-#include <morula/io/gltf_spheres.hpp>
+#include <morula/geometry/repair.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/motion_file.hpp>
-#include <morula/io/sofa_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <optional>
 
 #include "shared/command.hpp"

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <morula/io/file_formats.hpp>
+#include <morula/io/files.hpp>
 
 #include "shared/command.hpp"
 #include "shared/extension.hpp"

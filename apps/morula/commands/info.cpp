@@ -7,10 +7,9 @@
 #include <algorithm>
 #include <memory>
 #include <morula/geometry/inspect.hpp>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <toolbox/stopwatch.hpp>
 
 #include "shared/command.hpp"

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <memory>
 #include <morula/accuracy/measure.hpp>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>

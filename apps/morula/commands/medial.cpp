@@ -7,8 +7,8 @@
 #include <memory>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/io/ball_file.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/medial/medial_balls.hpp>
 
 #include "shared/command.hpp"

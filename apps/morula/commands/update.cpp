@@ -10,7 +10,6 @@
 #include <morula/io/tree_file.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/rebuilt_body.hpp>
-#include <morula/update/rule_levels.hpp>
 #include <optional>
 
 #include "commands/frames.hpp"

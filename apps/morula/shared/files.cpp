@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <morula/io/ball_file.hpp>
-#include <morula/io/file_formats.hpp>
-#include <morula/io/frame_files.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>

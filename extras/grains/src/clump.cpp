@@ -6,7 +6,7 @@
 #include <morula/accuracy/measure.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/grains/clump.hpp>
-#include <morula/medial/inner_balls.hpp>
+#include <morula/medial/medial_balls.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <stdexcept>
 

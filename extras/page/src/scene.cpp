@@ -6,7 +6,6 @@
 #include <morula/page/page.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/update/body.hpp>
-#include <morula/update/rule_levels.hpp>
 #include <numbers>
 #include <stdexcept>
 

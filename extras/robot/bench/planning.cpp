@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/robot/sphere_robot.hpp>
 #include <numbers>
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/robot/output.hpp>
 #include <nlohmann/json.hpp>

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <numbers>
 #include <support/scratch_folder.hpp>

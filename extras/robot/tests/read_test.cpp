@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <morula/geometry/inspect.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/robot/robot.hpp>
 #include <support/scratch_folder.hpp>
 

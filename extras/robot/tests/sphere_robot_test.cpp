@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/robot/sphere_robot.hpp>
-#include <morula/tree/ball_tree.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 
 namespace morula::test {
 namespace {

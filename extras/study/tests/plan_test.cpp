@@ -5,7 +5,7 @@
 #include <cmath>
 #include <morula/geometry/inspect.hpp>
 #include <morula/study/run.hpp>
-#include <morula/update/rule_levels.hpp>
+#include <morula/update/body.hpp>
 #include <numbers>
 #include <scenes/scenes.hpp>
 #include <set>

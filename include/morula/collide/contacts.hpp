@@ -17,7 +17,7 @@
 #include <morula/collide/collider.hpp>
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
-#include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 #include <optional>
 #include <vector>
 

@@ -14,7 +14,7 @@
 #include <memory>
 #include <morula/collide/budget.hpp>
 #include <morula/collide/collider.hpp>
-#include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 
 namespace morula {
 

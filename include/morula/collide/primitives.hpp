@@ -10,7 +10,7 @@
 #include <limits>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/convex_hull.hpp>
-#include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 #include <optional>
 #include <vector>
 

@@ -81,7 +81,7 @@ struct BuildOptions {
   /// As few leaves as needed for each to stick out of the object by at most this length, above 0, mesh units, proven by
   /// r + φ(c). With `spheres` too: until the one or the other.
   std::optional<double> max_protrusion{};
-  /// Every sphere contains its children's, for engines that prune that way (tree/nesting.hpp): inner spheres grow or
+  /// Every sphere contains its children's, for engines that prune that way (certify_nesting): inner spheres grow or
   /// move for it, leaves stay as they are. Looser above them: docs/tree.md has a table.
   bool nested = false;
   std::uint64_t seed = 1;  ///< of every random choice; equal seeds, equal bits

@@ -5,6 +5,7 @@
 
 #include <morula/geometry/mesh.hpp>
 #include <optional>
+#include <vector>
 
 namespace morula {
 
@@ -51,5 +52,13 @@ struct RepairedMesh {
 /// Throws std::invalid_argument for indices out of range, coordinates of used vertices that are not finite, a distance
 /// that is negative or not finite, and caps of more than 500 edges.
 RepairedMesh repair(const MeshView& mesh, const RepairOptions& options = {});
+
+/// A mesh without the vertices that no facet uses, such as the inner points of a solid.
+struct UsedVertices {
+  Mesh mesh;
+  std::vector<std::uint32_t> index;  ///< of every vertex of `mesh`: its number before, ascending
+};
+/// Vertices keep their order and facets theirs.
+UsedVertices used_vertices(const Mesh& mesh);
 
 }  // namespace morula

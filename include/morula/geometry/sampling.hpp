@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <morula/geometry/mesh.hpp>
-#include <morula/geometry/surface_point.hpp>
+#include <morula/geometry/triangle.hpp>
 #include <vector>
 
 namespace morula {

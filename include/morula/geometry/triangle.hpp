@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <morula/geometry/vector.hpp>
 
 namespace morula {
@@ -41,5 +42,13 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p);
 /// Zero when p is a corner or lies exactly in t's plane; seen from next to its own line, a triangle without area can
 /// have any angle that rounding gives it. [vanoosterom1983]
 double solid_angle(const Triangle& t, const Vec3& p);
+
+/// A point of a surface: its facet, its place there and in space. `point` is at_barycentric of the facet's triangle up
+/// to rounding: in mesh units of the mesh, or of the world where a collider is asked.
+struct SurfacePoint {
+  std::uint32_t facet;
+  Barycentric barycentric;
+  Vec3 point;
+};
 
 }  // namespace morula

@@ -13,19 +13,13 @@
 
 #include <filesystem>
 #include <morula/geometry/mesh.hpp>
+#include <morula/io/files.hpp>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace morula {
-
-/// A file that cannot be read or written: what() names the file, the line or byte where known, and a remedy.
-class FileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Facts about a mesh file that its mesh does not show.
 struct MeshInfo {

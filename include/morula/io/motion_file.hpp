@@ -28,7 +28,7 @@ class Motion {
   /// one mesh file (a single frame; of glTF its animation, posed by nodes, skins and morph targets), or a NumPy .npy
   /// array of float32 or float64, shape (frames, vertices, 3), C order, or a .npz with such an array, which is its only
   /// one or has the name `positions`. Throws FileError when nothing matches, a numbered frame is missing in between
-  /// (frame_files.hpp), or the array has another shape or type, or an option is out of range for the animation.
+  /// (files.hpp), or the array has another shape or type, or an option is out of range for the animation.
   Motion(const std::filesystem::path& path, const Mesh& mesh, const MotionOptions& options = {});
 
   std::size_t frame_count() const { return frame_count_; }

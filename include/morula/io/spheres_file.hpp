@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The spheres of all frames of a motion in one NumPy archive, and those of a single tree.
+// Spheres on disk: those of all frames of a motion or of a single tree in a NumPy archive; balls without a tree; scenes
+// for other programs.
 //
 //   const morula::CoveredTree model = morula::build(mesh);
 //   morula::SphereFramesWriter writer("spheres.npz", model.tree, 1);  // of one frame
@@ -9,10 +10,14 @@
 //   const morula::SphereTree first = morula::SphereFrames("spheres.npz").frame(0);
 #pragma once
 
+#include <filesystem>
 #include <memory>
+#include <morula/geometry/sphere.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/tree/sphere_tree.hpp>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace morula {
 
@@ -73,5 +78,31 @@ class SphereFrames {
 
 /// Is this an .npz with an array `spheres`? False for all other files, missing and broken ones included.
 bool holds_spheres(const std::filesystem::path& path);
+
+/// Writes spheres as SOFA's SphereLoader reads them; its .sph is another format than the toolkit's: `sph 1.0`, `nums N`
+/// and a line `sphe index x y z r` for each sphere, with the fewest digits that read back as the same bits. Throws
+/// std::invalid_argument for numbers that are not finite.
+void write_sofa_spheres(const std::filesystem::path& path, std::span<const Sphere> spheres);
+
+/// Writes spheres in motion as a scene of glTF (.glb), for Blender and other viewers, a picture without proof: a ball
+/// of 320 facets with its corners on the unit sphere, a node for each sphere, which shows the ball moved and scaled,
+/// and where there are several frames an animation of all nodes, linear between them. Floats; axes are left as they are
+/// (glTF calls y up). Needs no tinygltf. frames: at least one, each with as many spheres as the first, at least one.
+/// Throws std::invalid_argument, and FileError for what does not fit into 2 GiB.
+void write_gltf_spheres(const std::filesystem::path& path, std::span<const std::vector<Sphere>> frames,
+                        double frames_per_second = 30);
+
+/// Writes balls without a tree, for viewers and scripts, as PLY (binary, doubles): one vertex a ball, with the
+/// properties x, y, z and radius. Written whole or not at all. Throws FileError for another extension and for files
+/// that cannot be written, std::invalid_argument for balls that are not finite.
+void write_balls(const std::filesystem::path& path, std::span<const Sphere> balls);
+
+/// Balls of a PLY of any kind (ascii, little or big endian; other properties and elements are skipped): vertices with a
+/// property `radius`, without faces. Throws FileError, also for radii that are negative or not finite.
+std::vector<Sphere> read_balls(const std::filesystem::path& path);
+
+/// Does the header of this .ply promise balls rather than a mesh? False for all other files, missing and broken ones
+/// included.
+bool is_ball_file(const std::filesystem::path& path);
 
 }  // namespace morula

@@ -8,7 +8,6 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
-#include <morula/geometry/surface_point.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/parallel/workers.hpp>
 #include <optional>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The cover: which part of the surface each node answers for, and the proof that its sphere contains that part.
+// The cover: made for a tree, checked, and the proof that every sphere contains its part of the surface.
 #pragma once
 
 #include <memory>
@@ -8,100 +8,20 @@
 #include <morula/geometry/positions.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/query/power_diagram.hpp>
-#include <morula/tree/sphere_tree.hpp>
+#include <morula/tree/covered_tree.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace morula {
 
-/// A point of the surface that is not a mesh vertex: Σ weight[k] × position of vertex[k]. On a mesh edge, weight[2] is
-/// 0 and vertex[2] repeats vertex[1]; the same point is stored once for both facets.
-struct CutPoint {
-  std::array<std::uint32_t, 3> vertex;
-  std::array<double, 3> weight;
-  bool operator==(const CutPoint&) const = default;
-};
-
-/// Patches are convex polygons inside one facet, in the order of the leaves they belong to (depth first), so the region
-/// of every node, inner ones too, is one range of patches. A patch moves with its facet: its corners are fixed convex
-/// combinations of vertices, so a sphere that contains the moved corners contains the moved patch.
-struct Cover {
-  std::uint32_t vertex_count = 0;  ///< of the mesh it belongs to
-  std::uint32_t facet_count = 0;
-  std::vector<CutPoint> cut_points;
-  std::vector<std::uint32_t> patch_facet;   ///< one per patch
-  std::vector<std::uint32_t> corner_begin;  ///< patch p has corners [corner_begin[p], corner_begin[p + 1]), at least 3
-  std::vector<std::uint32_t> corners;       ///< < vertex_count: a mesh vertex; else cut_points[corner − vertex_count]
-  std::vector<std::uint32_t> region_begin;  ///< one per node: its region is the patches [begin, end)
-  std::vector<std::uint32_t> region_end;
-
-  std::size_t patch_count() const { return patch_facet.size(); }
-  /// The most patches that any one facet is cut into. Cost: linear in patches and facets.
-  std::size_t most_patches_of_a_facet() const;
-  std::span<const std::uint32_t> patch(std::size_t p) const {
-    return std::span(corners).subspan(corner_begin[p], corner_begin[p + 1] - corner_begin[p]);
-  }
-  /// The corners of all patches of a node, with repetitions.
-  std::span<const std::uint32_t> region_corners(std::uint32_t node) const {
-    const std::uint32_t begin = corner_begin[region_begin[node]];
-    return std::span(corners).subspan(begin, corner_begin[region_end[node]] - begin);
-  }
-};
-
 /// Where a corner is when the mesh's vertices are at `positions`.
 Vec3 corner_position(const Cover& cover, std::uint32_t corner, const PositionView& positions);
 
-struct LevelGrowth {
-  std::size_t grown = 0;        ///< spheres whose radius had to grow (or that were moved) to contain their region
-  double largest_factor = 1.0;  ///< largest new radius over old
-  double largest_growth = 0.0;  ///< largest increase of a radius, mesh units
-};
-
-/// What a builder or cover() did; travels with the tree and is written into native files.
-struct BuildReport {
-  std::string method;  ///< "octree", "grid", …; "imported" from cover()
-  std::uint32_t branching = 0;
-  std::uint32_t depth = 0;  ///< as asked for
-  std::uint64_t seed = 0;
-  std::uint64_t mesh_hash = 0;
-  std::vector<LevelGrowth> growth;   ///< per level; from cover() only
-  std::size_t early_leaves = 0;      ///< leaves above the last level
-  std::size_t leftover_patches = 0;  ///< patches outside their own sphere, handed to the one that grew least
-  std::size_t dropped_spheres = 0;   ///< spheres that owned nothing
-  std::vector<std::string> notes;    ///< fallbacks taken, in words
-
-  // Of the cover, which files have: not written into them, but there after reading.
-  std::size_t most_patches_of_a_facet = 0;  ///< no facet is cut into more
-
-  // Of the run that built the tree; not written into files.
-  bool complete = true;               ///< false: ended by a time limit, or short of the protrusion asked for
-  std::vector<double> level_seconds;  ///< wall seconds that went into dividing for each level; the first: preparations
-  std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves; when spheres or max_protrusion asked
-};
-
-struct CoveredTree;
-
-/// Another tree of the same mesh, made for a pose that the mesh is known to come to: what it covers there, it covers in
-/// every pose, only more tightly the nearer that is.
-struct KnownPose {
-  std::string name;
-  std::vector<Vec3> positions;               ///< one per mesh vertex
-  std::shared_ptr<const CoveredTree> model;  ///< of the mesh with these positions; carries no poses of its own
-};
-
-/// A tree with its proof.
-struct CoveredTree {
-  SphereTree tree;
-  Cover cover;
-  BuildReport report;
-  /// Made by add_known_poses (update/known_poses.hpp), written into native files, used by RebuiltBody.
-  std::vector<KnownPose> poses{};
-};
-
 struct CoverOptions {
-  /// Every sphere of the result contains its children's, as after make_nested() (tree/nesting.hpp). A tree that says it
-  /// is nested stays so anyway.
+  /// Every sphere of the result contains its children's, as after make_nested(). A tree that says it is nested stays so
+  /// anyway.
   bool nested = false;
 };
 
@@ -150,5 +70,16 @@ std::vector<std::string> validate(const SphereTree& tree, const Cover& cover);
 /// that are not the disjoint union of their children's, spheres that do not wrap their region. The same of the trees
 /// for known poses, at these. Empty: all hold.
 std::vector<std::string> validate(const MeshView& mesh, const CoveredTree& model);
+
+/// Mesh vertices, those of the first leaf first: leaf_order(…)[i] is the old number of what becomes vertex i. Vertices
+/// that no leaf has come last. For whoever can number the vertices of a simulation as they like; O(corners log
+/// corners).
+std::vector<std::uint32_t> leaf_order(const CoveredTree& model);
+
+/// The same with vertices renumbered: old vertex order[i] is the new vertex i. Throws std::invalid_argument unless the
+/// order names every vertex once. Facets, patches and spheres keep their numbers.
+Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order);
+/// mesh: as renumbered, for its hash, which the report carries.
+CoveredTree renumbered(const CoveredTree& model, const Mesh& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace morula

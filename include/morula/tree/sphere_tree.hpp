@@ -25,7 +25,7 @@ struct SphereTree {
   std::vector<std::uint32_t> parent;       ///< no_node for the root
   std::vector<std::uint32_t> level_begin;  ///< level j holds nodes [level_begin[j], level_begin[j + 1])
   std::uint32_t branching = 8;             ///< most children of a node, 2…64
-  bool nested = false;                     ///< a promise: every sphere contains its children's (tree/nesting.hpp)
+  bool nested = false;  ///< a promise: every sphere contains its children's; certify_nesting checks it
 
   std::size_t node_count() const { return spheres.size(); }
   /// Depth + 1; 0 for a tree without nodes.
@@ -54,5 +54,41 @@ std::vector<std::string> validate(const SphereTree& tree);
 
 /// 64-bit FNV-1a over all arrays.
 std::uint64_t tree_hash(const SphereTree& tree);
+
+/// A bare tree over balls that have none, such as a flat set or medial balls: its leaves are the balls, each once, in
+/// an order of their own. A node's sphere contains the balls below it; nodes are divided where their balls' centers lie
+/// farthest apart.
+///
+/// branching: 2…64. After: validate() finds nothing. Cost: O(n log² n). The same bits everywhere. Throws
+/// std::invalid_argument for no balls, for more than the levels up to max_depth hold (16 million at branching 8), and
+/// for numbers that are not finite, negative radii, and balls so large that no sphere around them is finite.
+SphereTree tree_from_spheres(std::span<const Sphere> balls, std::uint32_t branching = 8);
+
+// Nesting: every sphere contains its children's spheres, for engines that prune that way.
+
+/// The certificate of nesting.
+struct [[nodiscard]] Nesting {
+  bool nested = true;
+  std::size_t outside = 0;  ///< spheres that stick out of their parent's
+  double worst_excess = 0;  ///< largest |c - c'| + r' - r of those asked, rounded; at most 0 exactly when nested
+  std::uint32_t worst_node = no_node;  ///< the child
+};
+
+/// Does every sphere contain its children's? Exact: the answer is that of the real numbers, for all finite ones.
+///
+/// spheres: one per node of the tree, at rest or moved; radii at least 0. A number that is not finite counts as
+/// outside. parents: one flag per node, which of them to ask; all where there are none. Cost: linear in nodes. Throws
+/// std::invalid_argument for another number of spheres or flags.
+Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
+                        std::span<const std::uint8_t> parents = {});
+
+/// Makes inner spheres contain their children's, from the deepest level up, and sets tree.nested.
+///
+/// Leaves stay as they are. A sphere that contains its children's stays, unless the smallest sphere around these is
+/// smaller; any other becomes the smaller of {same center, larger radius} and {smallest sphere around the children's},
+/// with radii rounded up. So what a node's leaves contain its sphere contains: a tree that covers still does, with the
+/// pads that certify() asks for. Throws std::invalid_argument, and changes nothing, for a tree that fails validate(),
+/// or when no sphere around some children is finite.
+void make_nested(SphereTree& tree);
 
 }  // namespace morula

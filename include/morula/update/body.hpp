@@ -21,31 +21,6 @@ namespace detail {
 struct FittedBody;
 }
 
-/// Refused, or the work done: the same on every run; all 0 when nothing was changed.
-struct [[nodiscard]] UpdateStatus : Status {
-  std::size_t nodes_updated = 0;
-  std::size_t vertices_read = 0;  ///< 0 when no level looks at points
-  std::size_t cut_points_moved = 0;
-  std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
-};
-
-/// A status of a fault. index: of the vertex, coordinate or bone it is about.
-inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
-  UpdateStatus status;
-  status.code = code;
-  status.index = index;
-  return status;
-}
-
-/// Degenerate cases met when the body was made.
-struct BindReport {
-  std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
-  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
-  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
-  std::size_t carried_centers = 0;  ///< centers far outside the hull of their anchors: the remainder turns with these
-  std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
-};
-
 /// Reads positions, writes spheres, nothing else. A value: copies are independent.
 /// Every update starts from the rest state, so the result depends only
 /// on the positions: back at rest the spheres are those of rest, bit for bit.
@@ -196,5 +171,19 @@ class Body {
 
   std::shared_ptr<State> state_;  // shared with the colliders
 };
+
+/// True when some level promises cover.
+bool any_promises_cover(const Body& body);
+
+/// certify() of the body's current spheres at these positions, over the levels whose rules promise cover.
+Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& positions,
+                                    Workers& workers = serial_workers());
+
+/// True when the nodes of some inner level promise to contain their children's spheres: those of the rule `wrapped`.
+bool any_promises_nesting(const Body& body);
+
+/// certify_nesting() of the body's current spheres below the nodes that promise to contain their children's, both about
+/// its origin and in mesh coordinates.
+Nesting certify_promised_nesting(const Body& body);
 
 }  // namespace morula

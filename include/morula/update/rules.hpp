@@ -1,14 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The update rules, as plain values, and what the paper leaves open about them.
+// The update rules, as plain values, what the paper leaves open about them, and what making and moving a body reports.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <morula/geometry/status.hpp>
 #include <morula/update/modes.hpp>
 #include <morula/update/skin.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -107,5 +109,35 @@ struct UpdateOptions {
 bool covers(const UpdateOptions& options);
 /// Do levels that follow this rule, among those of the options?
 bool covers(const UpdateOptions& options, Rule rule);
+
+/// Refused, or the work done: the same on every run; all 0 when nothing was changed.
+struct [[nodiscard]] UpdateStatus : Status {
+  std::size_t nodes_updated = 0;
+  std::size_t vertices_read = 0;  ///< 0 when no level looks at points
+  std::size_t cut_points_moved = 0;
+  std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
+};
+
+/// A status of a fault. index: of the vertex, coordinate or bone it is about.
+inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
+  UpdateStatus status;
+  status.code = code;
+  status.index = index;
+  return status;
+}
+
+/// Degenerate cases met when the body was made.
+struct BindReport {
+  std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
+  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
+  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
+  std::size_t carried_centers = 0;  ///< centers far outside the hull of their anchors: the remainder turns with these
+  std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
+};
+
+/// The rule of a level: the last one serves all deeper levels.
+Rule rule_of_level(std::span<const Rule> rules, std::size_t level);
+/// "exact", or "exact on levels 0-1, approach2 on levels 2-3" when levels differ.
+std::string describe_rules(std::span<const Rule> rules, std::size_t level_count);
 
 }  // namespace morula

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sphere trees.
 #include <morula/morula.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <utility>
 
 #include "faults.hpp"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bodies whose spheres follow their vertices, modes or bones.
 #include <morula/morula.hpp>
-#include <morula/update/rule_levels.hpp>
+#include <morula/update/body.hpp>
 #include <optional>
 #include <string_view>
 #include <utility>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Update rules, and what an update and a binding report.
 #include <morula/morula.hpp>
-#include <morula/update/rule_levels.hpp>
+#include <morula/update/body.hpp>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <map>
 #include <morula/collide/convex_hull.hpp>
-#include <morula/geometry/nearest_rotation.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <string>

@@ -3,7 +3,7 @@
 #include "generators/driver/driver.hpp"
 
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 
 namespace morula::detail {
 namespace {

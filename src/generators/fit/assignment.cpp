@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "generators/fit/assignment.hpp"
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 
 namespace morula::detail {
 

@@ -18,7 +18,7 @@
 // Each type states its invariant, and has one place where it changes; no cache is invalidated from outside.
 #pragma once
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <span>
 #include <vector>
 

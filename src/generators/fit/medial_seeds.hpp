@@ -3,7 +3,7 @@
 // Medial seeds: the few inscribed balls that need to grow least to contain a group's points.
 #pragma once
 
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 
 #include "generators/fit/child_fit.hpp"
 

@@ -97,6 +97,30 @@ ObjectLines::Axis ObjectLines::trace(const Mesh& mesh, const std::vector<Vec3>& 
   return result;
 }
 
+// Sums of three numbers a block, each spread twice over the block's neighbors along every axis.
+static void spread_to_neighbors(std::vector<float>& sums, const std::array<std::size_t, 3>& step,
+                                const std::array<int, 3>& block_count) {
+  std::vector<float> spread(sums.size());
+  // Each block and its two neighbors along an axis: numbers `apart` before and after in a row of the block's own.
+  for (int pass = 0; pass < 2; ++pass)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count[axis]);
+      for (std::size_t begin = 0; begin < sums.size(); begin += row) {
+        const float* const from = sums.data() + begin;
+        float* const to = spread.data() + begin;
+        if (row == apart) {
+          std::copy_n(from, row, to);
+          continue;
+        }
+        const std::size_t last = row - apart;
+        for (std::size_t i = 0; i < apart; ++i) to[i] = from[i] + from[i + apart];
+        for (std::size_t i = apart; i < last; ++i) to[i] = from[i] + from[i - apart] + from[i + apart];
+        for (std::size_t i = last; i < row; ++i) to[i] = from[i] + from[i - apart];
+      }
+      sums.swap(spread);
+    }
+}
+
 // Normals where lines cross the surface, spread over neighboring blocks.
 void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
   constexpr int most_blocks = 64;
@@ -107,7 +131,7 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
       1, static_cast<std::size_t>(block_count_[0]),
       static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
   const std::size_t blocks = step[2] * static_cast<std::size_t>(block_count_[2]);
-  std::vector<float> sums(3 * blocks, 0.0F), spread(3 * blocks);
+  std::vector<float> sums(3 * blocks, 0.0F);
   // Squares of a facet's unit normal: most facets are crossed many times. Those without area have none.
   constexpr float not_known = -1;
   std::vector<std::array<float, 3>> squares(mesh.facet_count(), {not_known, 0, 0});
@@ -137,24 +161,7 @@ void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
         }
       }
   }
-  // Each block and its two neighbors along an axis: numbers `apart` before and after in a row of the block's own.
-  for (int pass = 0; pass < 2; ++pass)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count_[axis]);
-      for (std::size_t begin = 0; begin < sums.size(); begin += row) {
-        const float* const from = sums.data() + begin;
-        float* const to = spread.data() + begin;
-        if (row == apart) {
-          std::copy_n(from, row, to);
-          continue;
-        }
-        const std::size_t last = row - apart;
-        for (std::size_t i = 0; i < apart; ++i) to[i] = from[i] + from[i + apart];
-        for (std::size_t i = apart; i < last; ++i) to[i] = from[i] + from[i - apart] + from[i + apart];
-        for (std::size_t i = last; i < row; ++i) to[i] = from[i] + from[i - apart];
-      }
-      sums.swap(spread);
-    }
+  spread_to_neighbors(sums, step, block_count_);
   weights_.resize(blocks);
   for (std::size_t i = 0; i < blocks; ++i) {
     const float *const w = &sums[3 * i], sum = w[0] + w[1] + w[2];

@@ -99,20 +99,27 @@ void OutsideGrid::each_line(std::size_t axis, const Vec3f& center, float radius,
   });
 }
 
+// Eight bytes of a row as one number.
+constexpr std::size_t eight = sizeof(std::uint64_t);
+static std::uint64_t load(const std::uint8_t* from) {
+  std::uint64_t bytes;
+  std::memcpy(&bytes, from, eight);
+  return bytes;
+}
+static void store(std::uint64_t bytes, std::uint8_t* to) {
+  std::memcpy(to, &bytes, eight);
+}
+// A one in each byte that is not zero.
+static std::uint64_t not_zero(std::uint64_t bytes) {
+  constexpr std::uint64_t seven_bits = 0x7f7f7f7f7f7f7f7fU, ones = 0x0101010101010101U;
+  return (bytes | ((bytes & seven_bits) + seven_bits)) >> 7 & ones;
+}
+
 // Eight cells of a row at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the
 // next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells
 // turns from no ball to some or back, and has space there to count. Of balls that share most of theirs, few lines turn.
 void OutsideGrid::change(const Spheref& ball, int by) {
-  constexpr std::size_t eight = sizeof(std::uint64_t);
-  constexpr std::uint64_t seven_bits = 0x7f7f7f7f7f7f7f7fU, ones = 0x0101010101010101U;
   static constexpr std::array<std::uint8_t, 2 * eight> first_ones{1, 1, 1, 1, 1, 1, 1, 1};
-  const auto not_zero = [](std::uint64_t bytes) { return (bytes | ((bytes & seven_bits) + seven_bits)) >> 7 & ones; };
-  const auto load = [](const std::uint8_t* from) {
-    std::uint64_t bytes;
-    std::memcpy(&bytes, from, eight);
-    return bytes;
-  };
-  const auto store = [](std::uint64_t bytes, std::uint8_t* to) { std::memcpy(to, &bytes, eight); };
   const std::size_t nx = at(count_[0]), ny = at(count_[1]), nz = at(count_[2]);
   const auto each_x = [&](std::uint8_t* turned, const auto& visit) {
     for (std::size_t x = 0; x < nx; x += eight) {

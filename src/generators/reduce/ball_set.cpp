@@ -89,18 +89,13 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
   return pairs;
 }
 
-double grown_radius(GrowBy grow_by, double distance, double s) {
-  return grow_by == GrowBy::protrusion ? std::max(0.0, s - distance)
-                                       : std::sqrt(std::max(0.0, s - distance * std::abs(distance)));
-}
-
 double signed_distance(const SignedDistance& shape, const Vec3& p, std::span<const Vec3> samples) {
   double least = infinity;
   for (const Vec3& sample : samples) least = std::min(least, squared_distance(p, sample));
   return shape.at(p, std::sqrt(least)).distance;
 }
 
-std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> spheres, std::span<const double> distances,
+std::vector<Sphere> equally_grown(std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples) {
   if (spheres.empty()) return {};
   double needed = -infinity;
@@ -109,7 +104,7 @@ std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> sphere
     std::size_t first = 0;
     double least = infinity;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-      const double s = growth_to_contain(grow_by, distances[i], distance(p, spheres[i].center));
+      const double s = growth_to_contain(distances[i], distance(p, spheres[i].center));
       if (s < least) least = s, first = i;
     }
     used[first] = true;
@@ -117,7 +112,8 @@ std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> sphere
   }
   std::vector<Sphere> result;
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    if (used[i]) result.push_back({spheres[i].center, grown_radius(grow_by, distances[i], needed)});
+    if (used[i])
+      result.push_back({spheres[i].center, std::sqrt(std::max(0.0, needed - distances[i] * std::abs(distances[i])))});
   return result;
 }
 

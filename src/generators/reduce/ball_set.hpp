@@ -56,21 +56,17 @@ struct BallPair {
 };
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 
-/// How balls grow out of the object, from the largest that fits about their center.
-enum class GrowBy {
-  protrusion,  ///< equally far: r = s − φ(c), so of all radii that contain the samples the worst protrusion is least
-  power,       ///< by equal power: r² = s − φ(c)·|φ(c)|, so balls of all sizes come to touch equally large spots
-};
-/// The s from which on a ball with its center `distance` from the object contains a point `away` from the center.
-inline double growth_to_contain(GrowBy grow_by, double distance, double away) {
-  return grow_by == GrowBy::protrusion ? away + distance : away * away + distance * std::abs(distance);
+/// Balls grow out of the object by equal power, r² = s − φ(c)·|φ(c)|, so that balls of all sizes come to touch equally
+/// large spots. The s from which on a ball with its center `distance` from the object contains a point `away` from the
+/// center.
+inline double growth_to_contain(double distance, double away) {
+  return away * away + distance * std::abs(distance);
 }
-double grown_radius(GrowBy grow_by, double distance, double s);
 
 /// The spheres' centers with the radii of the least growth at which they contain all samples together: by power, such
 /// spheres relieve one another, because one that could reach further takes samples off one that sticks out more. Those
 /// that no sample needs are left out. distances: signed ones of the centers.
-std::vector<Sphere> equally_grown(GrowBy grow_by, std::span<const Sphere> spheres, std::span<const double> distances,
+std::vector<Sphere> equally_grown(std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples);
 
 /// Of p to the object, whose surface the samples lie on; asked for no farther than they are away.
@@ -94,6 +90,6 @@ Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& s
 Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
 /// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.
-std::vector<Sphere> expand(const BallSet& set, std::size_t branching, GrowBy grow_by);
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching);
 
 }  // namespace morula::detail

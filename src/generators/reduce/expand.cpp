@@ -21,11 +21,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class Expansion {
  public:
-  Expansion(const BallSet& set, std::size_t branching, GrowBy grow_by)
-      : set_(set), branching_(branching), grow_by_(grow_by), sample_count_(set.samples().size()) {
+  Expansion(const BallSet& set, std::size_t branching)
+      : set_(set), branching_(branching), sample_count_(set.samples().size()) {
     table_.reserve(set.size() * sample_count_);
     for (std::size_t i = 0; i < set.size(); ++i)
-      for (const double away : set.to_samples(i)) table_.push_back(growth_to_contain(grow_by, set.distance(i), away));
+      for (const double away : set.to_samples(i)) table_.push_back(growth_to_contain(set.distance(i), away));
   }
 
   std::vector<Sphere> run() {
@@ -155,12 +155,11 @@ class Expansion {
       balls.push_back(set_.ball(c));
       distances.push_back(set_.distance(c));
     }
-    return equally_grown(grow_by_, balls, distances, set_.samples());
+    return equally_grown(balls, distances, set_.samples());
   }
 
   const BallSet& set_;
   std::size_t branching_;
-  GrowBy grow_by_;
   std::size_t sample_count_;
   std::vector<double> table_;  // one row per ball
   double high_ = infinity;     // what `chosen_` needs
@@ -171,8 +170,8 @@ class Expansion {
 
 }  // namespace
 
-std::vector<Sphere> expand(const BallSet& set, std::size_t branching, GrowBy grow_by) {
-  return Expansion(set, branching, grow_by).run();
+std::vector<Sphere> expand(const BallSet& set, std::size_t branching) {
+  return Expansion(set, branching).run();
 }
 
 }  // namespace morula::detail

@@ -80,7 +80,7 @@ class Hubbard {
     Reduced result;
     for (const Group& g : groups_)
       if (g.alive) result.balls.push_back(g.ball), result.distances.push_back(node_.shape.distance()(g.ball.center));
-    return equally_grown(GrowBy::power, result.balls, result.distances, node_.samples);
+    return equally_grown(result.balls, result.distances, node_.samples);
   }
 
  private:

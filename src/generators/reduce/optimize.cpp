@@ -233,7 +233,7 @@ void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer,
   // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
   std::vector<double> distances;
   for (const Share& s : shares) distances.push_back(s.distance);
-  proposal.spheres = equally_grown(GrowBy::power, Optimization::spheres_of(shares), distances, node.samples);
+  proposal.spheres = equally_grown(Optimization::spheres_of(shares), distances, node.samples);
 }
 
 }  // namespace morula::detail

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 
 namespace morula::detail {
 namespace {

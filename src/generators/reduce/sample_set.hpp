@@ -35,12 +35,6 @@ class SampleSet {
       if (w != 0) return false;
     return true;
   }
-  /// How many members are not in `other`.
-  std::size_t size_without(const SampleSet& other) const {
-    std::size_t n = 0;
-    for (std::size_t w = 0; w < words_.size(); ++w) n += bit_count(words_[w] & ~other.words_[w]);
-    return n;
-  }
   SampleSet& operator|=(const SampleSet& other) {
     for (std::size_t w = 0; w < words_.size(); ++w) words_[w] |= other.words_[w];
     return *this;

@@ -224,7 +224,7 @@ Proposals propose_spawn(const ReducerInput& node) {
   if (laid.empty()) return {};
   std::vector<double> distances;
   for (const Sphere& s : laid) distances.push_back(node.shape.distance()(s.center));
-  return {{"spawn", equally_grown(GrowBy::power, laid, distances, node.samples)}};
+  return {{"spawn", equally_grown(laid, distances, node.samples)}};
 }
 
 }  // namespace morula::detail

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/scale.hpp>
 #include <vector>
 

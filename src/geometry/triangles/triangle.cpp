@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <optional>
 
 namespace morula {

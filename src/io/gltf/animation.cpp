@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 
 #include "parallel/interruption.hpp"
 

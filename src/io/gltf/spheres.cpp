@@ -5,8 +5,8 @@
 #include <limits>
 #include <map>
 #include <morula/geometry/mesh.hpp>
-#include <morula/io/gltf_spheres.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <stdexcept>
 
@@ -89,13 +89,10 @@ void store_vector(std::string& bytes, const Vec3& v) {
   for (int axis = 0; axis < 3; ++axis) store(bytes, static_cast<float>(v[axis]));
 }
 
-}  // namespace
-}  // namespace detail
+constexpr std::uint64_t most_bytes = std::uint64_t{1} << 31;
 
-using namespace detail;
-
-void write_gltf_spheres(const std::filesystem::path& path, std::span<const std::vector<Sphere>> frames,
-                        double frames_per_second) {
+void require_writable(const std::filesystem::path& path, std::span<const std::vector<Sphere>> frames,
+                      double frames_per_second) {
   if (frames.empty() || frames[0].empty()) throw std::invalid_argument("there are no spheres to write");
   if (!(frames_per_second > 0 && std::isfinite(frames_per_second)))
     throw std::invalid_argument("frames_per_second is not above 0");
@@ -107,11 +104,69 @@ void write_gltf_spheres(const std::filesystem::path& path, std::span<const std::
           !is_finite(s.center))
         throw std::invalid_argument("a sphere has a number that no float holds");
   }
-  constexpr std::uint64_t most = std::uint64_t{1} << 31;
-  if (frames.size() > most / (24 * std::uint64_t{count} + 4))
+  if (frames.size() > most_bytes / (24 * std::uint64_t{count} + 4))
     throw FileError(path.string() + ": " + std::to_string(frames.size()) + " frames of " + std::to_string(count) +
                     " spheres do not fit into 2 GiB; write fewer frames, or a coarser level");
+}
 
+/// Of all spheres, as JSON: their nodes, and what moves these where there are several frames.
+struct Nodes {
+  std::string nodes, roots, samplers, channels;
+};
+
+Nodes add_nodes(Chunk& chunk, std::span<const std::vector<Sphere>> frames, double frames_per_second) {
+  Nodes made;
+  std::size_t times = 0;
+  const bool moves = frames.size() > 1;
+  if (moves) {
+    const std::array last{static_cast<double>(frames.size() - 1) / frames_per_second};
+    times = chunk.begin(frames.size(), "SCALAR", float_type, ",\"min\":[0],\"max\":" + numbers(last));
+    for (std::size_t f = 0; f < frames.size(); ++f)
+      store(chunk.bytes, static_cast<float>(static_cast<double>(f) / frames_per_second));
+  }
+  for (std::size_t i = 0; i < frames[0].size(); ++i) {
+    const Sphere& s = frames[0][i];
+    const std::string comma = i == 0 ? "" : ",";
+    made.nodes += comma + "{\"name\":\"sphere " + std::to_string(i) +
+                  "\",\"mesh\":0,\"translation\":" + numbers(std::array{s.center.x, s.center.y, s.center.z}) +
+                  ",\"scale\":" + numbers(std::array{s.radius, s.radius, s.radius}) + "}";
+    made.roots += comma + std::to_string(i);
+    if (!moves) continue;
+    const auto animate = [&](const char* what, std::size_t sampler, const auto& value) {
+      const std::size_t output = chunk.begin(frames.size(), "VEC3", float_type);
+      for (const std::vector<Sphere>& frame : frames) store_vector(chunk.bytes, value(frame[i]));
+      made.samplers += (sampler == 0 ? "" : ",") + std::string("{\"input\":") + std::to_string(times) +
+                       ",\"output\":" + std::to_string(output) + ",\"interpolation\":\"LINEAR\"}";
+      made.channels += (sampler == 0 ? "" : ",") + std::string("{\"sampler\":") + std::to_string(sampler) +
+                       ",\"target\":{\"node\":" + std::to_string(i) + ",\"path\":\"" + what + "\"}}";
+    };
+    animate("translation", 2 * i, [](const Sphere& sphere) { return sphere.center; });
+    animate("scale", 2 * i + 1, [](const Sphere& sphere) { return Vec3{sphere.radius, sphere.radius, sphere.radius}; });
+  }
+  return made;
+}
+
+/// A .glb of two chunks. Throws FileError where it would be too large.
+std::string glb(const std::filesystem::path& path, const std::string& json, const std::string& binary) {
+  const std::uint64_t size = 12 + 8 + json.size() + 8 + binary.size();
+  if (size > most_bytes) throw FileError(path.string() + ": would be larger than 2 GiB; write fewer frames");
+  std::string file = "glTF";
+  store(file, std::uint32_t{2});
+  store(file, static_cast<std::uint32_t>(size));
+  store(file, static_cast<std::uint32_t>(json.size()));
+  file += "JSON" + json;
+  store(file, static_cast<std::uint32_t>(binary.size()));
+  return file + std::string("BIN\0", 4) + binary;
+}
+
+}  // namespace
+}  // namespace detail
+
+using namespace detail;
+
+void write_gltf_spheres(const std::filesystem::path& path, std::span<const std::vector<Sphere>> frames,
+                        double frames_per_second) {
+  require_writable(path, frames, frames_per_second);
   Chunk chunk;
   const Mesh ball = unit_ball();
   const std::size_t positions =
@@ -121,58 +176,22 @@ void write_gltf_spheres(const std::filesystem::path& path, std::span<const std::
   for (const Facet& f : ball.facets)
     for (const std::uint32_t v : f) store(chunk.bytes, static_cast<std::uint16_t>(v));
 
-  std::string nodes, roots, samplers, channels;
-  std::size_t times = 0;
-  const bool moves = frames.size() > 1;
-  if (moves) {
-    const std::array last{static_cast<double>(frames.size() - 1) / frames_per_second};
-    times = chunk.begin(frames.size(), "SCALAR", float_type, ",\"min\":[0],\"max\":" + numbers(last));
-    for (std::size_t f = 0; f < frames.size(); ++f)
-      store(chunk.bytes, static_cast<float>(static_cast<double>(f) / frames_per_second));
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Sphere& s = frames[0][i];
-    const std::string comma = i == 0 ? "" : ",";
-    nodes += comma + "{\"name\":\"sphere " + std::to_string(i) +
-             "\",\"mesh\":0,\"translation\":" + numbers(std::array{s.center.x, s.center.y, s.center.z}) +
-             ",\"scale\":" + numbers(std::array{s.radius, s.radius, s.radius}) + "}";
-    roots += comma + std::to_string(i);
-    if (!moves) continue;
-    const auto animate = [&](const char* what, std::size_t sampler, const auto& value) {
-      const std::size_t output = chunk.begin(frames.size(), "VEC3", float_type);
-      for (const std::vector<Sphere>& frame : frames) store_vector(chunk.bytes, value(frame[i]));
-      samplers += (sampler == 0 ? "" : ",") + std::string("{\"input\":") + std::to_string(times) +
-                  ",\"output\":" + std::to_string(output) + ",\"interpolation\":\"LINEAR\"}";
-      channels += (sampler == 0 ? "" : ",") + std::string("{\"sampler\":") + std::to_string(sampler) +
-                  ",\"target\":{\"node\":" + std::to_string(i) + ",\"path\":\"" + what + "\"}}";
-    };
-    animate("translation", 2 * i, [](const Sphere& sphere) { return sphere.center; });
-    animate("scale", 2 * i + 1, [](const Sphere& sphere) { return Vec3{sphere.radius, sphere.radius, sphere.radius}; });
-  }
+  const Nodes made = add_nodes(chunk, frames, frames_per_second);
   chunk.bytes.resize((chunk.bytes.size() + 3) / 4 * 4, '\0');
 
   std::string json =
-      "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Morula\"},\"scene\":0,\"scenes\":[{\"nodes\":[" + roots +
-      "]}],\"nodes\":[" + nodes +
+      "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Morula\"},\"scene\":0,\"scenes\":[{\"nodes\":[" + made.roots +
+      "]}],\"nodes\":[" + made.nodes +
       "],\"meshes\":[{\"name\":\"ball\",\"primitives\":[{\"attributes\":{\"POSITION\":" + std::to_string(positions) +
       ",\"NORMAL\":" + std::to_string(positions) + "},\"indices\":" + std::to_string(indices) + "}]}],";
-  if (moves) {
-    json += "\"animations\":[{\"name\":\"motion\",\"samplers\":[" + samplers + "],\"channels\":[" + channels + "]}],";
-  }
+  if (frames.size() > 1)
+    json += "\"animations\":[{\"name\":\"motion\",\"samplers\":[" + made.samplers + "],\"channels\":[" + made.channels +
+            "]}],";
   json += "\"accessors\":[" + chunk.accessors() +
           "],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":" + std::to_string(chunk.bytes.size()) +
           "}],\"buffers\":[{\"byteLength\":" + std::to_string(chunk.bytes.size()) + "}]}";
   json.resize((json.size() + 3) / 4 * 4, ' ');
-  const std::uint64_t size = 12 + 8 + json.size() + 8 + chunk.bytes.size();
-  if (size > most) throw FileError(path.string() + ": would be larger than 2 GiB; write fewer frames");
-  std::string file = "glTF";
-  store(file, std::uint32_t{2});
-  store(file, static_cast<std::uint32_t>(size));
-  store(file, static_cast<std::uint32_t>(json.size()));
-  file += "JSON" + json;
-  store(file, static_cast<std::uint32_t>(chunk.bytes.size()));
-  file += std::string("BIN\0", 4) + chunk.bytes;
-  write_whole(path, file);
+  write_whole(path, glb(path, json, chunk.bytes));
 }
 
 }  // namespace morula

@@ -28,7 +28,6 @@ class CellSurface {
  public:
   /// corners: of one cell, indices of points that are there.
   void add(CellType type, std::span<const std::uint32_t> corners);
-  bool has_solids() const { return !solids_.empty(); }
   /// Of solids, the faces that only one of them has, outward, in the order of the solids; polygons and strips beside
   /// them lie on their faces, or are left out and counted. Without solids, all polygons and strips. Vertices keep their
   /// numbers.

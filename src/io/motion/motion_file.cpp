@@ -5,9 +5,8 @@
 #include <cassert>
 #include <cerrno>
 #include <charconv>
-#include <morula/io/frame_files.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/motion_file.hpp>
-#include <morula/io/system_file_error.hpp>
 #include <set>
 
 #include "io/array/stored_zip.hpp"

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "geometry/hash.hpp"
-#include "io/array/array_table.hpp"
 #include "io/byte_reader.hpp"
 #include "io/json_checks.hpp"
 #include "io/tree/formats.hpp"
@@ -14,6 +18,100 @@
 
 namespace morula::detail {
 namespace {
+
+// Named arrays of numbers in one run of bytes, with a JSON table of what is where: the body of native files.
+class ArrayWriter {
+ public:
+  // values.size() must be a multiple of width, the numbers of a row.
+  void add(const std::string& name, std::size_t width, std::span<const std::uint32_t> values);
+  void add(const std::string& name, std::size_t width, std::span<const double> values);
+
+  const nlohmann::ordered_json& table() const { return table_; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  template <class Value>
+  void add_values(const std::string& name, const char* type, std::size_t width, std::span<const Value> values);
+
+  nlohmann::ordered_json table_ = nlohmann::ordered_json::array();
+  std::string bytes_;
+};
+
+// Throws FileError for arrays that are missing, have another type or width, or do not lie inside the bytes.
+class ArrayReader {
+ public:
+  ArrayReader(const JsonFile& file, const nlohmann::json& table, std::string_view bytes)
+      : file_(file), table_(table), bytes_(bytes) {}
+  std::vector<std::uint32_t> indices(const std::string& name, std::size_t width) const;
+  std::vector<double> numbers(const std::string& name, std::size_t width) const;
+
+ private:
+  template <class Value>
+  std::vector<Value> values(const std::string& name, const char* type, std::size_t width) const;
+
+  const JsonFile& file_;
+  const nlohmann::json& table_;
+  std::string_view bytes_;
+};
+
+void ArrayWriter::add(const std::string& name, std::size_t width, std::span<const std::uint32_t> values) {
+  add_values(name, "uint32", width, values);
+}
+
+void ArrayWriter::add(const std::string& name, std::size_t width, std::span<const double> values) {
+  add_values(name, "float64", width, values);
+}
+
+template <class Value>
+void ArrayWriter::add_values(const std::string& name, const char* type, std::size_t width,
+                             std::span<const Value> values) {
+  // Multiples of 8, so that a program that maps the file can use the arrays where they are.
+  bytes_.resize((bytes_.size() + 7) / 8 * 8);
+  nlohmann::ordered_json entry;
+  entry["name"] = name;
+  entry["type"] = type;
+  entry["width"] = width;
+  entry["rows"] = values.size() / width;
+  entry["offset"] = bytes_.size();
+  table_.push_back(std::move(entry));
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const Value value : values) {
+    ask_now_and_then();
+    store(bytes_, value);
+  }
+}
+
+std::vector<std::uint32_t> ArrayReader::indices(const std::string& name, std::size_t width) const {
+  return values<std::uint32_t>(name, "uint32", width);
+}
+
+std::vector<double> ArrayReader::numbers(const std::string& name, std::size_t width) const {
+  return values<double>(name, "float64", width);
+}
+
+template <class Value>
+std::vector<Value> ArrayReader::values(const std::string& name, const char* type, std::size_t width) const {
+  const std::string label = "array " + name;
+  if (!table_.is_array()) file_.fail("the table of arrays is not a list");
+  for (const nlohmann::json& entry : table_) {
+    if (file_.member(entry, "name", "an array") != name) continue;
+    if (file_.member(entry, "type", label) != type || file_.unsigned_member(entry, "width", label) != width)
+      file_.fail(label + " is not of type " + type + " and width " + std::to_string(width));
+    const std::uint64_t rows = file_.unsigned_member(entry, "rows", label);
+    const std::uint64_t offset = file_.unsigned_member(entry, "offset", label);
+    // Divided, not multiplied: no number overflows.
+    if (offset > bytes_.size() || rows > (bytes_.size() - offset) / (width * sizeof(Value)))
+      file_.fail(label + " reaches past the end of the file");
+    std::vector<Value> values(rows * width);
+    AskNowAndThen ask_now_and_then(1u << 16);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      ask_now_and_then();
+      values[i] = load<Value>(bytes_.data() + offset + i * sizeof(Value));
+    }
+    return values;
+  }
+  file_.fail(label + " is missing");
+}
 
 // magic, version (uint32), length of the JSON header (uint32), size of the file (uint64), header, arrays, checksum.
 // The magic's line end is destroyed by programs that take the file for text.

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cerrno>
+#include <morula/io/files.hpp>
 #include <morula/io/spheres_file.hpp>
-#include <morula/io/system_file_error.hpp>
-#include <morula/tree/nesting.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 
 #include "io/array/npy.hpp"

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cerrno>
 #include <morula/geometry/scale.hpp>
-#include <morula/io/system_file_error.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/tree_file.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 
 #include "io/mesh/formats.hpp"

@@ -147,6 +147,21 @@ LeafOrder depth_first_leaves(const SphereTree& tree) {
   return order;
 }
 
+// Cut points of leaf after leaf join the vertices that the leaves own.
+static void add_cuts(std::span<const std::uint32_t> cuts, std::span<const std::uint32_t> cut_begin,
+                     Ownership& ownership) {
+  std::vector<std::uint32_t> merged, merged_begin{0};
+  for (std::size_t k = 0; k + 1 < cut_begin.size(); ++k) {
+    const auto owned = ownership.of_leaf(k);
+    merged.insert(merged.end(), owned.begin(), owned.end());
+    merged.insert(merged.end(), cuts.begin() + cut_begin[k], cuts.begin() + cut_begin[k + 1]);
+    std::sort(merged.begin() + merged_begin.back(), merged.end());
+    merged_begin.push_back(static_cast<std::uint32_t>(merged.size()));
+  }
+  ownership.points = std::move(merged);
+  ownership.begin = std::move(merged_begin);
+}
+
 Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   constexpr std::uint32_t none = 0xffffffffu;
@@ -197,16 +212,8 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
     for (const std::uint32_t c : cuts) give_number(c);
   }
 
-  std::vector<std::uint32_t> merged, merged_begin{0};
-  for (std::size_t k = 0; k < order.leaves.size(); ++k) {
-    const auto owned = result.of_leaf(k);
-    merged.insert(merged.end(), owned.begin(), owned.end());
-    for (std::uint32_t i = cut_begin[k]; i < cut_begin[k + 1]; ++i) merged.push_back(number[cuts[i]]);
-    std::sort(merged.begin() + merged_begin.back(), merged.end());
-    merged_begin.push_back(static_cast<std::uint32_t>(merged.size()));
-  }
-  result.points = std::move(merged);
-  result.begin = std::move(merged_begin);
+  for (std::uint32_t& c : cuts) c = number[c];
+  add_cuts(cuts, cut_begin, result);
   return result;
 }
 

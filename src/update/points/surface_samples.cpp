@@ -8,8 +8,8 @@
 #include <limits>
 #include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sampling.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <numbers>
 #include <numeric>
 #include <span>

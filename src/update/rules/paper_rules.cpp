@@ -6,14 +6,70 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <morula/query/triangle_bvh.hpp>
+#include <morula/tree/sphere_tree.hpp>
+#include <vector>
 
 #include "parallel/interruption.hpp"
 #include "update/points/kernels.hpp"
 #include "update/rules/engine_table.hpp"
-#include "update/rules/link.hpp"
 
 namespace morula::detail {
 namespace {
+
+// The paper's links: which vertices a sphere looks at [garcia2005, sec. 3.1].
+struct Links {
+  std::vector<std::uint32_t> vertices;  // of the mesh, ascending, each once; never empty
+  bool fallback = false;                // nothing was where it was looked for
+};
+
+std::vector<std::uint32_t> vertices_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(3 * facets.size());
+  for (const std::uint32_t f : facets) vertices.insert(vertices.end(), mesh.facets[f].begin(), mesh.facets[f].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+// The three vertices of every facet that meets the closed ball, inside or outside of it; of the nearest facet where
+// none does (fallback).
+Links linked_vertices(const Mesh& mesh, const TriangleBvh& bvh, const Sphere& ball) {
+  std::vector<std::uint32_t> facets;
+  bvh.facets_touching(ball, facets);
+  if (!facets.empty()) return {vertices_of(mesh, facets), false};
+  return {vertices_of(mesh, {bvh.closest_point(ball.center)->facet}), true};
+}
+
+// The vertices inside the closed ball of a node. Where there are none (fallback, a void sphere), those of the nearest
+// facet that meets the ball; where there is none either, what the node's parent has; at the root, the nearest facet's.
+Links enclosed_vertices(const Mesh& mesh, const TriangleBvh& bvh, const SphereTree& tree, std::uint32_t node) {
+  bool fallback = false;
+  std::vector<std::uint32_t> facets;
+  for (;;) {
+    const Sphere& ball = tree.spheres[node];
+    // A vertex inside the ball is part of a facet that meets it.
+    bvh.facets_touching(ball, facets);
+    std::vector<std::uint32_t> vertices = vertices_of(mesh, facets);
+    std::erase_if(vertices,
+                  [&](std::uint32_t v) { return !(distance(mesh.positions[v], ball.center) <= ball.radius); });
+    if (!vertices.empty()) return {std::move(vertices), fallback};
+    fallback = true;
+    if (!facets.empty() || tree.parent[node] == no_node)
+      return {vertices_of(mesh, {bvh.closest_point(ball.center)->facet}), fallback};
+    node = tree.parent[node];
+  }
+}
+
+// A third of each facet's area to each of its vertices, at rest.
+std::vector<double> vertex_areas(const Mesh& mesh) {
+  std::vector<double> areas(mesh.vertex_count());
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+    const double third = area(mesh.corners(f)) / 3;
+    for (const std::uint32_t v : mesh.facets[f]) areas[v] += third;
+  }
+  return areas;
+}
 
 struct FourPoints {
   Float4 x, y, z;

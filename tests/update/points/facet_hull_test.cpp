@@ -9,7 +9,7 @@
 #include <cmath>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh_view.hpp>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/aligned.hpp>
 

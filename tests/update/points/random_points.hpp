@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <vector>
 
 #include "update/points/local_points.hpp"

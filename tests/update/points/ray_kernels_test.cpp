@@ -10,7 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <vector>
 
 #include "simd/processors.hpp"

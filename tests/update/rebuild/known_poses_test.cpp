@@ -10,7 +10,7 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
-#include <morula/tree/renumber.hpp>
+#include <morula/tree/cover.hpp>
 #include <morula/update/known_poses.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>

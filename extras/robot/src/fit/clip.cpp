@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <utility>
 
 namespace morula::robot {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/repair.hpp>
-#include <morula/medial/inner_balls.hpp>
+#include <morula/medial/medial_balls.hpp>
 #include <numeric>
 
 #include "fit/clip.hpp"

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/geometry/random.hpp>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <numbers>
 
 namespace morula::robot {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/robot/robot_tree.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <utility>
 

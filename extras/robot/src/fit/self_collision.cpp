@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <morula/geometry/random.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <mutex>
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <limits>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 
 namespace morula::robot {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/robot/sphere_robot.hpp>
-#include <morula/tree/ball_tree.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <set>
 #include <stdexcept>
 

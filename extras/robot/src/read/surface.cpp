@@ -8,8 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <morula/geometry/box.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/scale.hpp>
-#include <morula/geometry/trigonometry.hpp>
 #include <morula/robot/robot.hpp>
 #include <numbers>
 

@@ -9,9 +9,9 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
-#include <morula/io/system_file_error.hpp>
 
 #include "io/whole_file.hpp"
 

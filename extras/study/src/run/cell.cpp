@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <morula/update/body.hpp>
 #include <morula/update/rebuilt_body.hpp>
-#include <morula/update/rule_levels.hpp>
 #include <stdexcept>
 #include <toolbox/numbers.hpp>
 #include <toolbox/stopwatch.hpp>

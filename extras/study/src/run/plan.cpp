@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <morula/geometry/trigonometry.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/study/plan.hpp>
 #include <numbers>
 #include <toolbox/numbers.hpp>
