@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <morula/accuracy/measure.hpp>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/geometry/triangle.hpp>
-#include <morula/geometry/reproducible.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <span>
 #include <vector>

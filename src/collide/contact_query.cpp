@@ -36,7 +36,7 @@ struct ContactQuery::State {
   using Code = Status::Code;
 
   Status usable() const {
-    const Needs needs{.all_spheres = !options.reach,
+    const Needs needs{.all_spheres = !options.refresh_children,
                       .positions = options.surfaces || options.find_crossings || options.containment};
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
       const ColliderPair& pair = walk.pairs[i];
@@ -113,7 +113,7 @@ struct ContactQuery::State {
   }
 
   void run(const CollideOptions& asked, Workers& workers) {
-    if (!asked.budget.is_unlimited() || asked.reach)
+    if (!asked.budget.is_unlimited() || asked.refresh_children)
       walk.start(asked, false, workers, contacts);
     else
       descend(asked);
@@ -246,7 +246,7 @@ ContactSurface ContactQuery::surface(std::size_t contact) {
                                 std::to_string(s.contacts.contacts.size()));
   const Contact& c = s.contacts.contacts[contact];
   const ColliderPair& pair = s.walk.pairs[c.pair];
-  require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.reach, .positions = true});
+  require_bodies(*pair.a, *pair.b, {.all_spheres = !s.options.refresh_children, .positions = true});
   const ObjectCall own(s, CallKind::begins);
   const PairAsRead read(*pair.a, *pair.b);
   const ContactSurface surface = s.walk.extras.surface_of(s.walk.pairs, c);

@@ -37,7 +37,7 @@ constexpr std::array words{
           "'s last update was refused, so its spheres are those of an older frame: update it first"},
     Words{body_not_complete, Subject::body,
           " was updated lazily, and not all of its nodes have been reached: update it in full, or give "
-          "CollideOptions::reach where a query takes it"},
+          "CollideOptions::refresh_children where a query takes it"},
     Words{no_surface, Subject::body,
           " has spheres alone, and facets are asked for: make its collider with a mesh and a cover"},
     Words{positions_not_current, Subject::body,

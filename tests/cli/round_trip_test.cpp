@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <morula/accuracy/measure.hpp>
-#include <morula/io/spheres_file.hpp>
 #include <morula/io/motion_file.hpp>
+#include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <support/zip.hpp>
 

@@ -367,7 +367,7 @@ TEST_F(TwoBodies, what_cannot_be_reached_stays_unfinished) {
   std::set<std::uint32_t> reached;
   bool all = false;
   CollideOptions options;
-  options.reach = [&](const Collider& collider, std::uint32_t node) {
+  options.refresh_children = [&](const Collider& collider, std::uint32_t node) {
     if (&collider != a.collider.get()) return true;
     reached.insert(node);
     return all || node < tree.level_begin[2];

@@ -281,7 +281,7 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
     const PairJudge pair(a, b, dice);
     options.budget = dice.chance(0.5) ? Budget() : some_budget(dice);
     options.find_crossings = false;
-    options.reach = [&](const Collider& which, std::uint32_t node) {
+    options.refresh_children = [&](const Collider& which, std::uint32_t node) {
       if (&which == &a) first.body().refresh_children(node);
       return true;
     };

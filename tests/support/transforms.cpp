@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
-
 #include "support/transforms.hpp"
+
+#include <cmath>
 
 namespace morula::test {
 

@@ -228,7 +228,7 @@ struct ContactSubject : Subject {
   void set(const Hook& hook, bool short_budget) override {
     CollideOptions next{.surfaces = true, .find_crossings = true, .containment = true};
     if (reaches)
-      next.reach = [hook](const Collider&, std::uint32_t) {
+      next.refresh_children = [hook](const Collider&, std::uint32_t) {
         if (hook) hook();
         return true;
       };
@@ -768,7 +768,7 @@ TEST(MovedDuringCalls, throw_where_there_is_no_status) {
   };
   expect_refused("collide", [&](const Hook& hook) {
     CollideOptions options;
-    options.reach = [&](const Collider&, std::uint32_t) { return hook(), true; };
+    options.refresh_children = [&](const Collider&, std::uint32_t) { return hook(), true; };
     collide(w.a, w.b, options);
   });
   expect_refused("distance", [&](const Hook& hook) {
@@ -805,7 +805,7 @@ TEST(MovedDuringCalls, other_queries_may_read_the_same) {
   World w;
   CrossingQuery other;
   long calls = 0;
-  ContactQuery query({.find_crossings = true, .reach = [&](const Collider&, std::uint32_t) {
+  ContactQuery query({.find_crossings = true, .refresh_children = [&](const Collider&, std::uint32_t) {
                         if (++calls == 5) {
                           EXPECT_TRUE(other.run(w.a, w.b));
                         }
@@ -913,7 +913,7 @@ TEST(EndedFunctions, pass_on_what_callbacks_throw_and_give_the_same_when_they_ar
   each_time([&](const Hook& hook) {
     CollideOptions options{.budget = std::chrono::hours(1), .find_crossings = true};
     options.clock = [&] { return hook(), std::chrono::nanoseconds(0); };
-    options.reach = [&](const Collider&, std::uint32_t) { return hook(), true; };
+    options.refresh_children = [&](const Collider&, std::uint32_t) { return hook(), true; };
     return Numbers{double(collide(w.a, w.b, options).crossings.size())};
   });
   each_time([&](const Hook& hook) {

@@ -152,7 +152,8 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
   fmt::print(
       "Looseness and missed (inside in no sphere: trees cover the surface) are shares of the object's volume;\n"
       "{} in mesh units (diagonal {}).\n",
-      o.no_protrusion ? "uncovered distance is" : "uncovered distance and protrusion (worst, mean) are", figure(report.box.diagonal()));
+      o.no_protrusion ? "uncovered distance is" : "uncovered distance and protrusion (worst, mean) are",
+      figure(report.box.diagonal()));
   if (o.curobo) {
     fmt::print(
         "\ncuRobo's figures, from samples\n{}Covered: share of the interior; outside: share of the spheres' surfaces, "

@@ -118,7 +118,7 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
 
 std::string sampled_table(const std::vector<MeasuredFrame>& frames) {
   const bool several = frames.size() > 1;
-  std::vector<std::string> header{"level", "spheres",  "covered", "outside", "mean",   "p95",
+  std::vector<std::string> header{"level", "spheres",        "covered", "outside", "mean",   "p95",
                                   "max",   "uncovered mean", "p95",     "max",     "volumes"};
   if (several) header.insert(header.begin(), "frame");
   Table table(header, several ? 1 : 0);

@@ -40,7 +40,8 @@ PageJoints page_joints(const Robot& robot, const RobotSpheres& spheres, const Ro
     }
     joints.joints.push_back(std::move(to));
   }
-  for (std::size_t k = 0; k < robot.independent_joints.size(); ++k) joints.joints[place[robot.independent_joints[k]]].rest = rest[k];
+  for (std::size_t k = 0; k < robot.independent_joints.size(); ++k)
+    joints.joints[place[robot.independent_joints[k]]].rest = rest[k];
   for (const IgnoredPair& pair : self_collision.ignored) joints.ignored.push_back({pair.a, pair.b});
   return joints;
 }

@@ -110,7 +110,8 @@ void bind_sphere_robot(nb::module_& m) {
             return Copy<bool, -1>(reinterpret_cast<bool*>(found->data()), {found->size()}, owner);
           },
           nb::arg("values"),
-          "set_joint_values() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. The robot "
+          "set_joint_values() and self_collision() for many configurations, (n, coordinates), in one call: (n,) bool. "
+          "The robot "
           "stays in the last one.")
       .def(
           "collides",

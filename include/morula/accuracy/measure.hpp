@@ -22,8 +22,8 @@ struct [[nodiscard]] Coverage {
   double uncovered_distance = 0;  ///< largest distance of a surface point from the union, attained; 0 when covered
   double uncovered_distance_upper = 0;  ///< proven upper bound of the gap: within relative 1e-6 and twice the tolerance
                                         ///< of it; 0 when covered
-  double tolerance = 0;           ///< rounding allowance of the certificate, mesh units
-  std::uint32_t worst_facet = 0;  ///< where the gap is; among equals the lowest
+  double tolerance = 0;                 ///< rounding allowance of the certificate, mesh units
+  std::uint32_t worst_facet = 0;        ///< where the gap is; among equals the lowest
 };
 
 /// spheres: one level set, at least one sphere. Zero-area facets count for the certificate and the gap, not the area.

@@ -20,9 +20,9 @@ struct [[nodiscard]] ContactStatus : Status {
 /// queue and one budget. A call that is refused changes nothing.
 ///
 /// The result after any call is sound: every crossing lies within a pair of contacts(). An exception of a callback
-/// (reach, clock, executor) leaves the query without contacts and front, and resume() and carry() refused. So does a
-/// callback that moves a body of the query: its call is refused with changed_during_call. A callback that calls the
-/// query itself is refused, by std::invalid_argument where there is no status.
+/// (refresh_children, clock, executor) leaves the query without contacts and front, and resume() and carry() refused.
+/// So does a callback that moves a body of the query: its call is refused with changed_during_call. A callback that
+/// calls the query itself is refused, by std::invalid_argument where there is no status.
 class ContactQuery {
  public:
   /// Throws std::invalid_argument, naming the option, as collide() does.
@@ -44,7 +44,7 @@ class ContactQuery {
   Status warm_up(Workers& workers = serial_workers());
 
   /// All contacts of the pairs as they are now, and no front: the quickest way to a whole answer. Of each pair in turn,
-  /// depth-first, by the nodes of b, then of a. With a budget, or `reach`, as start() finds them.
+  /// depth-first, by the nodes of b, then of a. With a budget, or `refresh_children`, as start() finds them.
   ContactStatus run(Workers& workers = serial_workers());
   /// From the roots, with a front that resume() and carry() go on from.
   ContactStatus start(Workers& workers = serial_workers());
@@ -52,8 +52,9 @@ class ContactQuery {
   ContactStatus resume(Workers& workers = serial_workers());
   /// Begins the next frame with what the front knows: pairs are opened without a test where the bodies have moved less
   /// since they were tested than would change a verdict. The same contacts as by start(), when finished; pairs that
-  /// have separated are dropped with all that was below them, so the front never outgrows a fresh one. With `reach`,
-  /// which may hide what moved, all pairs are tested. Cost besides tests: linear in nodes that moved.
+  /// have separated are dropped with all that was below them, so the front never outgrows a fresh one. With
+  /// `refresh_children`, which may hide what moved, all pairs are tested. Cost besides tests: linear in nodes that
+  /// moved.
   ContactStatus carry(Workers& workers = serial_workers());
 
   /// Of the last call that was not refused.

@@ -7,7 +7,8 @@
 //   const morula::Contacts some = morula::collide(a, b, {.budget = std::chrono::microseconds(200)});
 //   for (const morula::Contact& contact : some.contacts)  // sound, however early the budget ended
 //     if (contact.depth > 0) std::printf("%u %u %g\n", contact.node_a, contact.node_b, contact.depth);
-//   const morula::Contacts crossing = morula::collide(a, b, {.find_crossings = true});  // with the facets that intersect
+//   const morula::Contacts crossing = morula::collide(a, b, {.find_crossings = true});  // with the facets that
+//   intersect
 #pragma once
 
 #include <cstdint>
@@ -80,7 +81,7 @@ struct CollideOptions {
   /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
   /// tested, from the thread of the query, perhaps more than once per node. True: they are current. False: they
   /// cannot be had now, and the pairs that need them stay unfinished. None: everything is current.
-  std::function<bool(const Collider& collider, std::uint32_t node)> reach{};
+  std::function<bool(const Collider& collider, std::uint32_t node)> refresh_children{};
 };
 
 struct [[nodiscard]] Contacts {

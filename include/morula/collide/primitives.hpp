@@ -58,8 +58,8 @@ struct [[nodiscard]] Touch {
   /// first one met.
   std::optional<TouchingFacet> deepest;
   std::vector<TouchingFacet> facets;  ///< with `collect_all`: ascending, each once, each with its own deepest point
-  std::vector<std::uint32_t>
-      leaves;  ///< with `collect_all`: those that own a part of these and whose spheres reach the shape
+  /// With `collect_all`: the leaves that own a part of these and whose spheres reach the shape.
+  std::vector<std::uint32_t> leaves;
   std::size_t sphere_tests = 0, facet_tests = 0;
 };
 

@@ -30,7 +30,7 @@ struct [[nodiscard]] Status {
     bad_transform,  ///< not finite, or so large that the body leaves the range of float; `index`: the lowest bone
     // Bodies that are asked
     body_not_current,       ///< the last update was refused: the spheres are those of an older frame
-    body_not_complete,      ///< a lazy update has left nodes behind, and there is no CollideOptions::reach
+    body_not_complete,      ///< a lazy update has left nodes behind, and there is no CollideOptions::refresh_children
     no_surface,             ///< facets are asked for, and the collider has spheres alone
     positions_not_current,  ///< the spheres have moved, and nobody gave the positions: Collider::set_positions
     transform_too_far,      ///< a translation of 2^200 or more: squares would leave the range of double

@@ -33,7 +33,7 @@ CollideOptions collide_options(std::optional<std::uint32_t> level, double margin
 
 /// Brings nodes of lazily updated bodies up to date as the query comes to them.
 void reach_by(CollideOptions& options, const std::vector<const Side*>& sides) {
-  options.reach = [sides](const Collider& collider, std::uint32_t node) {
+  options.refresh_children = [sides](const Collider& collider, std::uint32_t node) {
     for (const Side* side : sides) {
       if (side->collider.get() != &collider) continue;
       if (Body* body = side->posed->body()) body->refresh_children(node);
@@ -82,7 +82,7 @@ void bind_contact_query(nb::module_& m) {
       {"surfaces", doc::CollideOptions_surfaces},
       {"find_crossings", doc::CollideOptions_find_crossings},
       {"containment", doc::CollideOptions_containment},
-      {"reach", "brings nodes of lazily updated bodies up to date where the query goes"}};
+      {"refresh_children", "brings nodes of lazily updated bodies up to date where the query goes"}};
   nb::enum_<FrontPair::State>(m, "FrontPairState", nb::is_arithmetic(), "What is known of a pair of the cut.")
       .value("separated", FrontPair::State::separated)
       .value("finished", FrontPair::State::finished)
@@ -128,7 +128,7 @@ void bind_contact_query(nb::module_& m) {
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
           nb::arg("priority") = "overlap", nb::arg("surfaces") = false, nb::arg("find_crossings") = false,
-          nb::arg("containment") = false, nb::arg("reach") = false,
+          nb::arg("containment") = false, nb::arg("refresh_children") = false,
           with_arguments(doc::ContactQuery_ContactQuery, arguments).c_str())
       .def(
           "add",
@@ -217,7 +217,7 @@ void bind_contact_query(nb::module_& m) {
       },
       nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0,
       nb::arg("budget") = nb::none(), nb::arg("priority") = "overlap", nb::arg("surfaces") = false,
-      nb::arg("find_crossings") = false, nb::arg("containment") = false, nb::arg("reach") = false,
+      nb::arg("find_crossings") = false, nb::arg("containment") = false, nb::arg("refresh_children") = false,
       (with_arguments(doc::collide, arguments) +
        "\n\nA body may stand in for its collider; making one costs as much as its tree is large.")
           .c_str());

@@ -59,7 +59,7 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
     return static_cast<float>(std::min(farthest * farthest, static_cast<double>(std::numeric_limits<float>::max())));
   };
   if (least > reach()) return;
-  // f(i) for the facets that are within `reach`, of 16 at a time; what fills up repeats the last facet.
+  // f(i) for the facets that are within `refresh_children`, of 16 at a time; what fills up repeats the last facet.
   const auto each_within = [&](float reach_of_all, const auto& f) {
     for (std::size_t begin = 0; begin < leaf.size; begin += facet_columns_step)
       for (unsigned near = kernels.at_most(gaps.data() + begin, reach_of_all); near != 0; near &= near - 1)

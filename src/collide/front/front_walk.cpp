@@ -78,11 +78,11 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
 }
 
 bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& pair) const {
-  if (!options.reach) return true;
+  if (!options.refresh_children) return true;
   const TreePair& trees = trees_[pair.pair];
   const ColliderPair& colliders = pairs[pair.pair];
-  return (!trees.opens_a(pair.a, pair.depth) || options.reach(*colliders.a, pair.a)) &&
-         (!trees.opens_b(pair.b, pair.depth) || options.reach(*colliders.b, pair.b));
+  return (!trees.opens_a(pair.a, pair.depth) || options.refresh_children(*colliders.a, pair.a)) &&
+         (!trees.opens_b(pair.b, pair.depth) || options.refresh_children(*colliders.b, pair.b));
 }
 
 // Of each side by itself: a short way of one is not lost beside a long one of the other. What rounding takes from a
@@ -94,7 +94,7 @@ double FrontWalk::traveled_since(const Front::Opened& before) const {
 }
 
 bool FrontWalk::still_holds(const CollideOptions& options, const Front::Waiting& pair) const {
-  if (pair.before == none || options.reach) return false;
+  if (pair.before == none || options.refresh_children) return false;
   const Front::Opened& before = opened_before_[pair.before];
   if (before.clearance < 0) return false;
   const double since = traveled_since(before);
@@ -202,7 +202,7 @@ void FrontWalk::fill_round(Run& run) {
 
 void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
   const TreePair& trees = trees_[slot.pair.pair];
-  if (keeps_ && !options.reach) {
+  if (keeps_ && !options.refresh_children) {
     // Pads of this frame decided, and those of a later one may be less: a vertex that was far away came back. So what
     // rounding may do is taken off at both ends.
     const double measured = trees.test_and_measure(slot.below_a, below_b, masks);

@@ -95,7 +95,9 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
   // One link may carry the other.
   PairChain chain;
   const auto coordinate_of = [&](std::size_t joint) {
-    const auto own = static_cast<std::size_t>(std::find(robot.independent_joints.begin(), robot.independent_joints.end(), joint) - robot.independent_joints.begin());
+    const auto own =
+        static_cast<std::size_t>(std::find(robot.independent_joints.begin(), robot.independent_joints.end(), joint) -
+                                 robot.independent_joints.begin());
     const auto at = std::find(chain.coordinates.begin(), chain.coordinates.end(), own);
     if (at != chain.coordinates.end()) return static_cast<std::size_t>(at - chain.coordinates.begin());
     chain.coordinates.push_back(own);
@@ -111,7 +113,8 @@ PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t li
       chain.usable = chain.usable && ranges.usable[index];
       if (!joint.moves()) continue;
       const Dependence of = dependence_of(robot, index);
-      if (std::find(robot.independent_joints.begin(), robot.independent_joints.end(), of.leader) == robot.independent_joints.end()) {
+      if (std::find(robot.independent_joints.begin(), robot.independent_joints.end(), of.leader) ==
+          robot.independent_joints.end()) {
         chain.usable = false;  // it follows a joint that does not move
         continue;
       }

@@ -17,8 +17,8 @@ struct CoordinateRange {
 
 /// The ranges of all coordinates, and the joints whose own range is usable.
 struct JointRanges {
-  /// One per coordinate of robot.independent_joints. A joint that turns by a full circle or more, and that no other joint follows, has
-  /// −π…π: the same poses. A coordinate without a usable range stays at its value at rest.
+  /// One per coordinate of robot.independent_joints. A joint that turns by a full circle or more, and that no other
+  /// joint follows, has −π…π: the same poses. A coordinate without a usable range stays at its value at rest.
   std::vector<CoordinateRange> coordinates;
   /// One per joint: false for one that may stand anywhere (its range is unknown, it is floating or planar) or whose
   /// range is so long that samples of it say nothing: it slides by more than `long_travel` sizes of the robot, or turns
