@@ -85,7 +85,7 @@ def study(path, args):
             least[i] = min(least[i], time.thread_time_ns() - begin)
     usual = statistics.median(least)
     print(f"{path}: {len(facets)} facets, {len(frames)} keys, {len(motion)} frames, {leaves(home.tree.spheres, home.tree).shape[0]} leaves")
-    print(f"  known poses {len(built.poses)}, made in {making:.1f} s; changes {body.report.pose_switches}")
+    print(f"  known poses {len(model.poses)}, made in {making:.1f} s; changes {body.report.pose_switches}")
     print(f"  over a fresh tree: median {statistics.median(over_fresh):.2f}, worst {max(over_fresh):.2f}, of {len(over_fresh)} frames")
     print(f"  over approach 2: median {statistics.median(over_paper):.2f}, worst {max(over_paper):.2f}, which leaves up to {100 * bare:.1f} % bare")
     print(f"  a frame: {usual / 1000:.0f} us, the longest {max(least) / usual:.2f} times that; bare frames 0")

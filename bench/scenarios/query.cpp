@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/reproducible.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <scenes/brute_force.hpp>
 

@@ -13,8 +13,8 @@ void robot() {
   const morula::robot::RobotSpheres spheres = morula::robot::fit_spheres(arm, {.spheres = 8});
   const morula::robot::SelfCollision ignored = morula::robot::find_ignored(arm, spheres, {.samples = 2000});
   morula::robot::SphereRobot moving(arm, spheres, ignored);
-  moving.pose(std::vector<double>{0.5, 1.25});
-  const bool meets = moving.meets(morula::Sphere{{0.25, 0, 0.75}, 0.125});
+  moving.set_joint_values(std::vector<double>{0.5, 1.25});
+  const bool meets = moving.collides(morula::Sphere{{0.25, 0, 0.75}, 0.125});
   std::printf("robot: %zu spheres, %s, %s\n", moving.sphere_count(), spheres.covered() ? "covered" : "not covered",
               meets ? "meets the ball" : "free");
 }

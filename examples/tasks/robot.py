@@ -14,8 +14,8 @@ def robot():
     spheres = morula.robot.fit_spheres(arm, spheres=8)
     ignored = morula.robot.find_ignored(arm, spheres, samples=2000)
     moving = morula.robot.SphereRobot(arm, spheres, ignored)
-    moving.pose(numpy.array([0.5, 1.25]))
-    meets = moving.meets((0.25, 0, 0.75, 0.125))
+    moving.set_joint_values(numpy.array([0.5, 1.25]))
+    meets = moving.collides((0.25, 0, 0.75, 0.125))
     covered = "covered" if spheres.covered else "not covered"
     print(f"robot: {moving.sphere_count} spheres, {covered}, {'meets the ball' if meets else 'free'}")
 # [end]

@@ -13,7 +13,7 @@ def build():
     mesh = morula.read_mesh("limb.obj")  # or trimesh.load("limb.obj")
     model = morula.build(mesh)
     morula.write_tree("built.morula", model)
-    print(f"build: {built.tree.node_count} spheres on {built.tree.level_count} levels")
+    print(f"build: {model.tree.node_count} spheres on {model.tree.level_count} levels")
 # [end]
 
 

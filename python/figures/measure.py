@@ -44,7 +44,7 @@ def update_overhead():
             in_python, in_cpp = median_seconds(one_by_one, 1), median_seconds(lambda: body.follow(frames), 1)
             differences.append((in_python - in_cpp) / len(frames) * 1e6)
         per_frame = median_seconds(lambda: body.follow(frames), 5) / len(frames) * 1e6
-        print(f"update(), {name} ({len(built)} nodes): {statistics.median(differences):.2f} us over {per_frame:.1f} us a frame")
+        print(f"update(), {name} ({len(model)} nodes): {statistics.median(differences):.2f} us over {per_frame:.1f} us a frame")
 
 
 def thousand_frames():
@@ -97,7 +97,7 @@ def two_threads():
             ratios = [(seconds_of(both[0]) + seconds_of(both[1])) / at_once(both) for _ in range(9)]
             found.append(f"{statistics.median(ratios):.2f} (best {max(ratios):.2f})")
         print(
-            f"two threads, bodies of {mesh.vertex_count} vertices and {len(built)} nodes, {1e6 * per_frame:.0f} us a frame: "
+            f"two threads, bodies of {mesh.vertex_count} vertices and {len(model)} nodes, {1e6 * per_frame:.0f} us a frame: "
             f"update() {found[0]} times as fast, loop of C++ {found[1]}"
         )
 

@@ -51,7 +51,7 @@ struct ProximityQuery::State {
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
     return ask(CallKind::begins, [&](const auto& narrow) {
-      return query.run(a, b, {.refresh_children = options.distance}, options, workers, narrow);
+      return query.run(a, b, {.reach = options.distance}, options, workers, narrow);
     });
   }
   void keep_nearest_features_once();

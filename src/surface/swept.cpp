@@ -48,10 +48,9 @@ struct SweptQuery::State {
       const double reach = options.distance;
       const SurfaceQueryStatus status =
           options.candidates_only
-              ? candidates.run(a, b, {.refresh_children = reach, .sorted = false, .by_spheres = false}, options,
-                               workers, take_candidates)
-              : query.run(a, b, {.refresh_children = reach, .by_spheres = false}, options, workers,
-                          one_by_one(Impact{reach}));
+              ? candidates.run(a, b, {.reach = reach, .sorted = false, .by_spheres = false}, options, workers,
+                               take_candidates)
+              : query.run(a, b, {.reach = reach, .by_spheres = false}, options, workers, one_by_one(Impact{reach}));
       if (status) has_candidates = options.candidates_only;
       return status;
     });

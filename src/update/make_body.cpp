@@ -208,7 +208,7 @@ void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, 
 // What the spheres promise, and what a good update does.
 void Body::State::note_promises(const BodyPlan& plan) {
   const SphereTree& tree = model->tree;
-  ownership = cover_id_of(*model);
+  cover_id = cover_id_of(*model);
   reached.resize(tree.node_count());
   coordinates_reached.resize(options.modes.mode_count);
   posed.covers = options.conservative || std::all_of(plan.rule_of_level.begin(), plan.rule_of_level.end(),

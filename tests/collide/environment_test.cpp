@@ -290,7 +290,7 @@ TEST(ThrowingCallbacks, end_a_query_which_then_answers_as_ever) {
     const auto start_until = [&](int last) {
       int calls = 0;
       CollideOptions throwing = usual;
-      throwing.reach = [&](const Collider&, std::uint32_t) -> bool {
+      throwing.refresh_children = [&](const Collider&, std::uint32_t) -> bool {
         if (++calls > last) throw Thrown();
         return true;
       };

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <morula/geometry/reproducible.hpp>
-#include <morula/query/brute_force.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <morula/query/triangle_bvh.hpp>
 #include <scenes/brute_force.hpp>

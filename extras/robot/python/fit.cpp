@@ -92,7 +92,7 @@ void bind_robot_fit(nb::module_& m) {
           nb::arg("link"), "The spheres of a link of Robot.links; None where it has none.");
   m.def(
       "fit_spheres",
-      [](const robot::Robot& robot, std::size_t spheres, std::optional<std::size_t> total,
+      [](const robot::Robot& robot, std::size_t spheres, std::optional<std::size_t> max_total,
          const std::map<std::string, std::size_t>& link_spheres, std::optional<double> max_protrusion,
          std::optional<double> max_protrusion_share, double padding, double min_radius,
          std::optional<double> max_radius, bool visual, const std::set<std::string>& skip, nb::handle fixed_given,
@@ -134,7 +134,8 @@ void bind_robot_fit(nb::module_& m) {
       nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig(
-          "def fit_spheres(robot: Robot, *, spheres: int = 16, total: int | None = None, link_spheres: dict[str, int] "
+          "def fit_spheres(robot: Robot, *, spheres: int = 16, max_total: int | None = None, link_spheres: dict[str, "
+          "int] "
           "= {}, "
           "max_protrusion: float | None = None, max_protrusion_share: float | None = None, padding: float = 0.0, "
           "min_radius: float = 0.0, max_radius: float | None = None, visual: bool = False, skip: set[str] = set(), "

@@ -23,7 +23,7 @@ struct ClipPlane {
 struct FitOptions {
   std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
   /// Most of the whole robot, 1 or more, shared so that the next sphere goes where it takes away most outside volume.
-  std::optional<std::size_t> total{};
+  std::optional<std::size_t> max_total{};
   std::map<std::string, std::size_t> link_spheres{};  ///< most of single links, instead of these two
   std::optional<double> max_protrusion{};  ///< as few as needed to stick out by at most so much, above 0, mesh units
   std::optional<double> max_protrusion_share{};  ///< the same as a share of the diagonal of each link's box
