@@ -161,7 +161,7 @@ void bind_shapes(nb::module_& m) {
           nb::arg("ball"), doc::SignedDistance_protrusion_bound)
       .def(
           "inside_volume", [](const SignedDistance& self, Sphere ball) { return inside_volume(self, ball); },
-          nb::arg("ball"), doc::inside_volume_2)
+          nb::arg("ball"), doc::inside_volume)
       .def(
           "outside_volume", [](const SignedDistance& self, Sphere ball) { return outside_volume(self, ball); },
           nb::arg("ball"), doc::outside_volume)
