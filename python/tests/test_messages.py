@@ -42,7 +42,7 @@ def test_the_argument_is_named(body):
     assert "at most 1 may have none" in message(morula.build, mesh, "grid")
     assert message(morula.Collider(body).set_transform, "there").startswith("Collider.set_transform(): transform: ")
     assert "seed: -1 is out of range" in message(morula.build, mesh, seed=-1)
-    assert message(morula.Body, mesh).startswith("Body(): built is missing")
+    assert message(morula.Body, mesh).startswith("Body(): model is missing")
     # Where several are wrong, all are told.
     said = message(morula.build, mesh, depth="deep", seed="x")
     assert "depth: 'deep'" in said and "seed: 'x'" in said

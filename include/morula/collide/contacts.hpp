@@ -7,8 +7,7 @@
 //   const morula::Contacts some = morula::collide(a, b, {.budget = std::chrono::microseconds(200)});
 //   for (const morula::Contact& contact : some.contacts)  // sound, however early the budget ended
 //     if (contact.depth > 0) std::printf("%u %u %g\n", contact.node_a, contact.node_b, contact.depth);
-//   const morula::Contacts crossing = morula::collide(a, b, {.find_crossings = true});  // with the facets that
-//   intersect
+//   const morula::Contacts crossing = morula::collide(a, b, {.find_crossings = true});  // with facets
 #pragma once
 
 #include <cstdint>

@@ -99,7 +99,8 @@ void require_scene(const SceneStatus& status) {
 SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, const BudgetGiven& budget, bool surfaces,
                            bool find_crossings, const nb::object& accepts) {
   if (!accepts.is_none() && !PyCallable_Check(accepts.ptr()))
-    throw nb::type_error(("keeps: " + describe(accepts) + ", but None or a function of two BodyIds is needed").c_str());
+    throw nb::type_error(
+        ("accepts: " + describe(accepts) + ", but None or a function of two BodyIds is needed").c_str());
   SceneOptions options;
   options.level = level;
   options.margin = margin;

@@ -111,7 +111,7 @@ constexpr const char* obstacle_query_arguments = R"(
 Args:
     margin: what is this far outside counts too, mesh units.
     features: facets, or vertices: those that facets use, which are enough for a floor.
-    keeps: called with the number of every vertex or facet that is near; False leaves it out. Slow: it holds the
+    accepts: called with the number of every vertex or facet that is near; False leaves it out. Slow: it holds the
         interpreter's lock.
     budget: box tests, or a time.)";
 

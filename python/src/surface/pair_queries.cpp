@@ -87,7 +87,7 @@ Args:
     same_component: pairs of one piece are left out.
     masks_a: two arrays of bits per facet, of and with: facets i of a and j of b are looked at when of[i] & with[j]
         and of[j] & with[i] are not 0. masks_b: the same of the other surface.
-    keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
+    accepts: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
     budget: box tests, or a time.)";
 
 /// __init__() of a pair query: arguments `own` of its own, of types Own, which are the first members of its options;

@@ -35,7 +35,7 @@ Args:
     rings: pairs of which some two vertices are at most so many edges apart are left out.
     rest_distance: pairs that are this close at rest are left out, mesh units.
     same_component: pairs of one piece are left out.
-    keeps: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow: it holds the
+    accepts: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow: it holds the
         interpreter's lock.)";
 
 }  // namespace
@@ -114,7 +114,7 @@ void bind_pairs(nb::module_& m) {
       nb::arg("nearest_features_once") = false, nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,
       nb::arg("same_component") = false, nb::arg("accepts") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig("def proximity(a: SurfaceTree, b: SurfaceTree | None = None, *, distance: float, nearest_features_once: "
-              "bool = False, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, keeps: "
+              "bool = False, rings: int = 0, rest_distance: float = 0.0, same_component: bool = False, accepts: "
               "collections.abc.Callable[[int, int, int], bool] | None = None, workers: Workers | None = None) -> "
               "ProximityPairs"),
       (std::string("All pairs of features within a distance. ") + doc::ProximityQuery + filter_arguments).c_str());
