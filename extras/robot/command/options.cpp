@@ -254,7 +254,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(command, "--quality", o.quality, fmt::format("For optimized: {}", fmt::join(quality_names(), ", ")))
+  add_option(command, "--quality", o.quality, fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->default_str("fast");
   add_option(command, "--density", o.density,
