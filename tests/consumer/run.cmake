@@ -28,7 +28,7 @@ int main() {
     has_surfaces = !found.finished || found.surfaces.size() == found.contacts.size();
   };
 @CMAKE_MATCH_1@
-  return figures.size() == built.tree.level_count() && has_contacts && has_surfaces ? 0 : 1;
+  return figures.size() == model.tree.level_count() && has_contacts && has_surfaces ? 0 : 1;
 }
 ")
   configure_file("${MESH}" "${FOLDER}/limb.obj" COPYONLY)
