@@ -320,7 +320,8 @@ void add_build(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_option(*command, "--quality", o->quality, fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
+  add_option(*command, "--quality", o->quality,
+             fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--reducers", o->reducers,
