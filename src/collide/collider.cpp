@@ -11,11 +11,11 @@
 namespace morula {
 using namespace detail;
 
-Collider::Collider(const Mesh& mesh, const Body& body) : Collider(mesh, body.cover(), body.sphere_state()) {}
+Collider::Collider(const MeshView& mesh, const Body& body) : Collider(mesh, body.cover(), body.sphere_state()) {}
 
 Collider::Collider(const SphereState& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
 
-Collider::Collider(const Mesh& mesh, const Cover& cover, const SphereState& pose)
+Collider::Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose)
     : pose_(&pose), kept_(pose.shared.lock()), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
   const StandardFloats standard;
   const SphereTree& tree = *pose.tree;

@@ -90,12 +90,12 @@ constexpr double radians_per_degree = pi / 180;
 
 // What deformations know of the rest mesh.
 struct Rest {
-  const Mesh& mesh;
+  MeshView mesh;
   Box box;
   Vec3 center;
   double diagonal;
 
-  explicit Rest(const Mesh& m) : mesh(m), box(bounding_box(m)), center(box.center()), diagonal(box.diagonal()) {}
+  explicit Rest(const MeshView& m) : mesh(m), box(bounding_box(m)), center(box.center()), diagonal(box.diagonal()) {}
 };
 
 // The axis and the two across it, in the order that keeps orientation; x means x, y, z.
@@ -281,7 +281,7 @@ std::string describe(const Deformation& deformation) {
   return std::visit(Describe{}, deformation);
 }
 
-std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations, double t) {
+std::vector<Vec3> deform(const MeshView& rest_mesh, const Deformations& deformations, double t) {
   const StandardFloats standard;
   if (!(t >= 0 && t <= 1)) throw std::invalid_argument("deformation parameter " + format_number(t) + " is not in 0…1");
   for (const Deformation& deformation : deformations) require_in_range(deformation);
@@ -293,10 +293,10 @@ std::vector<Vec3> deform(const Mesh& rest_mesh, const Deformations& deformations
   while (checked > 0 && !std::holds_alternative<Twist>(deformations[checked - 1]) &&
          !std::holds_alternative<Bend>(deformations[checked - 1]))
     --checked;
-  std::vector<Vec3> positions = rest_mesh.positions;
+  std::vector<Vec3> positions = rest_mesh.positions.to_vector();
   for (std::size_t i = 0; i < checked; ++i) apply_to(positions, deformations[i], rest, 1.0);
 
-  positions = rest_mesh.positions;
+  positions = rest_mesh.positions.to_vector();
   if (t == 0) return positions;
   for (const Deformation& deformation : deformations) apply_to(positions, deformation, rest, t);
   for (const Facet& f : rest_mesh.facets)

@@ -21,7 +21,7 @@ namespace {
 struct Entry {
   Method method;
   std::string_view name;
-  CoveredTree (*build)(const Mesh&, const BuildRun&, Workers&);
+  CoveredTree (*build)(const MeshView&, const BuildRun&, Workers&);
 };
 constexpr std::array<Entry, 7> entries{{
     {Method::octree, "octree", build_octree},
@@ -31,7 +31,7 @@ constexpr std::array<Entry, 7> entries{{
     {Method::medial, "medial", build_medial},
     {Method::combined, "combined", build_combined},
     {Method::optimized, "optimized",
-     [](const Mesh& mesh, const BuildRun& run, Workers& workers) { return build_optimized(mesh, run, workers); }},
+     [](const MeshView& mesh, const BuildRun& run, Workers& workers) { return build_optimized(mesh, run, workers); }},
 }};
 
 // An enumeration whose values count up from 0, with its names in that order.
@@ -124,7 +124,7 @@ void remove_useless_divisions(const BuildOptions& options, CoveredTree& model) {
 }
 
 // So that no method returns a tree that does not cover.
-void wrap(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+void wrap(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   const LevelGrowth growth = wrap_regions(mesh, model, workers);
   if (growth.grown == 0) return;
   BuildReport& report = model.report;
@@ -179,7 +179,7 @@ std::span<const Quality> all_qualities() {
   return quality_names.values;
 }
 
-CoveredTree build(const Mesh& mesh, const BuildOptions& options, WorkersOrAll given) {
+CoveredTree build(const MeshView& mesh, const BuildOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   const StandardFloats standard;
   const Entry& chosen = entry(options.method);

@@ -38,7 +38,7 @@ constexpr ReduceSettings thorough{
     .all_on_root = true,
     .balance = {2.5F, 2.0F}};
 
-CoveredTree build_reduced(const Mesh& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
+CoveredTree build_reduced(const MeshView& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
                           const ReduceSettings& settings) {
   std::optional<ObjectShape> object(std::in_place, mesh, workers);
   const ObjectShape& shape = *object;
@@ -122,19 +122,19 @@ Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& 
   };
 }
 
-CoveredTree build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_grid(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::grid}, quick);
 }
-CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_hubbard(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::hubbard}, quick);
 }
-CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_spawn(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, {Reduction::spawn}, quick);
 }
-CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_medial(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers, chosen_or(run, {Reduction::merge, Reduction::expand}), thorough);
 }
-CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_combined(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   return build_reduced(mesh, run, workers,
                        chosen_or(run, {Reduction::grid, Reduction::spawn, Reduction::merge, Reduction::expand}),
                        thorough);

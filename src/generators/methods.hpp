@@ -10,12 +10,12 @@
 namespace morula::detail {
 
 /// The generators: what divides a node, with whatever they need to know about the mesh.
-CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_grid(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_hubbard(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_spawn(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_medial(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_combined(const Mesh& mesh, const BuildRun& run, Workers& workers);
-CoveredTree build_optimized(const Mesh& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_octree(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_grid(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_hubbard(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_spawn(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_medial(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_combined(const MeshView& mesh, const BuildRun& run, Workers& workers);
+CoveredTree build_optimized(const MeshView& mesh, const BuildRun& run, Workers& workers);
 
 }  // namespace morula::detail

@@ -48,7 +48,7 @@ Sphere circumsphere(const Box& cell) {
 
 class OctreeDivider {
  public:
-  OctreeDivider(const Mesh& mesh, const BuildRun& run)
+  OctreeDivider(const MeshView& mesh, const BuildRun& run)
       : mesh_(mesh), branching_(static_cast<std::size_t>(run.branching)), pad_(run.largest_coordinate()) {}
 
   Division operator()(const BuildNode& node) const {
@@ -101,14 +101,14 @@ class OctreeDivider {
     cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(second));
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   std::size_t branching_;
   double pad_;
 };
 
 }  // namespace
 
-CoveredTree build_octree(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_octree(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   const Box& box = run.box();
   const double half = 0.5 * max_norm(box.extent());
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};

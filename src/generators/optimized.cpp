@@ -310,7 +310,7 @@ class OptimizedDivider {
   Workers& workers_;
 };
 
-std::vector<Sphere> medial_set(const Mesh& mesh, const ObjectShape& shape, std::size_t count, std::uint64_t seed,
+std::vector<Sphere> medial_set(const MeshView& mesh, const ObjectShape& shape, std::size_t count, std::uint64_t seed,
                                Workers& workers) {
   if (count == 0 || !shape.has_volume()) return {};
   std::vector<Vec3> points, normals;
@@ -417,7 +417,7 @@ CoveredTree fast_tree(const FitInput& input, const BuildRun& run, Workers& worke
                   {.divide = OptimizedDivider(input, deep, fast, none, {}, workers), .lines = &input.lines}, workers);
 }
 
-CoveredTree build_optimized(const Mesh& mesh, const BuildRun& run, Workers& workers) {
+CoveredTree build_optimized(const MeshView& mesh, const BuildRun& run, Workers& workers) {
   const Effort effort = effort_for(run);
   const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <morula/geometry/mesh.hpp>
 #include <morula/geometry/mesh_view.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <stdexcept>
@@ -76,6 +77,10 @@ std::uint64_t mesh_hash(const MeshView& mesh) {
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f) hash.add(v);
   return hash.value();
+}
+
+Mesh to_mesh(const MeshView& view) {
+  return {view.positions.to_vector(), {view.facets.begin(), view.facets.end()}};
 }
 
 }  // namespace morula

@@ -18,4 +18,11 @@ PositionView PositionView::indexed(const PositionView& nodes, std::span<const st
   return view;
 }
 
+std::vector<Vec3> PositionView::to_vector() const {
+  std::vector<Vec3> copy;
+  copy.reserve(size());
+  for (std::size_t i = 0; i < size(); ++i) copy.push_back((*this)[i]);
+  return copy;
+}
+
 }  // namespace morula

@@ -31,7 +31,7 @@ struct Pieces {
 
 // Cuts facets by the power diagram of all leaves; a piece that sticks out of its owner goes whole to the leaf that
 // contains it after the least growth.
-Pieces assign_facets(const Mesh& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
+Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
                      std::size_t end) {
   Pieces result;
   CutFacet cut;
@@ -105,7 +105,7 @@ Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, doub
 
 // What each leaf owns, an empty region for inner nodes. All leaves share the surface in one power partition. leftover:
 // pieces that had to go to another leaf are added to it.
-std::vector<Region> regions_by_power(const Mesh& mesh, const SphereTree& tree, std::size_t& leftover,
+std::vector<Region> regions_by_power(const MeshView& mesh, const SphereTree& tree, std::size_t& leftover,
                                      Workers& workers) {
   std::vector<std::uint32_t> leaf_nodes;
   std::vector<Sphere> leaves;
@@ -135,7 +135,7 @@ std::vector<Region> regions_by_power(const Mesh& mesh, const SphereTree& tree, s
 }
 
 // Spheres that do not contain their regions.
-void grow_spheres(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+void grow_spheres(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   const double pad_coordinate = largest_coordinate(mesh);
   parallel_for(workers, model.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
     std::vector<Vec3> points;
@@ -149,7 +149,7 @@ void grow_spheres(const Mesh& mesh, CoveredTree& model, Workers& workers) {
 }
 
 // tree: as it was given; kept: its node of each that is left.
-void complete_report(const Mesh& mesh, const SphereTree& tree, std::span<const std::uint32_t> kept,
+void complete_report(const MeshView& mesh, const SphereTree& tree, std::span<const std::uint32_t> kept,
                      CoveredTree& model) {
   BuildReport& report = model.report;
   report.method = "imported";
@@ -223,7 +223,7 @@ std::size_t Cover::most_patches_of_a_facet() const {
   return most;
 }
 
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options, WorkersOrAll given) {
+CoveredTree cover(const MeshView& mesh, const SphereTree& tree, const CoverOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   const StandardFloats standard;
   require_usable(mesh);

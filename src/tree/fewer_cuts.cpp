@@ -44,7 +44,7 @@ struct Share {
 
 class Sharing {
  public:
-  Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers);
+  Sharing(const MeshView& mesh, const CoveredTree& model, Workers& workers);
   Cover with_fewer_cuts() &&;
 
  private:
@@ -59,7 +59,7 @@ class Sharing {
   std::vector<std::vector<std::uint32_t>> patches_of_leaves() const;
   Cover assembled() const;
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const SphereTree& tree_;
   const Cover& cover_;
   std::vector<Vec3> places_;  // of all corners
@@ -76,7 +76,7 @@ class Sharing {
   std::vector<std::uint32_t> corners_;
 };
 
-Sharing::Sharing(const Mesh& mesh, const CoveredTree& model, Workers& workers)
+Sharing::Sharing(const MeshView& mesh, const CoveredTree& model, Workers& workers)
     : mesh_(mesh), tree_(model.tree), cover_(model.cover) {
   places_.resize(cover_.vertex_count + cover_.cut_points.size());
   for (std::uint32_t i = 0; i < places_.size(); ++i) places_[i] = corner_position(cover_, i, mesh.positions);
@@ -297,7 +297,7 @@ Cover Sharing::assembled() const {
 
 }  // namespace
 
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, WorkersOrAll given) {
+Cover with_fewer_cuts(const MeshView& mesh, const CoveredTree& model, WorkersOrAll given) {
   Workers& workers = given;
   const StandardFloats standard;
   return Sharing(mesh, model, workers).with_fewer_cuts();

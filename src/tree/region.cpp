@@ -69,13 +69,13 @@ class CornerNumbers {
 
 }  // namespace
 
-Region whole_surface(const Mesh& mesh) {
+Region whole_surface(const MeshView& mesh) {
   Region region;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) region.add_whole(static_cast<std::uint32_t>(f));
   return region;
 }
 
-void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points) {
+void corner_positions(const MeshView& mesh, const Region& region, std::vector<Vec3>& points) {
   points.clear();
   SeenVertices seen(region.size());
   for (std::size_t k = 0; k < region.size(); ++k) {
@@ -88,7 +88,7 @@ void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>&
   }
 }
 
-std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, std::size_t most) {
+std::vector<Vec3> some_corner_positions(const MeshView& mesh, const Region& region, std::size_t most) {
   const std::size_t step = 1 + region.corner_count() / most;
   std::vector<Vec3> points;
   std::size_t before = 0, next = 0;  // corners of the polygons before this one; the next to be taken
@@ -117,7 +117,7 @@ std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet
   return is_on_it ? std::optional(b) : std::nullopt;
 }
 
-Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Region> regions) {
+Cover assemble_cover(const MeshView& mesh, const SphereTree& tree, std::vector<Region> regions) {
   Cover cover;
   cover.vertex_count = static_cast<std::uint32_t>(mesh.vertex_count());
   cover.facet_count = static_cast<std::uint32_t>(mesh.facet_count());

@@ -54,15 +54,15 @@ class Region {
 };
 
 /// All facets, uncut.
-Region whole_surface(const Mesh& mesh);
+Region whole_surface(const MeshView& mesh);
 
-inline FacetGeometry facet_geometry(const Mesh& mesh, std::uint32_t facet) {
+inline FacetGeometry facet_geometry(const MeshView& mesh, std::uint32_t facet) {
   return {mesh.corners(facet), mesh.facets[facet]};
 }
 
 /// visit(position) for every corner of a polygon, in order.
 template <class Visit>
-void each_corner(const Mesh& mesh, const Region& region, std::size_t k, const Visit& visit) {
+void each_corner(const MeshView& mesh, const Region& region, std::size_t k, const Visit& visit) {
   const Triangle t = mesh.corners(region.facet[k]);
   if (region.is_whole(k))
     for (const Vec3& corner : t) visit(corner);
@@ -71,7 +71,7 @@ void each_corner(const Mesh& mesh, const Region& region, std::size_t k, const Vi
 }
 
 /// The area of one polygon and of those before it, triangle by triangle.
-inline double area_with(double before, const Mesh& mesh, const Region& region, std::size_t k) {
+inline double area_with(double before, const MeshView& mesh, const Region& region, std::size_t k) {
   const Triangle t = mesh.corners(region.facet[k]);
   if (region.is_whole(k)) return before + area(t);
   const auto polygon = region.polygon(k);
@@ -82,16 +82,16 @@ inline double area_with(double before, const Mesh& mesh, const Region& region, s
 }
 
 /// Positions of all corners, polygon by polygon; most that whole facets share come once.
-void corner_positions(const Mesh& mesh, const Region& region, std::vector<Vec3>& points);
+void corner_positions(const MeshView& mesh, const Region& region, std::vector<Vec3>& points);
 
 /// Every n-th of all corners with repetitions, polygon by polygon; n is 1, or more where they are `most` or more.
-std::vector<Vec3> some_corner_positions(const Mesh& mesh, const Region& region, std::size_t most);
+std::vector<Vec3> some_corner_positions(const MeshView& mesh, const Region& region, std::size_t most);
 
 /// Where a corner of a cover is on a facet; nothing when it lies elsewhere. facet: of three different vertices.
 std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet, std::uint32_t corner);
 
 /// Numbers the cut points (equal ones once) and lines the regions up in the order of the leaves, depth first.
 /// regions: one per node; those of inner nodes are ignored.
-Cover assemble_cover(const Mesh& mesh, const SphereTree& tree, std::vector<Region> regions);
+Cover assemble_cover(const MeshView& mesh, const SphereTree& tree, std::vector<Region> regions);
 
 }  // namespace morula::detail

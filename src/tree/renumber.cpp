@@ -49,7 +49,7 @@ std::vector<std::uint32_t> leaf_order(const CoveredTree& model) {
   return order;
 }
 
-Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order) {
+Mesh renumbered(const MeshView& mesh, std::span<const std::uint32_t> order) {
   const std::vector<std::uint32_t> number = inverse(order, mesh.vertex_count());
   Mesh result = mesh;
   for (std::size_t i = 0; i < order.size(); ++i) result.positions[i] = mesh.positions[order[i]];
@@ -58,7 +58,7 @@ Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order) {
   return result;
 }
 
-CoveredTree renumbered(const CoveredTree& model, const Mesh& mesh, std::span<const std::uint32_t> order) {
+CoveredTree renumbered(const CoveredTree& model, const MeshView& mesh, std::span<const std::uint32_t> order) {
   const std::vector<std::uint32_t> number = inverse(order, model.cover.vertex_count);
   CoveredTree result = model;
   for (std::uint32_t& c : result.cover.corners)

@@ -47,7 +47,7 @@ bool is_proven(const Sphere& sphere, double farthest, double largest_coordinate)
 
 }  // namespace
 
-LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& model, Workers& workers) {
+LevelGrowth wrap_regions(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   const Cover& cover = model.cover;
   std::vector<Vec3> places(cover.vertex_count + cover.cut_points.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) places[i] = corner_position(cover, i, mesh.positions);

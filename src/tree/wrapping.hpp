@@ -13,6 +13,6 @@ namespace morula::detail {
 /// built: its cover is of this mesh, whose scale is usable. A sphere with the proof stays as it is, bit for bit;
 /// spheres that rounded_up_radius made for the same corners have it, in whatever order their products were added. The
 /// result says what grew. Cost: O(levels × corners).
-LevelGrowth wrap_regions(const Mesh& mesh, CoveredTree& model, Workers& workers);
+LevelGrowth wrap_regions(const MeshView& mesh, CoveredTree& model, Workers& workers);
 
 }  // namespace morula::detail

@@ -11,13 +11,13 @@
 namespace morula {
 using namespace detail;
 
-Body::Body(const Mesh& mesh, const CoveredTree& model, UpdateOptions options, Workers& workers)
+Body::Body(const MeshView& mesh, const CoveredTree& model, UpdateOptions options, Workers& workers)
     : Body(mesh, std::make_shared<const CoveredTree>(model), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, CoveredTree&& model, UpdateOptions options, Workers& workers)
+Body::Body(const MeshView& mesh, CoveredTree&& model, UpdateOptions options, Workers& workers)
     : Body(mesh, std::make_shared<const CoveredTree>(std::move(model)), std::move(options), workers) {}
 
-Body::Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options, Workers& workers) {
+Body::Body(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options, Workers& workers) {
   const StandardFloats standard;
   state_ = State::made(mesh, std::move(model), std::move(options), workers);
 }
@@ -201,7 +201,7 @@ std::size_t Body::vertex_count() const {
   return state_->model->cover.vertex_count;
 }
 
-Body detail::FittedBody::make(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves,
+Body detail::FittedBody::make(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves,
                               Workers& workers) {
   Body body(mesh, std::move(model), {}, workers);
   if (fits_leaves) body.state_->fit_leaves(workers);

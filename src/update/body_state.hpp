@@ -45,7 +45,7 @@ struct Body::State {
   std::vector<double> coordinates_reached{};
 
   // At rest; throws like Body's constructors.
-  static std::shared_ptr<State> made(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options,
+  static std::shared_ptr<State> made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options,
                                      Workers& workers);
 
   // Each moves the spheres, or says why not; what they return is to be counted.

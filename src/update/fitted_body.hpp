@@ -9,7 +9,7 @@ namespace morula::detail {
 
 struct FittedBody {
   /// fits_leaves: false makes a plain Body.
-  static Body make(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves, Workers& workers);
+  static Body make(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, bool fits_leaves, Workers& workers);
 };
 
 }  // namespace morula::detail

@@ -88,7 +88,7 @@ struct Course {
 };
 
 struct LoosenessEstimator::State {
-  State(const Mesh& rest, std::size_t count)
+  State(const MeshView& rest, std::size_t count)
       : samples(rest, count), height(samples.blocks().size()), facing(height.size()) {
     facing_places.reserve(height.size());
     spheres.reserve(most_spheres);
@@ -302,7 +302,7 @@ void LoosenessEstimator::State::run(std::size_t task) noexcept {
   course.expected[task] = work;
 }
 
-LoosenessEstimator::LoosenessEstimator(const Mesh& rest, std::size_t sample_count) {
+LoosenessEstimator::LoosenessEstimator(const MeshView& rest, std::size_t sample_count) {
   const StandardFloats standard;
   require_usable(rest);
   require_usable_scale(rest);
@@ -379,7 +379,7 @@ double LoosenessEstimator::volume() const {
   return state_->samples.volume();
 }
 
-std::vector<double> estimate_looseness(const Mesh& rest, const Body& body, const PositionView& positions) {
+std::vector<double> estimate_looseness(const MeshView& rest, const Body& body, const PositionView& positions) {
   const StandardFloats standard;
   if (positions.size() != rest.vertex_count() || positions.size() != body.vertex_count())
     throw std::invalid_argument("looseness estimate: " + std::to_string(positions.size()) +

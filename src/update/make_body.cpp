@@ -109,7 +109,7 @@ std::uint64_t cover_id_of(const CoveredTree& model) {
 
 // What the rules ask for and what nodes own, settled before anything is bound.
 struct detail::BodyPlan {
-  BodyPlan(const Mesh& mesh_, const CoveredTree& model, const UpdateOptions& options)
+  BodyPlan(const MeshView& mesh_, const CoveredTree& model, const UpdateOptions& options)
       : mesh(mesh_),
         rule_of_level(rules_of_levels(options, model.tree.level_count())),
         rule_of_node(rules_of_nodes(model.tree, rule_of_level)),
@@ -123,7 +123,7 @@ struct detail::BodyPlan {
     assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, measured, hull_tolerance).empty());
   }
 
-  const Mesh& mesh;
+  MeshView mesh;
   std::vector<Rule> rule_of_level, rule_of_node;
   LeafOrder order;
   bool raises, reads_points, reads_links;
@@ -136,7 +136,7 @@ struct detail::BodyPlan {
   }
 };
 
-std::shared_ptr<Body::State> Body::State::made(const Mesh& mesh, std::shared_ptr<const CoveredTree> model,
+std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model,
                                                UpdateOptions options, Workers& workers) {
   if (!model) throw std::invalid_argument("a body needs a tree and its cover, not a null pointer");
   require_belonging(mesh, *model);
@@ -162,7 +162,7 @@ std::shared_ptr<Body::State> Body::State::made(const Mesh& mesh, std::shared_ptr
 
 // The models of modes and bones, then the engines, which read them.
 void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Workers& workers) {
-  const Mesh& mesh = plan.mesh;
+  const MeshView& mesh = plan.mesh;
   // Nobody else looks for facets: other bodies may be smaller than what an index of facets takes.
   std::optional<TriangleBvh> bvh;
   if (plan.reads_links) bvh.emplace(mesh, workers);
@@ -174,7 +174,7 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
     require_skin(options.skin, mesh);
     skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
   }
-  if (plan.reads_points && (modal || skin)) rest_positions = moved_positions = mesh.positions;
+  if (plan.reads_points && (modal || skin)) rest_positions = moved_positions = mesh.positions.to_vector();
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};

@@ -45,9 +45,9 @@ class Collider {
  public:
   /// A body with its surface. It must have been made from mesh. Throws std::invalid_argument when their sizes differ.
   /// Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
-  Collider(const Mesh& mesh, const Body& body);
+  Collider(const MeshView& mesh, const Body& body);
   /// A pose with the surface that it goes with: a copy of a body's pose, for one. Facets need set_positions().
-  Collider(const Mesh& mesh, const Cover& cover, const SphereState& pose);
+  Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose);
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
   explicit Collider(const SphereState& pose);
 

@@ -65,7 +65,7 @@ using Deformations = std::vector<Deformation>;
 /// Throws std::invalid_argument for parameters out of range, for a twist or bend along an axis on which the mesh has no
 /// extent, and for a bend so tight that the body would fold over itself (naming the largest angle that works): at any t
 /// for what would only happen at t = 1.
-std::vector<Vec3> deform(const Mesh& rest, const Deformations& deformations, double t);
+std::vector<Vec3> deform(const MeshView& rest, const Deformations& deformations, double t);
 
 /// t of each frame: out from 0 to 1 and back to 0, or only out. The first frame is exactly 0, and so is the last one on
 /// the way back, with the same bits as on the way out. The middle frame is exactly 1; of an even number both middle

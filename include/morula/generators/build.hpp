@@ -128,6 +128,6 @@ int automatic_depth(const MeshView& mesh, int branching);
 /// level; so does a node with a child that is the same sphere. Same bits for any number of workers, unless a time limit
 /// ends it. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes (require_usable,
 /// require_usable_scale) and options out of range, before any work; BuildStopped.
-CoveredTree build(const Mesh& mesh, const BuildOptions& options = {}, WorkersOrAll workers = {});
+CoveredTree build(const MeshView& mesh, const BuildOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula

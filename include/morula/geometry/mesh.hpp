@@ -23,6 +23,9 @@ struct Mesh {
   }
 };
 
+/// A copy of the arrays that a view borrows.
+Mesh to_mesh(const MeshView& view);
+
 inline MeshView::MeshView(const Mesh& mesh) : positions(mesh.positions), facets(mesh.facets) {}
 
 }  // namespace morula

@@ -45,6 +45,8 @@ class PositionView {
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
+  /// A copy in double, one vertex after the other.
+  std::vector<Vec3> to_vector() const;
   /// Floats one vertex after the other, nothing between them.
   bool is_packed_float() const { return !is_double_ && !index_ && stride_bytes_ == sizeof(Vec3f); }
   /// Where the x of vertex i is, a float or a double; y and z follow it.

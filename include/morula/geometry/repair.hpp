@@ -59,6 +59,6 @@ struct UsedVertices {
   std::vector<std::uint32_t> index;  ///< of every vertex of `mesh`: its number before, ascending
 };
 /// Vertices keep their order and facets theirs.
-UsedVertices used_vertices(const Mesh& mesh);
+UsedVertices used_vertices(const MeshView& mesh);
 
 }  // namespace morula

@@ -12,7 +12,7 @@ namespace morula {
 /// path: a .npy of float32 or float64 in C order, shape (modes, vertices, 3): displacements in mesh units per unit of a
 /// mode's coordinate. Throws FileError that names the file, the shape found and the shape needed, or the first number
 /// that is not finite.
-Modes read_modes(const std::filesystem::path& path, const Mesh& mesh);
+Modes read_modes(const std::filesystem::path& path, const MeshView& mesh);
 
 /// Coordinates of a motion, one per frame and mode.
 struct ModalCoordinates {

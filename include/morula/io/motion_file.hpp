@@ -29,7 +29,7 @@ class Motion {
   /// array of float32 or float64, shape (frames, vertices, 3), C order, or a .npz with such an array, which is its only
   /// one or has the name `positions`. Throws FileError when nothing matches, a numbered frame is missing in between
   /// (files.hpp), or the array has another shape or type, or an option is out of range for the animation.
-  Motion(const std::filesystem::path& path, const Mesh& mesh, const MotionOptions& options = {});
+  Motion(const std::filesystem::path& path, const MeshView& mesh, const MotionOptions& options = {});
 
   std::size_t frame_count() const { return frame_count_; }
   /// Positions of one frame. Throws FileError naming the file when its vertex count or facets differ from the mesh's,
@@ -56,7 +56,7 @@ class MotionWriter {
  public:
   /// path: a folder (made if missing; other files in it stay) or a .npy file. extension: of the meshes in a folder:
   /// ".obj", ".off" or ".ply". Throws FileError when the disk plainly has no room for so many frames.
-  MotionWriter(const std::filesystem::path& path, const Mesh& mesh, std::size_t frame_count,
+  MotionWriter(const std::filesystem::path& path, const MeshView& mesh, std::size_t frame_count,
                const std::string& extension = ".obj");
   void write(std::span<const Vec3> positions);
   /// After the last frame; the folder or the .npy appears whole now, in the place of an older one. Throws FileError if

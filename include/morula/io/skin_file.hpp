@@ -13,7 +13,7 @@ namespace morula {
 /// path: a .npy of float32 or float64 in C order, shape (vertices, bones), whose rows add up to 1 within 1e-3 and are
 /// then divided by their sum; or a .gltf or .glb with the mesh's vertices, of which nodes that are drawn without a skin
 /// count as bones of their own. Throws FileError that names the file and what does not fit.
-Skin read_skin(const std::filesystem::path& path, const Mesh& mesh);
+Skin read_skin(const std::filesystem::path& path, const MeshView& mesh);
 
 /// Transforms of a motion, one per frame and bone.
 struct BoneFrames {

@@ -33,7 +33,7 @@ struct CoverOptions {
 /// center, grown radius} and {smallest sphere of its region}. Leaves that own nothing are dropped, with ancestors that
 /// lose all their leaves. report.growth says per level what had to grow. Throws std::invalid_argument when
 /// validate(tree) finds faults, and for numbers out of range (geometry/scale.hpp).
-CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& options = {},
+CoveredTree cover(const MeshView& mesh, const SphereTree& tree, const CoverOptions& options = {},
                   WorkersOrAll workers = {});
 
 /// The same tree's cover with fewer cuts: build() and cover() end with it; trees kept from before gain by it too.
@@ -44,7 +44,7 @@ CoveredTree cover(const Mesh& mesh, const SphereTree& tree, const CoverOptions& 
 /// farther from its center than before, so spheres that covered cover, and an update at rest grows none; in motion they
 /// come out up to a few hundredths looser or tighter. No leaf loses its last patch; cut points that nobody owns any
 /// longer are left out. mesh: the one that the tree was built for; validate(mesh, model) finds nothing.
-Cover with_fewer_cuts(const Mesh& mesh, const CoveredTree& model, WorkersOrAll workers = {});
+Cover with_fewer_cuts(const MeshView& mesh, const CoveredTree& model, WorkersOrAll workers = {});
 
 struct [[nodiscard]] Certificate {
   bool covered = true;
@@ -78,8 +78,8 @@ std::vector<std::uint32_t> leaf_order(const CoveredTree& model);
 
 /// The same with vertices renumbered: old vertex order[i] is the new vertex i. Throws std::invalid_argument unless the
 /// order names every vertex once. Facets, patches and spheres keep their numbers.
-Mesh renumbered(const Mesh& mesh, std::span<const std::uint32_t> order);
+Mesh renumbered(const MeshView& mesh, std::span<const std::uint32_t> order);
 /// mesh: as renumbered, for its hash, which the report carries.
-CoveredTree renumbered(const CoveredTree& model, const Mesh& mesh, std::span<const std::uint32_t> order);
+CoveredTree renumbered(const CoveredTree& model, const MeshView& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace morula

@@ -38,10 +38,10 @@ class Body {
   /// center reach 2^57 (1.4e17): their squares would leave the range of float. The center itself may be as far as 2^100
   /// (1e30). However small a body is, its spheres contain it; below about 2^-60 (1e-18) they are the size of what float
   /// cannot tell.
-  Body(const Mesh& mesh, const CoveredTree& model, UpdateOptions options = {}, Workers& workers = serial_workers());
-  Body(const Mesh& mesh, CoveredTree&& model, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const MeshView& mesh, const CoveredTree& model, UpdateOptions options = {}, Workers& workers = serial_workers());
+  Body(const MeshView& mesh, CoveredTree&& model, UpdateOptions options = {}, Workers& workers = serial_workers());
   /// Shares tree and cover instead of copying them: bodies of one model, or a caller who keeps them anyway.
-  Body(const Mesh& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options = {},
+  Body(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options = {},
        Workers& workers = serial_workers());
   ~Body();
   /// Another body of the same model in the same pose, independent from now on; tree and cover are shared. Making one

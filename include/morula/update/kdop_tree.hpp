@@ -19,7 +19,7 @@ class KDopTree {
   ///
   /// Copies what it needs and starts at rest. Throws std::invalid_argument for another k and where Body does.
   /// Cost: linear in the corners of the cover.
-  KDopTree(const Mesh& mesh, const CoveredTree& model, int k, Workers& workers = serial_workers());
+  KDopTree(const MeshView& mesh, const CoveredTree& model, int k, Workers& workers = serial_workers());
   ~KDopTree();
   KDopTree(KDopTree&&) noexcept;
   KDopTree& operator=(KDopTree&&) noexcept;

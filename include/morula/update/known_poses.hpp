@@ -48,12 +48,12 @@ struct KnownPosesReport {
 /// to 16 side by side where there are workers; an update and an estimate of looseness for each pose and tree added.
 /// Same bits for any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and
 /// for a pose of another size, before anything is changed; BuildStopped.
-KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
+KnownPosesReport add_known_poses(const MeshView& mesh, CoveredTree& model, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options = {}, WorkersOrAll workers = {});
 
 /// Candidates where no motion is known: the mesh stretched along each axis, at constant volume, by steps of a tenth up
 /// to `max_stretch` times. Axes along which the mesh has no extent are left out. Throws std::invalid_argument unless
 /// 1 < max_stretch ≤ 10.
-std::vector<NamedPose> principal_strains(const Mesh& mesh, double max_stretch = 2);
+std::vector<NamedPose> principal_strains(const MeshView& mesh, double max_stretch = 2);
 
 }  // namespace morula

@@ -29,7 +29,7 @@ class LoosenessEstimator {
   /// Places samples evenly over the surface at rest; they stay on their facets. Copies what it needs.
   /// sample_count: 64…2^20, rounded up to a multiple of 16; the error falls slowly with it, the cost linearly.
   /// Throws std::invalid_argument for a mesh that is not usable or has no area, and for a count out of range.
-  explicit LoosenessEstimator(const Mesh& rest, std::size_t sample_count = default_samples);
+  explicit LoosenessEstimator(const MeshView& rest, std::size_t sample_count = default_samples);
   ~LoosenessEstimator();
   LoosenessEstimator(LoosenessEstimator&&) noexcept;
   LoosenessEstimator& operator=(LoosenessEstimator&&) noexcept;
@@ -66,6 +66,6 @@ class LoosenessEstimator {
 
 /// The same in one call, with samples placed anew: one figure per level set of body, from the root. positions: those of
 /// the body's last update. Throws as LoosenessEstimator does, and for a wrong number of positions.
-std::vector<double> estimate_looseness(const Mesh& rest, const Body& body, const PositionView& positions);
+std::vector<double> estimate_looseness(const MeshView& rest, const Body& body, const PositionView& positions);
 
 }  // namespace morula

@@ -97,7 +97,7 @@ class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
   /// an executor, and RebuildThread::background in a library built without threads.
-  RebuiltBody(const Mesh& mesh, const CoveredTree& model, RebuildOptions options = {},
+  RebuiltBody(const MeshView& mesh, const CoveredTree& model, RebuildOptions options = {},
               Workers& workers = serial_workers());
   /// Stops a rebuild and waits for our own thread: at most as long as one node of a build, or the making of a Body.
   ~RebuiltBody();

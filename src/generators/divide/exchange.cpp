@@ -106,7 +106,7 @@ class NearBalls {
 
   // A bit for each, of those with less power than `own` at one of a facet's vertices: differences of powers are affine,
   // so no other has less at any of its points. Each vertex is asked once for most of its facets.
-  std::span<const std::uint64_t> with_less_power(const Mesh& mesh, std::uint32_t facet) {
+  std::span<const std::uint64_t> with_less_power(const MeshView& mesh, std::uint32_t facet) {
     if (bits_.size() > most_words) return at_points(mesh.corners(facet));
     Words all{};
     for (const std::uint32_t v : mesh.facets[facet]) {
@@ -281,7 +281,7 @@ class Exchange {
     return {center, rounded_up_radius(farthest_distance(center, corners), std::max(pad_, max_norm(center)))};
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const ObjectLines& lines_;
   std::vector<BuildNode>& nodes_;
   double pad_;

@@ -55,7 +55,7 @@ inline BuildRun of_levels(const BuildRun& run, int depth) {
   return tree;
 }
 /// Cells along the longest side of the lattice that a run's fits go by: a flat set's are those of one level.
-inline int cells_for(const BuildRun& run, const Mesh& mesh, const ObjectShape& shape) {
+inline int cells_for(const BuildRun& run, const MeshView& mesh, const ObjectShape& shape) {
   return is_flat_set(run) ? lattice_cells(mesh, shape, static_cast<int>(run.spheres), 1)
                           : lattice_cells(mesh, shape, run.branching, run.depth);
 }

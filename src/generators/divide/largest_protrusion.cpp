@@ -25,7 +25,7 @@ Box box_of(const Triangle& t) {
 // Leaves, their spheres and the facets of their parts, with a box around every few of these.
 class Parts {
  public:
-  Parts(const Mesh& mesh, std::span<const BuildNode> leaves) : mesh_(mesh), leaves_(leaves), boxes_(leaves.size()) {
+  Parts(const MeshView& mesh, std::span<const BuildNode> leaves) : mesh_(mesh), leaves_(leaves), boxes_(leaves.size()) {
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       const auto& facets = leaves[i].region.facet;
       boxes_[i].resize((facets.size() + facets_per_box - 1) / facets_per_box);
@@ -102,14 +102,14 @@ class Parts {
     }
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   std::span<const BuildNode> leaves_;
   std::vector<std::vector<Box>> boxes_;
 };
 
 }  // namespace
 
-double largest_protrusion(const Mesh& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves) {
+double largest_protrusion(const MeshView& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves) {
   const bool asks_index = shape.has_index() || !shape.has_volume();
   const Parts parts(mesh, asks_index ? std::span<const BuildNode>{} : leaves);
   double largest = 0;

@@ -13,6 +13,6 @@ namespace morula::detail {
 /// max of (r + φ(c))⁺ over the leaves, as SignedDistance::protrusion_bound has it. leaves: their regions are the whole
 /// surface, and each lies in its sphere. A shape that has an index is asked, and so is that of a mesh which is not
 /// closed, or of a center on the surface but for rounding. Cost: O(leaves · facets that spheres near by own).
-double largest_protrusion(const Mesh& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves);
+double largest_protrusion(const MeshView& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves);
 
 }  // namespace morula::detail

@@ -62,7 +62,7 @@ class ThinnedPoints {
 };
 
 // Corners of every patch and a triangular lattice on it.
-void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoints& points) {
+void sample(const MeshView& mesh, const Region& region, double spacing, ThinnedPoints& points) {
   constexpr int most_steps = 200;
   const double short_enough = 0.99 * spacing * spacing;
   SeenVertices seen(region.size());
@@ -97,11 +97,11 @@ void sample(const Mesh& mesh, const Region& region, double spacing, ThinnedPoint
 
 }  // namespace
 
-FitInput fit_input(const Mesh& mesh, const ObjectShape& shape, const ObjectLines& lines) {
+FitInput fit_input(const MeshView& mesh, const ObjectShape& shape, const ObjectLines& lines) {
   return {mesh, shape, lines, largest_coordinate(shape.bounding_box())};
 }
 
-int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int depth) {
+int lattice_cells(const MeshView& mesh, const ObjectShape& shape, int branching, int depth) {
   double surface = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
   // Deeper levels than this share the finest lattice: it is what memory allows.
@@ -113,7 +113,7 @@ int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int
   return static_cast<int>(cell > 0 ? std::clamp(longest / cell, fewest, most) : fewest);
 }
 
-double area_of(const Mesh& mesh, const Region& region) {
+double area_of(const MeshView& mesh, const Region& region) {
   double total = 0;
   for (std::size_t k = 0; k < region.size(); ++k) total = area_with(total, mesh, region, k);
   return total;

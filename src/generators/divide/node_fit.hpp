@@ -14,14 +14,14 @@ namespace morula::detail {
 
 /// What the fits of a build share. Borrowed by them.
 struct FitInput {
-  const Mesh& mesh;
+  MeshView mesh;
   const ObjectShape& shape;
   const ObjectLines& lines;
   double pad;  ///< largest coordinate, for rounding radii up
 };
-FitInput fit_input(const Mesh& mesh, const ObjectShape& shape, const ObjectLines& lines);
+FitInput fit_input(const MeshView& mesh, const ObjectShape& shape, const ObjectLines& lines);
 /// Cells along the longest side that ObjectLines needs for a build of this depth and branching.
-int lattice_cells(const Mesh& mesh, const ObjectShape& shape, int branching, int depth);
+int lattice_cells(const MeshView& mesh, const ObjectShape& shape, int branching, int depth);
 
 /// Demand of a surface point for spheres of later levels; any unit.
 using Demand = std::function<float(const Vec3&)>;
@@ -87,7 +87,7 @@ class NodeFit {
   std::unique_ptr<ChildFit> children_;
 };
 
-double area_of(const Mesh& mesh, const Region& region);
+double area_of(const MeshView& mesh, const Region& region);
 Division division_of(NodeFit::Exact exact);
 
 }  // namespace morula::detail

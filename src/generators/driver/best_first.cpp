@@ -154,7 +154,7 @@ constexpr double overshoot = 2;
 
 class BestFirst {
  public:
-  BestFirst(const Mesh& mesh, const BuildRun& run, const Divider& divide, const SignedDistance& shape, Workers& workers)
+  BestFirst(const MeshView& mesh, const BuildRun& run, const Divider& divide, const SignedDistance& shape, Workers& workers)
       : mesh_(mesh),
         run_(run),
         divide_(divide),
@@ -363,7 +363,7 @@ class BestFirst {
     }
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const BuildRun& run_;
   const Divider& divide_;
   const LeafScore score_;
@@ -382,7 +382,7 @@ class BestFirst {
 
 }  // namespace
 
-CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+CoveredTree best_first(const MeshView& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
                        const SignedDistance& shape, Workers& workers) {
   return BestFirst(mesh, run, divide, shape, workers)(root_cell);
 }

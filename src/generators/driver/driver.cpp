@@ -26,7 +26,7 @@ double smallest_radius(const BuildRun& run) {
   return std::max(share_of_diagonal * run.box().diagonal(), share_of_coordinate * run.largest_coordinate());
 }
 
-BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell) {
+BuildNode root_node(const MeshView& mesh, const BuildRun& run, const Box& cell) {
   BuildNode root;
   root.region = whole_surface(mesh);
   root.cell = cell;
@@ -53,7 +53,7 @@ Division children_of(const BuildNode& node, const Divider& divide, double too_sm
   return division;
 }
 
-BuildReport new_report(const Mesh& mesh, const BuildRun& run) {
+BuildReport new_report(const MeshView& mesh, const BuildRun& run) {
   BuildReport report;
   report.method = name(run.method);
   report.branching = static_cast<std::uint32_t>(run.branching);

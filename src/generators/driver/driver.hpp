@@ -8,7 +8,7 @@
 namespace morula::detail {
 
 /// The node that owns the whole surface.
-BuildNode root_node(const Mesh& mesh, const BuildRun& run, const Box& cell);
+BuildNode root_node(const MeshView& mesh, const BuildRun& run, const Box& cell);
 
 /// The node's children, with level and seed; none when a division would gain nothing.
 Division children_of(const BuildNode& node, const Divider& divide, double too_small);
@@ -16,7 +16,7 @@ Division children_of(const BuildNode& node, const Divider& divide, double too_sm
 double smallest_radius(const BuildRun& run);
 
 /// All that is known before the first division.
-BuildReport new_report(const Mesh& mesh, const BuildRun& run);
+BuildReport new_report(const MeshView& mesh, const BuildRun& run);
 
 /// How often each reducer's proposal was taken, in the order of first use.
 class Winners {
@@ -30,7 +30,7 @@ class Winners {
 };
 
 /// Worst leaf first, for options.spheres and options.max_protrusion.
-CoveredTree best_first(const Mesh& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
+CoveredTree best_first(const MeshView& mesh, const BuildRun& run, const Box& root_cell, const Divider& divide,
                        const SignedDistance& shape, Workers& workers);
 
 }  // namespace morula::detail

@@ -44,7 +44,7 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere) {
   return node;
 }
 
-LeafScore::LeafScore(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run)
+LeafScore::LeafScore(const MeshView& mesh, const SignedDistance& shape, const BuildRun& run)
     : mesh_(mesh), shape_(shape), max_protrusion_(run.max_protrusion), pad_(run.largest_coordinate()) {}
 
 // Outside volume is what looseness adds up, and dividing by it gave sets up to 17 % tighter than by the bound times r².

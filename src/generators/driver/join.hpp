@@ -27,7 +27,7 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
 class LeafScore {
  public:
   /// run.max_protrusion: 0 where only the number of spheres matters.
-  LeafScore(const Mesh& mesh, const SignedDistance& shape, const BuildRun& run);
+  LeafScore(const MeshView& mesh, const SignedDistance& shape, const BuildRun& run);
 
   Verdict operator()(const Sphere& sphere) const;
 
@@ -42,7 +42,7 @@ class LeafScore {
   Sphere fitted(const std::vector<Vec3>& points, const Vec3& start) const;
   Sphere common_sphere(const BuildNode& a, const BuildNode& b) const;
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const SignedDistance& shape_;
   double max_protrusion_, pad_;
 };

@@ -20,7 +20,7 @@ namespace {
 using Numbers = std::vector<std::uint32_t>;
 
 // A sphere around a child's region and inside its parent's: as far towards the child's own place as there is room.
-Sphere inside_parent(const Mesh& mesh, const BuildNode& child, const Sphere& parent, double pad) {
+Sphere inside_parent(const MeshView& mesh, const BuildNode& child, const Sphere& parent, double pad) {
   std::vector<Vec3> corners;
   corner_positions(mesh, child.region, corners);
   constexpr int steps = 8;
@@ -177,7 +177,7 @@ class Levels {
 // the places are needed below, and below the root, its children keep their regions and get spheres inside the node's
 // own. A level of which everything is taken back is the level above, or inside it: so there is always an end. pad: for
 // rounding radii up.
-void keep_monotone(const Mesh& mesh, const ObjectLines& lines, double pad, std::span<const Sphere> settled,
+void keep_monotone(const MeshView& mesh, const ObjectLines& lines, double pad, std::span<const Sphere> settled,
                    std::vector<BuildNode>& above, std::vector<BuildNode>& next, bool last) {
   if (next.empty()) return;
   const std::vector<std::uint8_t> gone = Levels(lines, settled, above, next).taken_back();
@@ -260,7 +260,7 @@ void note_time_limit(const BuildRun& run, std::size_t undivided, std::size_t of,
 
 class LevelByLevel {
  public:
-  LevelByLevel(const Mesh& mesh, const BuildRun& run, const DriverInput& input, Workers& workers)
+  LevelByLevel(const MeshView& mesh, const BuildRun& run, const DriverInput& input, Workers& workers)
       : mesh_(mesh),
         run_(run),
         input_(input),
@@ -340,7 +340,7 @@ class LevelByLevel {
     if (std::string note = winners_.note(); !note.empty()) report.notes.push_back(std::move(note));
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const BuildRun& run_;
   const DriverInput& input_;
   Workers& workers_;
@@ -355,7 +355,7 @@ class LevelByLevel {
 
 }  // namespace
 
-CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const DriverInput& input, Workers& workers) {
+CoveredTree top_down(const MeshView& mesh, const BuildRun& run, const DriverInput& input, Workers& workers) {
   run.throw_if_stopped();
   if (is_worst_first(run)) {
     if (input.distance) return best_first(mesh, run, input.root_cell, input.divide, *input.distance, workers);

@@ -59,6 +59,6 @@ struct DriverInput {
 inline bool is_worst_first(const BuildRun& run) {
   return run.spheres > 0 || run.max_protrusion > 0;
 }
-CoveredTree top_down(const Mesh& mesh, const BuildRun& run, const DriverInput& input, Workers& workers);
+CoveredTree top_down(const MeshView& mesh, const BuildRun& run, const DriverInput& input, Workers& workers);
 
 }  // namespace morula::detail

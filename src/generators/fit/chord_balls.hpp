@@ -13,6 +13,6 @@ namespace morula::detail {
 /// samples of the surface let them reach. So they hold the ball inscribed about the same center, and exceed it by no
 /// more than samples are apart. At most `most`, spread evenly; none where the object has no inside. Chords that run
 /// along the surface are left out: their middles are near one side. Mesh units. Cost: O(F + lines + balls × samples).
-std::vector<Sphere> chord_balls(const Mesh& mesh, const ObjectLines& lines, std::size_t most, std::uint64_t seed);
+std::vector<Sphere> chord_balls(const MeshView& mesh, const ObjectLines& lines, std::size_t most, std::uint64_t seed);
 
 }  // namespace morula::detail

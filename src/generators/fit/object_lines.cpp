@@ -24,7 +24,7 @@ int first_middle_at_or_above(double position, int count) {
 
 }  // namespace
 
-ObjectLines::ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers) {
+ObjectLines::ObjectLines(const MeshView& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers) {
   // A body that is one point, or so small beside its coordinates that spheres about it are little but padding against
   // their rounding, gets cells that the padding fits in.
   constexpr double least_share = 0x1p-44;
@@ -49,7 +49,7 @@ ObjectLines::ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_orien
   weigh(mesh, vertices);
 }
 
-ObjectLines::Axis ObjectLines::trace(const Mesh& mesh, const std::vector<Vec3>& vertices, int axis,
+ObjectLines::Axis ObjectLines::trace(const MeshView& mesh, const std::vector<Vec3>& vertices, int axis,
                                      bool reliable) const {
   const int axis_u = (axis + 1) % 3, axis_v = (axis + 2) % 3;
   const int nu = count_[static_cast<std::size_t>(axis_u)], nv = count_[static_cast<std::size_t>(axis_v)];
@@ -122,7 +122,7 @@ static void spread_to_neighbors(std::vector<float>& sums, const std::array<std::
 }
 
 // Normals where lines cross the surface, spread over neighboring blocks.
-void ObjectLines::weigh(const Mesh& mesh, const std::vector<Vec3>& vertices) {
+void ObjectLines::weigh(const MeshView& mesh, const std::vector<Vec3>& vertices) {
   constexpr int most_blocks = 64;
   const int longest = *std::max_element(count_.begin(), count_.end());
   block_ = (longest + most_blocks - 1) / most_blocks;

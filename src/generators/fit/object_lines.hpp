@@ -22,10 +22,10 @@ class ObjectLines {
   /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
   /// when two of the three lines through its center say so, and lines enter and leave at cell walls.
   /// Cost: O(F + lines crossed).
-  ObjectLines(const Mesh& mesh, const ObjectShape& shape, int cells, Workers& workers)
+  ObjectLines(const MeshView& mesh, const ObjectShape& shape, int cells, Workers& workers)
       : ObjectLines(mesh, shape.bounding_box(), shape.has_volume(), cells, workers) {}
   /// closed_and_oriented: as inspect() has it. box: of the mesh.
-  ObjectLines(const Mesh& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers);
+  ObjectLines(const MeshView& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers);
 
   struct Crossing {
     float at;
@@ -86,9 +86,9 @@ class ObjectLines {
     std::vector<std::uint32_t> begin;  // per line, and one more
     std::vector<Crossing> crossings;
   };
-  Axis trace(const Mesh& mesh, const std::vector<Vec3>& vertices, int axis, bool reliable) const;
+  Axis trace(const MeshView& mesh, const std::vector<Vec3>& vertices, int axis, bool reliable) const;
   void vote();
-  void weigh(const Mesh& mesh, const std::vector<Vec3>& vertices);
+  void weigh(const MeshView& mesh, const std::vector<Vec3>& vertices);
 
   Vec3 origin_;
   double cell_, per_cell_;

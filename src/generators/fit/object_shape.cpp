@@ -6,7 +6,7 @@
 
 namespace morula::detail {
 
-ObjectShape::ObjectShape(const Mesh& mesh) : mesh_(mesh) {
+ObjectShape::ObjectShape(const MeshView& mesh) : mesh_(mesh) {
   const MeshReport report = inspect_sides(mesh, connectivity(mesh));
   has_volume_ = report.has_volume();
   orientation_ = detail::orientation(report);
@@ -14,7 +14,7 @@ ObjectShape::ObjectShape(const Mesh& mesh) : mesh_(mesh) {
     for (const std::uint32_t v : facet) box_.add(mesh.positions[v]);
 }
 
-ObjectShape::ObjectShape(const Mesh& mesh, Workers& workers)
+ObjectShape::ObjectShape(const MeshView& mesh, Workers& workers)
     : mesh_(mesh),
       distance_(std::in_place, mesh, workers),
       has_volume_(distance_->has_volume()),

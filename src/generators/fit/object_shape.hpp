@@ -15,9 +15,9 @@ namespace morula::detail {
 class ObjectShape {
  public:
   /// Not yet asked for a distance. mesh: borrowed. Cost: linear.
-  explicit ObjectShape(const Mesh& mesh);
+  explicit ObjectShape(const MeshView& mesh);
   /// For builds that will ask. The index is made on all workers.
-  ObjectShape(const Mesh& mesh, Workers& workers);
+  ObjectShape(const MeshView& mesh, Workers& workers);
 
   bool has_volume() const { return has_volume_; }
   /// −1 for an inside-out mesh, else 1.
@@ -30,7 +30,7 @@ class ObjectShape {
   bool has_index() const { return distance_.has_value(); }
 
  private:
-  const Mesh& mesh_;
+  MeshView mesh_;
   mutable std::once_flag asked_;
   mutable std::optional<SignedDistance> distance_;
   bool has_volume_;

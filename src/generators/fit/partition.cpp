@@ -24,7 +24,7 @@ bool contains(const Sphere& sphere, const Vec3& x) {
 
 }  // namespace
 
-Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphere> spheres) {
+Partition partition(const MeshView& mesh, const Region& region, std::span<const Sphere> spheres) {
   Partition result;
   result.regions.resize(spheres.size());
   std::vector<std::uint32_t> all(spheres.size());

@@ -15,6 +15,6 @@ struct Partition {
 /// Cuts every polygon by the power diagram of the spheres. A piece outside its own sphere goes whole to the sphere that
 /// contains it after the least growth, never by power alone: that gives gap pieces to minute spheres, which then swell.
 /// Facets with a repeated vertex, which are segments or points, are never cut.
-Partition partition(const Mesh& mesh, const Region& region, std::span<const Sphere> spheres);
+Partition partition(const MeshView& mesh, const Region& region, std::span<const Sphere> spheres);
 
 }  // namespace morula::detail

@@ -21,7 +21,7 @@ Vec3 unit_normal(const Triangle& t, double orientation) {
 
 }  // namespace
 
-RegionSamples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed) {
+RegionSamples region_samples(const MeshView& mesh, const Region& region, double orientation, std::uint64_t seed) {
   RegionSamples samples;
   const auto add = [&](const Vec3& point, const Vec3& normal) {
     samples.points.push_back(point);

@@ -19,7 +19,7 @@ struct RegionSamples {
   std::vector<Vec3> points, normals;
 };
 /// Corners of the region's patches, thinned, and points spread over it by area. orientation: −1 for a mesh inside out.
-RegionSamples region_samples(const Mesh& mesh, const Region& region, double orientation, std::uint64_t seed);
+RegionSamples region_samples(const MeshView& mesh, const Region& region, double orientation, std::uint64_t seed);
 
 /// What a reducer sees of a node.
 struct ReducerInput {

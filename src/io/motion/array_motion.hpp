@@ -21,10 +21,10 @@ std::vector<Vec3> motion_frame(const ByteSource& source, const NpyArray& array, 
 ByteSource motion_in_archive(const ByteSource& archive);
 
 /// As read_modes and read_coordinates.
-Modes modes_of(const ByteSource& source, const Mesh& mesh);
+Modes modes_of(const ByteSource& source, const MeshView& mesh);
 ModalCoordinates coordinates_of(const ByteSource& source, std::size_t mode_count);
 /// As read_skin and read_bone_frames of .npy files.
-Skin skin_of(const ByteSource& source, const Mesh& mesh);
+Skin skin_of(const ByteSource& source, const MeshView& mesh);
 BoneFrames bone_frames_of(const ByteSource& source, std::size_t bone_count);
 
 }  // namespace morula::detail

@@ -19,7 +19,7 @@ namespace {
 
 }  // namespace
 
-Modes read_modes(const std::filesystem::path& path, const Mesh& mesh) {
+Modes read_modes(const std::filesystem::path& path, const MeshView& mesh) {
   return modes_of(path, mesh);
 }
 
@@ -42,7 +42,7 @@ void write_coordinates(const std::filesystem::path& path, const ModalCoordinates
   write_whole(path, npy_bytes(coordinates.coordinates, std::array{coordinates.frame_count(), coordinates.mode_count}));
 }
 
-Modes detail::modes_of(const ByteSource& source, const Mesh& mesh) {
+Modes detail::modes_of(const ByteSource& source, const MeshView& mesh) {
   const NpyArray array = read_npy_header(source, {{0, mesh.vertex_count(), 3}, "(modes, vertices, 3)"});
   if (array.shape[0] == 0 || array.shape[1] != mesh.vertex_count())
     fail_shape(

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 /// The frames of an array, read one at a time.
 class ArrayFrames final : public FrameSource {
  public:
-  ArrayFrames(ByteSource source, const Mesh& mesh)
+  ArrayFrames(ByteSource source, const MeshView& mesh)
       : source_(std::move(source)),
         array_(motion_array(source_, mesh.vertex_count())),
         facets_(mesh.facets),
@@ -76,7 +76,7 @@ bool is_frame_of(const std::string& name, std::size_t frame_count, const std::st
 
 }  // namespace
 
-Motion::Motion(const fs::path& path, const Mesh& mesh, const MotionOptions& options)
+Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& options)
     : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
   std::error_code ignored;
   const std::string name = path.filename().string();
@@ -185,9 +185,9 @@ std::string Motion::frame_name(std::size_t i) const {
   return files_[i].filename().string();
 }
 
-MotionWriter::MotionWriter(const fs::path& path, const Mesh& mesh, std::size_t frame_count,
+MotionWriter::MotionWriter(const fs::path& path, const MeshView& mesh, std::size_t frame_count,
                            const std::string& extension)
-    : path_(path), extension_(extension), mesh_(mesh), frame_count_(frame_count) {
+    : path_(path), extension_(extension), mesh_(to_mesh(mesh)), frame_count_(frame_count) {
   require_usable(mesh);
   if (frame_count == 0) throw std::invalid_argument("a motion has at least one frame");
   if (!is_frame_extension(extension))

@@ -20,7 +20,7 @@ constexpr double frames_per_second = 30;
 
 class PointCache final : public FrameSource {
  public:
-  PointCache(ByteSource source, const Mesh& mesh)
+  PointCache(ByteSource source, const MeshView& mesh)
       : source_(std::move(source)), facets_(mesh.facets), vertex_count_(mesh.vertex_count()) {
     const bool is_pc2 = lower_extension(source_.name()) == ".pc2";
     const std::uint64_t size = source_.size();
@@ -101,7 +101,7 @@ bool is_point_cache(std::string_view extension) {
   return extension == ".pc2" || extension == ".mdd";
 }
 
-std::shared_ptr<const FrameSource> open_point_cache(const ByteSource& source, const Mesh& mesh) {
+std::shared_ptr<const FrameSource> open_point_cache(const ByteSource& source, const MeshView& mesh) {
   return std::make_shared<PointCache>(source, mesh);
 }
 

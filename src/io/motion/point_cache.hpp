@@ -15,7 +15,7 @@ namespace morula::detail {
 bool is_point_cache(std::string_view extension);
 /// Throws FileError for what is no such cache, has another number of points than the mesh, or another size than it
 /// promises.
-std::shared_ptr<const FrameSource> open_point_cache(const ByteSource& source, const Mesh& mesh);
+std::shared_ptr<const FrameSource> open_point_cache(const ByteSource& source, const MeshView& mesh);
 
 /// Everything that comes before the numbers of the first frame. extension: ".pc2" or ".mdd"; frames 1/30 s apart.
 std::string point_cache_start(std::string_view extension, std::size_t vertex_count, std::size_t frame_count);

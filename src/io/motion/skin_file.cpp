@@ -27,7 +27,7 @@ bool is_gltf(const fs::path& path) {
 
 }  // namespace
 
-Skin read_skin(const fs::path& path, const Mesh& mesh) {
+Skin read_skin(const fs::path& path, const MeshView& mesh) {
   const StandardFloats standard;
   if (!is_gltf(path)) return skin_of(path, mesh);
   Skin skin = gltf_skin(path);
@@ -78,7 +78,7 @@ void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
               npy_bytes(values, std::array{frames.frame_count(), frames.bone_count, std::size_t{3}, std::size_t{4}}));
 }
 
-Skin detail::skin_of(const ByteSource& source, const Mesh& mesh) {
+Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {
   const NpyArray array = read_npy_header(source, {{mesh.vertex_count(), 0}, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];

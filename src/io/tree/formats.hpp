@@ -12,7 +12,7 @@ namespace morula::detail {
 
 /// What read_tree and read_covered_tree make of a file with these bytes; the path says the format by its extension.
 TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options);
-CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh, Workers& workers);
+CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh, Workers& workers);
 
 /// Readers check everything that they use; the trees that they return have passed validate(). path is for messages.
 SphereTree read_sph(const std::filesystem::path& path, std::string_view text, const Vec3& origin);

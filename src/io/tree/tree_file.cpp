@@ -74,14 +74,14 @@ TreeFile detail::tree_of_bytes(const std::filesystem::path& path, std::string_vi
   return file;
 }
 
-CoveredTree read_covered_tree(const std::filesystem::path& path, const Mesh& mesh, const ReadTreeOptions& options,
+CoveredTree read_covered_tree(const std::filesystem::path& path, const MeshView& mesh, const ReadTreeOptions& options,
                               WorkersOrAll given) {
   Workers& workers = given;
   require_usable(mesh);
   return built_of_file(path, read_tree(path, options), mesh, workers);
 }
 
-CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile file, const Mesh& mesh,
+CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh,
                                   Workers& workers) {
   if (!file.cover) {
     require_usable_scale(mesh);

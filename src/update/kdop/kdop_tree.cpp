@@ -132,7 +132,7 @@ struct KDopTree::State {
   }
 };
 
-KDopTree::KDopTree(const Mesh& mesh, const CoveredTree& model, int k, Workers& workers) {
+KDopTree::KDopTree(const MeshView& mesh, const CoveredTree& model, int k, Workers& workers) {
   const StandardFloats standard;
   require_known(k);
   require_belonging(mesh, model);

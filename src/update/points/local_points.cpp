@@ -23,7 +23,7 @@ bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
 
 }  // namespace
 
-LocalPoints::LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership)
+LocalPoints::LocalPoints(const MeshView& rest, const Cover& cover, const Ownership& ownership)
     : vertex_count_(ownership.vertices.size()), mesh_order_(is_ascending_from_zero(ownership.vertices)) {
   if (!mesh_order_) {
     point_of_.assign(rest.vertex_count(), no_point);

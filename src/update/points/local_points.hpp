@@ -19,7 +19,7 @@ namespace morula::detail {
 
 class LocalPoints {
  public:
-  LocalPoints(const Mesh& rest, const Cover& cover, const Ownership& ownership);
+  LocalPoints(const MeshView& rest, const Cover& cover, const Ownership& ownership);
 
   struct Frame {
     bool finite = true;                ///< otherwise the points are of no use and nothing else here is set

@@ -41,7 +41,7 @@ std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::
 // Finds the cut corners that a node has to test.
 class NeededCuts {
  public:
-  NeededCuts(const Mesh& mesh, const Cover& cover, double tolerance)
+  NeededCuts(const MeshView& mesh, const Cover& cover, double tolerance)
       : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
 
   // owns(v): whether the node owns a vertex. asks_for(c): whether a cut corner has to be surrounded; those that are
@@ -95,7 +95,7 @@ class NeededCuts {
     });
   }
 
-  const Mesh& mesh_;
+  MeshView mesh_;
   const Cover& cover_;
   double tolerance_;
   std::vector<std::uint32_t> patches_, needed_;
@@ -109,7 +109,7 @@ bool is_on_edge(const CutPoint& c) {
   return std::count(c.weight.begin(), c.weight.end(), 0.0) > 0;
 }
 
-void require_belonging(const Mesh& mesh, const CoveredTree& model) {
+void require_belonging(const MeshView& mesh, const CoveredTree& model) {
   require_usable(mesh);
   if (const auto faults = validate(model.tree); !faults.empty())
     throw std::invalid_argument("the sphere tree is not usable: " + faults.front());
@@ -162,7 +162,7 @@ static void add_cuts(std::span<const std::uint32_t> cuts, std::span<const std::u
   ownership.begin = std::move(merged_begin);
 }
 
-Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
+Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   constexpr std::uint32_t none = 0xffffffffu;
   Ownership result;
@@ -217,7 +217,7 @@ Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& or
   return result;
 }
 
-void share_levels(const Mesh& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
+void share_levels(const MeshView& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
                   double tolerance, Ownership& ownership) {
   constexpr std::uint32_t none = 0xffffffffu;
   // Points by corner, and the node that has last seen a point.

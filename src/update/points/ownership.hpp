@@ -12,7 +12,7 @@ namespace morula::detail {
 /// Throws std::invalid_argument unless mesh and tree are usable, mesh, tree and cover have the right sizes for each
 /// other, every index is in range, regions are the disjoint unions of their children's, and the tree was made from a
 /// mesh of the same hash, as far as it says.
-void require_belonging(const Mesh& mesh, const CoveredTree& model);
+void require_belonging(const MeshView& mesh, const CoveredTree& model);
 
 /// Leaves in depth-first order, so that the leaves below any node are one range.
 struct LeafOrder {
@@ -48,13 +48,13 @@ struct Ownership {
 bool is_on_edge(const CutPoint& cut_point);
 /// needs_cut_points: one flag per leaf of the order; cut corners of others are left out altogether. tolerance: of
 /// FacetHull::surround; whoever gives one has it in the error budget.
-Ownership share_points(const Mesh& mesh, const Cover& cover, const LeafOrder& order,
+Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance);
 /// Fills tested_from: a node looks at each point once, in the first leaf below it that owns it, and only at those cut
 /// points that surround the others which its leaves look at, within the tolerance of FacetHull::surround. What it owns
 /// then lies within twice the tolerance of the hull of what it looks at: leaves leave out within one, this within
 /// another, and the distance to a hull is a convex function, so no corner of a patch is farther off.
-void share_levels(const Mesh& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
+void share_levels(const MeshView& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
                   double tolerance, Ownership& ownership);
 
 }  // namespace morula::detail

@@ -80,7 +80,7 @@ std::vector<std::uint32_t> tested_corners(const Cover& cover, const Ownership& o
 
 }  // namespace
 
-std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tree, const Cover& cover,
+std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree& tree, const Cover& cover,
                                           const LeafOrder& order, const Ownership& ownership,
                                           std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   std::vector<std::string> faults;

@@ -18,7 +18,7 @@ namespace morula::detail {
 /// A corner outside a hull is separated from it by a line: the direction from the nearest vertex of the hull, or
 /// perpendicular to its nearest edge. So all these directions are tried, between all pairs of tested corners, in
 /// extended precision. Cost per node, facet and corner left out: the cube of the corners that the node tests there.
-std::vector<std::string> ownership_faults(const Mesh& mesh, const SphereTree& tree, const Cover& cover,
+std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree& tree, const Cover& cover,
                                           const LeafOrder& order, const Ownership& ownership,
                                           std::span<const std::uint8_t> needs_cut_points, double tolerance);
 

@@ -74,7 +74,7 @@ struct SurfaceSamples::Pieces {
   }
 };
 
-SurfaceSamples::Pieces SurfaceSamples::pieces_of(const Mesh& rest) const {
+SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
   const std::vector<std::uint32_t> first = first_at_place(rest.positions);
   std::vector<Facet> facets = rest.facets;
   for (Facet& f : facets)
@@ -92,7 +92,7 @@ SurfaceSamples::Pieces SurfaceSamples::pieces_of(const Mesh& rest) const {
   return pieces;
 }
 
-SurfaceSamples::SurfaceSamples(const Mesh& rest, std::size_t count) : facets_(rest.facets) {
+SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count) : facets_(rest.facets) {
   const MeshReport report = inspect(rest);
   if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
   has_volume_ = report.has_volume() && report.volume != 0;

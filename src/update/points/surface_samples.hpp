@@ -37,7 +37,7 @@ struct BlockBound {
 
 class SurfaceSamples {
  public:
-  SurfaceSamples(const Mesh& rest, std::size_t count);
+  SurfaceSamples(const MeshView& rest, std::size_t count);
 
   void move(const PositionView& positions) noexcept;
   /// The same in steps, one after the other, all for the same positions: [begin, end) of 0 … move_steps. The first
@@ -70,7 +70,7 @@ class SurfaceSamples {
 
   void sort_into_blocks(std::vector<Vec3f> points);
   struct Pieces;
-  Pieces pieces_of(const Mesh& rest) const;
+  Pieces pieces_of(const MeshView& rest) const;
   void choose_rings(double spacing, const Pieces& pieces);
   std::array<std::uint32_t, ring_size> ring_of(std::uint32_t sample, double spacing, const Pieces& pieces) const;
   template <class Reader>

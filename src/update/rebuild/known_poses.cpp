@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_side_by_side = 16;  // builds; each holds what a build holds
 
-void require_in_range(const Mesh& mesh, const CoveredTree& model, std::span<const NamedPose> poses,
+void require_in_range(const MeshView& mesh, const CoveredTree& model, std::span<const NamedPose> poses,
                       const KnownPoseOptions& options) {
   if (!(options.pose_threshold > 1)) throw std::invalid_argument("known poses: pose_threshold must be above 1");
   if (model.cover.vertex_count != mesh.vertex_count())
@@ -35,7 +35,7 @@ void require_in_range(const Mesh& mesh, const CoveredTree& model, std::span<cons
 // How every pose is served by the trees that there are, beside what a tree built for it would do.
 class Service {
  public:
-  Service(const Mesh& mesh, const CoveredTree& model, std::span<const NamedPose> poses, Workers& workers)
+  Service(const MeshView& mesh, const CoveredTree& model, std::span<const NamedPose> poses, Workers& workers)
       : poses_(poses),
         workers_(workers),
         estimator_(mesh),
@@ -80,14 +80,14 @@ class Service {
   std::shared_ptr<const CoveredTree> tree(std::size_t pose) const { return own_[pose].tree; }
 
   /// A tree built for a pose: from now on it is known how tight that one can be.
-  void keep(std::size_t pose, const Mesh& posed, std::shared_ptr<const CoveredTree> model) {
+  void keep(std::size_t pose, const MeshView& posed, std::shared_ptr<const CoveredTree> model) {
     Body body(posed, model, {}, workers_);
     own_[pose] = {std::move(model), looseness_of(body, posed.positions), false};
     learn(own_[pose].looseness);
   }
 
   /// It serves wherever it is tighter, too.
-  void let_serve(std::size_t pose, const Mesh& posed) {
+  void let_serve(std::size_t pose, const MeshView& posed) {
     own_[pose].serves = true;
     Body body(posed, own_[pose].tree, {}, workers_);
     activate(body);
@@ -143,7 +143,7 @@ class Service {
 
 }  // namespace
 
-KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span<const NamedPose> poses,
+KnownPosesReport add_known_poses(const MeshView& mesh, CoveredTree& model, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   const StandardFloats standard;
@@ -192,7 +192,7 @@ KnownPosesReport add_known_poses(const Mesh& mesh, CoveredTree& model, std::span
   return report;
 }
 
-std::vector<NamedPose> principal_strains(const Mesh& mesh, double max_stretch) {
+std::vector<NamedPose> principal_strains(const MeshView& mesh, double max_stretch) {
   const StandardFloats standard;
   if (!(max_stretch > 1 && max_stretch <= 10)) throw std::invalid_argument("principal strains: 1 < max_stretch ≤ 10");
   constexpr double step = 1.1;

@@ -24,7 +24,7 @@ bool all_within(double share, std::span<const double> a, std::span<const double>
 
 }  // namespace
 
-LoosenessWatch::LoosenessWatch(const Mesh& mesh, std::size_t levels, const RebuildOptions& options,
+LoosenessWatch::LoosenessWatch(const MeshView& mesh, std::size_t levels, const RebuildOptions& options,
                                RebuildReport& report)
     : options_(options), report_(report), estimator_(mesh), thresholds_(levels), estimated_(levels) {}
 

@@ -26,7 +26,7 @@ class LoosenessWatch {
   enum class Motion : std::uint8_t { moving, stopped, settled };
 
   /// options and report: borrowed, and at one place. Writes the report's looseness. levels: of the home tree.
-  LoosenessWatch(const Mesh& mesh, std::size_t levels, const RebuildOptions& options, RebuildReport& report);
+  LoosenessWatch(const MeshView& mesh, std::size_t levels, const RebuildOptions& options, RebuildReport& report);
 
   LoosenessEstimator& estimator() noexcept { return estimator_; }
   Motion motion() const noexcept { return motion_; }

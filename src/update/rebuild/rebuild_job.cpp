@@ -38,10 +38,10 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 
 }  // namespace
 
-RebuildJob::RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t levels, bool fits_leaves)
-    : snapshot_(home), build_(build), estimator_(home), levels_(levels), fits_leaves_(fits_leaves) {
-  earlier_.fill(home.positions);
-  last_pose_ = home.positions;
+RebuildJob::RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves)
+    : snapshot_(to_mesh(home)), build_(build), estimator_(home), levels_(levels), fits_leaves_(fits_leaves) {
+  earlier_.fill(snapshot_.positions);
+  last_pose_ = snapshot_.positions;
 }
 
 void RebuildJob::set_pose(std::size_t which, const PositionView& positions) {

@@ -23,7 +23,7 @@ namespace morula::detail {
 class RebuildJob {
  public:
   /// levels: figures of looseness wanted.
-  RebuildJob(const Mesh& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
+  RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }

@@ -29,14 +29,14 @@ RebuildOptions in_range(RebuildOptions o) {
   return o;
 }
 
-void require_poses(const Mesh& mesh, const CoveredTree& model) {
+void require_poses(const MeshView& mesh, const CoveredTree& model) {
   for (const KnownPose& pose : model.poses)
     // mutant known-size-at-use: `pose.model || pose.positions.size() != mesh.vertex_count()` -> `pose.model`
     if (!pose.model || pose.positions.size() != mesh.vertex_count())
       throw std::invalid_argument("rebuild: the known pose \"" + pose.name + "\" is not one of this mesh");
 }
 
-std::shared_ptr<RebuildJob> make_job(const Mesh& mesh, const CoveredTree& home, const RebuildOptions& options) {
+std::shared_ptr<RebuildJob> make_job(const MeshView& mesh, const CoveredTree& home, const RebuildOptions& options) {
   const BuildOptions build{
       .method = options.method, .branching = static_cast<int>(home.tree.branching), .depth = depth_of_rebuilds(home)};
   return std::make_shared<RebuildJob>(mesh, build, home.tree.level_count(), fits_leaves(options));
@@ -45,7 +45,7 @@ std::shared_ptr<RebuildJob> make_job(const Mesh& mesh, const CoveredTree& home, 
 // Where the vertices that facets use are at rest.
 class RestPose {
  public:
-  explicit RestPose(const Mesh& mesh) : positions_(mesh.positions) {
+  explicit RestPose(const MeshView& mesh) : positions_(mesh.positions.to_vector()) {
     for (const Facet& f : mesh.facets) used_.insert(used_.end(), f.begin(), f.end());
     std::sort(used_.begin(), used_.end());
     used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
@@ -69,7 +69,7 @@ class RestPose {
 // One frame after the other: chooses the tree that serves (TreeVersions), watches how loose it is (LoosenessWatch), and
 // rebuilds it (RebuildCycle).
 struct RebuiltBody::State {
-  State(const Mesh& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers);
+  State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers);
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
@@ -91,7 +91,7 @@ struct RebuiltBody::State {
   RebuildCycle cycle;  // last: its thread goes first
 };
 
-RebuiltBody::State::State(const Mesh& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers)
+RebuiltBody::State::State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers)
     : options((require_poses(mesh, model), in_range(std::move(rebuild_options)))),
       at_rest(mesh),
       watch(mesh, model.tree.level_count(), options, report),
@@ -204,7 +204,7 @@ void RebuiltBody::State::collect(const PositionView& positions, bool taken) {
   cycle.retire(std::move(result.tree));
 }
 
-RebuiltBody::RebuiltBody(const Mesh& mesh, const CoveredTree& model, RebuildOptions options, Workers& workers)
+RebuiltBody::RebuiltBody(const MeshView& mesh, const CoveredTree& model, RebuildOptions options, Workers& workers)
     : state_([&] {
         const StandardFloats standard;
         return std::make_unique<State>(mesh, model, std::move(options), workers);

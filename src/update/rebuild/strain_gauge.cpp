@@ -24,7 +24,7 @@ std::array<std::uint32_t, 3> extremes(std::span<const Vec3> positions, std::span
 
 }  // namespace
 
-StrainGauge::StrainGauge(const Mesh& posed, const SphereTree& tree, const Cover& cover) {
+StrainGauge::StrainGauge(const MeshView& posed, const SphereTree& tree, const Cover& cover) {
   std::vector<Pair> all;
   std::vector<std::uint32_t> vertices;
   double sum = 0;

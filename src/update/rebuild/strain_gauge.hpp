@@ -18,7 +18,7 @@ class StrainGauge {
   static constexpr std::size_t most = 256;  ///< lengths
 
   /// Lengths within the leaves of a tree that was made for this pose, a few for each.
-  StrainGauge(const Mesh& posed, const SphereTree& tree, const Cover& cover);
+  StrainGauge(const MeshView& posed, const SphereTree& tree, const Cover& cover);
 
   std::size_t length_count() const { return pairs_.size(); }
   /// As many lengths as there are, at these positions, over the mean one at the pose that the tree was made for; not

@@ -29,7 +29,7 @@ void for_level_sets(const Body& body, std::size_t levels, const Take& take) {
 
 }  // namespace
 
-TreeVersion::TreeVersion(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, std::size_t levels)
+TreeVersion::TreeVersion(Body its_body, const MeshView& posed, LoosenessEstimator& estimator, std::size_t levels)
     : body(std::move(its_body)),
       gauge(posed, body.rest_tree(), body.cover()),
       looseness_at_build(levels),

@@ -17,7 +17,7 @@ namespace morula::detail {
 struct TreeVersion {
   /// The body is at the pose that it was made for, posed. levels: figures of looseness wanted. estimator: of that mesh,
   /// and at that pose afterwards.
-  TreeVersion(Body its_body, const Mesh& posed, LoosenessEstimator& estimator, std::size_t levels);
+  TreeVersion(Body its_body, const MeshView& posed, LoosenessEstimator& estimator, std::size_t levels);
 
   /// How many times what they took up at that pose its spheres take up now: Σ r³ over the same, in the mean of the
   /// levels that count. Cost: linear in the nodes.

@@ -33,7 +33,7 @@ std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& model) {
 
 }  // namespace
 
-TreeVersions::TreeVersions(const Mesh& mesh, const CoveredTree& model, const RebuildOptions& options,
+TreeVersions::TreeVersions(const MeshView& mesh, const CoveredTree& model, const RebuildOptions& options,
                            LoosenessEstimator& estimator, Workers& workers)
     : min_improvement_(options.min_improvement),
       // Body checks whether they belong together, so it comes first.

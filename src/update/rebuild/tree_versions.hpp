@@ -26,7 +26,7 @@ class TreeVersions {
  public:
   /// Made at rest and at the known poses, which are of this mesh; the one at rest serves. min_improvement and effort:
   /// of `options`. estimator: of the mesh.
-  TreeVersions(const Mesh& mesh, const CoveredTree& model, const RebuildOptions& options, LoosenessEstimator& estimator,
+  TreeVersions(const MeshView& mesh, const CoveredTree& model, const RebuildOptions& options, LoosenessEstimator& estimator,
                Workers& workers);
   TreeVersions(const TreeVersions&) = delete;
   TreeVersions& operator=(const TreeVersions&) = delete;

@@ -33,7 +33,7 @@ struct RuleFrame {
 
 /// What a body is made from, while it is being made.
 struct Binding {
-  const Mesh& mesh;
+  MeshView mesh;
   const CoveredTree& model;
   const UpdateOptions& options;
   std::span<const Rule> rule_of_level;

@@ -109,7 +109,7 @@ namespace {
 class NearbyPoints {
  public:
   // Borrows all but the tree. Every vertex that a facet uses is owned by some leaf.
-  NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership);
+  NearbyPoints(const MeshView& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership);
   // Adds the vertices whose distance to the center is at most the radius. Cost: leaves, and what those near own.
   void add(const Sphere& around, Marks& points) const;
 
@@ -119,7 +119,7 @@ class NearbyPoints {
   std::vector<Sphere> leaf_vertices_;  // per leaf of the order: contains the vertices that it owns
 };
 
-NearbyPoints::NearbyPoints(const Mesh& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership)
+NearbyPoints::NearbyPoints(const MeshView& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership)
     : rest_(&rest), ownership_(&ownership) {
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
     const Vec3& center = tree.spheres[order.leaves[k]].center;

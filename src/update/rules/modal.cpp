@@ -59,7 +59,7 @@ std::vector<std::uint32_t> corners_of(const Ownership& ownership, const Cover& c
 
 }  // namespace
 
-void require_modes(const Modes& modes, const Mesh& mesh) {
+void require_modes(const Modes& modes, const MeshView& mesh) {
   if (modes.vertex_count != mesh.vertex_count())
     throw std::invalid_argument("the modes are for " + std::to_string(modes.vertex_count) +
                                 " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
@@ -75,7 +75,7 @@ void require_modes(const Modes& modes, const Mesh& mesh) {
                                   std::to_string(i % modes.vertex_count) + " is not finite");
 }
 
-ModalPoser::ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
+ModalPoser::ModalPoser(const MeshView& mesh, const CoveredTree& model, const Modes& modes,
                        std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : reach_(modes.mode_count), rest_origin_(rest_origin), size_(size) {
   const std::uint32_t guide = *std::min_element(used_vertices.begin(), used_vertices.end());
@@ -128,7 +128,7 @@ ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
 
 ModalRule::ModalRule(const Binding& binding)
     : mode_count_(binding.options.modes.mode_count), slot_(binding.model.tree.node_count(), no_node) {
-  const Mesh& mesh = binding.mesh;
+  const MeshView& mesh = binding.mesh;
   const CoveredTree& model = binding.model;
   const SphereTree& tree = model.tree;
   const UpdateOptions& options = binding.options;
@@ -162,7 +162,7 @@ ModalRule::ModalRule(const Binding& binding)
   }
 }
 
-void ModalRule::bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
+void ModalRule::bind(std::size_t slot, const MeshView& mesh, const Cover& cover, const Modes& modes,
                      std::span<const std::uint32_t> corners) {
   Sphere& rest = nodes_[slot].rest;
   std::vector<Vec3> places;

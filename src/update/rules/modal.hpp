@@ -13,7 +13,7 @@
 namespace morula::detail {
 
 /// Throws std::invalid_argument unless the modes have the mesh's vertices, one displacement each, all finite.
-void require_modes(const Modes& modes, const Mesh& mesh);
+void require_modes(const Modes& modes, const MeshView& mesh);
 
 /// What is common to all nodes at some coordinates.
 struct ModalPose {
@@ -25,7 +25,7 @@ struct ModalPose {
 class ModalPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  ModalPoser(const Mesh& mesh, const CoveredTree& model, const Modes& modes,
+  ModalPoser(const MeshView& mesh, const CoveredTree& model, const Modes& modes,
              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   std::size_t mode_count() const { return reach_.size(); }
@@ -71,7 +71,7 @@ class ModalRule final : public RuleEngine {
     std::uint32_t node;  // ascending
     Sphere rest{};       // the tree's center, and the radius that contains the owned corners
   };
-  void bind(std::size_t slot, const Mesh& mesh, const Cover& cover, const Modes& modes,
+  void bind(std::size_t slot, const MeshView& mesh, const Cover& cover, const Modes& modes,
             std::span<const std::uint32_t> corners);
   Spheref sphere_of(std::size_t slot, const ModalPose& pose) const noexcept;
   Sphere by_shifts(std::size_t slot, std::span<const double> coordinates) const noexcept;

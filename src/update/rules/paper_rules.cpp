@@ -23,7 +23,7 @@ struct Links {
   bool fallback = false;                // nothing was where it was looked for
 };
 
-std::vector<std::uint32_t> vertices_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
+std::vector<std::uint32_t> vertices_of(const MeshView& mesh, const std::vector<std::uint32_t>& facets) {
   std::vector<std::uint32_t> vertices;
   vertices.reserve(3 * facets.size());
   for (const std::uint32_t f : facets) vertices.insert(vertices.end(), mesh.facets[f].begin(), mesh.facets[f].end());
@@ -34,7 +34,7 @@ std::vector<std::uint32_t> vertices_of(const Mesh& mesh, const std::vector<std::
 
 // The three vertices of every facet that meets the closed ball, inside or outside of it; of the nearest facet where
 // none does (fallback).
-Links linked_vertices(const Mesh& mesh, const TriangleBvh& bvh, const Sphere& ball) {
+Links linked_vertices(const MeshView& mesh, const TriangleBvh& bvh, const Sphere& ball) {
   std::vector<std::uint32_t> facets;
   bvh.facets_touching(ball, facets);
   if (!facets.empty()) return {vertices_of(mesh, facets), false};
@@ -43,7 +43,7 @@ Links linked_vertices(const Mesh& mesh, const TriangleBvh& bvh, const Sphere& ba
 
 // The vertices inside the closed ball of a node. Where there are none (fallback, a void sphere), those of the nearest
 // facet that meets the ball; where there is none either, what the node's parent has; at the root, the nearest facet's.
-Links enclosed_vertices(const Mesh& mesh, const TriangleBvh& bvh, const SphereTree& tree, std::uint32_t node) {
+Links enclosed_vertices(const MeshView& mesh, const TriangleBvh& bvh, const SphereTree& tree, std::uint32_t node) {
   bool fallback = false;
   std::vector<std::uint32_t> facets;
   for (;;) {
@@ -62,7 +62,7 @@ Links enclosed_vertices(const Mesh& mesh, const TriangleBvh& bvh, const SphereTr
 }
 
 // A third of each facet's area to each of its vertices, at rest.
-std::vector<double> vertex_areas(const Mesh& mesh) {
+std::vector<double> vertex_areas(const MeshView& mesh) {
   std::vector<double> areas(mesh.vertex_count());
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
     const double third = area(mesh.corners(f)) / 3;
@@ -143,7 +143,7 @@ Vec3f pulled_to_farthest(const Vec3f& start, std::span<const Spheref> children) 
 }
 
 // Weights that add up to 1.
-std::vector<double> link_weights(const Mesh& mesh, const Sphere& ball, const std::vector<std::uint32_t>& vertices,
+std::vector<double> link_weights(const MeshView& mesh, const Sphere& ball, const std::vector<std::uint32_t>& vertices,
                                  RuleOptions::Weights kind, const std::vector<double>& areas) {
   // A vertex at the very center must not outweigh all others.
   constexpr double nearest = 1e-3;
@@ -198,7 +198,7 @@ PaperRules::PaperRules(const Binding& binding)
 }
 
 void PaperRules::bind_links(const Binding& binding) {
-  const Mesh& mesh = binding.mesh;
+  const MeshView& mesh = binding.mesh;
   const SphereTree& tree = binding.model.tree;
   const RuleOptions& options = binding.options.details;
   BindReport& report = binding.report;

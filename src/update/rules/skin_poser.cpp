@@ -18,7 +18,7 @@ constexpr double largest_displacement = 0x1p55;
 
 }  // namespace
 
-void require_skin(const Skin& skin, const Mesh& mesh) {
+void require_skin(const Skin& skin, const MeshView& mesh) {
   if (skin.vertex_count() != mesh.vertex_count())
     throw std::invalid_argument("the skin is for " + std::to_string(skin.vertex_count()) +
                                 " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
@@ -45,7 +45,7 @@ void require_skin(const Skin& skin, const Mesh& mesh) {
   }
 }
 
-SkinPoser::SkinPoser(const Mesh& mesh, const CoveredTree& model, const Skin& skin,
+SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin& skin,
                      std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];

@@ -12,7 +12,7 @@ namespace morula::detail {
 
 /// Throws std::invalid_argument unless the skin has the mesh's vertices, its influences name its bones, and the weights
 /// of every vertex that facets use are finite and add up to 1 within 1e-6.
-void require_skin(const Skin& skin, const Mesh& mesh);
+void require_skin(const Skin& skin, const MeshView& mesh);
 
 /// (T - 1) p: how far a transform displaces a point. Exactly zero where T is the identity.
 inline Vec3 displacement(const AffineTransform& t, const Vec3& p) {
@@ -38,7 +38,7 @@ struct BonePose {
 class SkinPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  SkinPoser(const Mesh& mesh, const CoveredTree& model, const Skin& skin, std::span<const std::uint32_t> used_vertices,
+  SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin& skin, std::span<const std::uint32_t> used_vertices,
             const Vec3& rest_origin, double size);
 
   /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,
