@@ -58,7 +58,8 @@ struct RebuildOptions {
 
   RebuildThread thread = RebuildThread::background;
   /// For RebuildThread::host: must run the job once, on any thread, at any time. A job that is late, or never run,
-  /// costs tightness, not cover. Called inside update(), must not throw. The job may outlive the body.
+  /// costs tightness, not cover. Called inside update(). Must not throw: after an
+  /// exception, which RebuildReport::failed counts, the body is not rebuilt again. The job may outlive the body.
   std::function<void(std::function<void()> job)> executor{};
 };
 
@@ -67,7 +68,7 @@ struct RebuildReport {
   std::size_t checks = 0;                ///< estimates made
   std::size_t started = 0;               ///< rebuilds
   std::size_t finished = 0;              ///< of these, to the end
-  std::size_t stopped = 0;               ///< given up because the body was at rest again
+  std::size_t stopped = 0;               ///< given up because the body came to rest, or stopped in another pose
   std::size_t failed = 0;                ///< ended by an exception; `failure` is the last one's message
   std::size_t swapped = 0;               ///< taken over
   std::size_t refused = 0;               ///< not better than what there was
@@ -75,7 +76,7 @@ struct RebuildReport {
   std::size_t pose_switches = 0;         ///< changes to a tree made for a known pose
   std::size_t candidates_evaluated = 0;  ///< updates of trees that did not serve, to see whether they are tighter
   double rebuild_seconds = 0;            ///< wall time of the last one finished
-  std::size_t rebuild_frames = 0;        ///< frames from the pose it was built for to its end
+  std::size_t rebuild_frames = 0;        ///< from the last pose that it was given to its end; 20 before any has ended
   std::string failure;
   /// Per level set, from the root: estimated at the last check, and when the present tree was built.
   std::vector<double> looseness, looseness_at_build;

@@ -50,7 +50,8 @@ class RebuildCycle {
   RebuildCycle(const RebuildCycle&) = delete;
   RebuildCycle& operator=(const RebuildCycle&) = delete;
 
-  /// The one place where the phase changes. Throws what the host's executor throws, and for lack of memory.
+  /// The one place where the phase changes. Throws what the host's executor throws, and for lack of memory:
+  /// the phase then stays, so an executor that throws is never called again.
   void step(Event event, const Moment& now);
 
   /// Nothing is under way, and the pause after the last rebuild is over.

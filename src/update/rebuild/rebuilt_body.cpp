@@ -73,6 +73,7 @@ struct RebuiltBody::State {
 
   RebuildStatus update(const PositionView& positions, Workers& workers) noexcept;
 
+  void note_failure(const char* what) noexcept;
   TreeVersion& chosen_before_update(const PositionView& positions, bool resting, bool arrived) noexcept;
   void activate(TreeVersion& next) noexcept;
   void rest(const PositionView& positions);
@@ -128,11 +129,23 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     else
       check(positions);
     if (options.thread == RebuildThread::caller && cycle.is_done()) take_result_at_once(positions, workers);
+  } catch (const std::exception& error) {
+    note_failure(error.what());
   } catch (...) {
-    ++report.failed;
+    note_failure("an exception of another type than std::exception");
   }
   status.swapped = tree_version != before;
   return status;
+}
+
+// The message may need memory that is not there.
+void RebuiltBody::State::note_failure(const char* what) noexcept {
+  ++report.failed;
+  try {
+    report.failure = what;
+  } catch (...) {
+    report.failure.clear();
+  }
 }
 
 // arrived: the result of a rebuild is there.
@@ -195,8 +208,10 @@ void RebuiltBody::State::collect(const PositionView& positions, bool taken) {
   if (!result.tree) return;
   if (taken) {
     ++report.swapped;
-    watch.estimator().reserve(result.tree->body.rest_tree().node_count());
+    // Kept first: the tree serves already, and memory may lack for the rest.
+    const std::size_t node_count = result.tree->body.rest_tree().node_count();
     trees.keep(result.tree);
+    watch.estimator().reserve(node_count);
   } else {
     ++report.refused;
     if (trees.fits_here(*result.tree, options.rebuild_threshold)) watch.raise_thresholds();

@@ -74,7 +74,7 @@ class CornerChains {
     return {std::span(l.runs).subspan(l.run_begin[leaf], l.run_begin[leaf + 1] - l.run_begin[leaf]),
             std::span(l.points).subspan(l.point_begin[leaf], point_end_[entry] - l.point_begin[leaf])};
   }
-  /// How many they are, without padding.
+  /// How many are read for it: without the padding at the end of the leaf.
   std::size_t test_count(std::size_t entry) const noexcept { return test_count_[entry]; }
   /// Of a leaf, padding included: what a walk for its own node reads.
   std::size_t padded_count(std::size_t leaf) const noexcept;
