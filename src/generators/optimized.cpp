@@ -212,7 +212,7 @@ class OptimizedDivider {
     if (seeds.empty())
       fit.children().split_from_one();
     else
-      fit.children().take_in_grid(seeds);
+      fit.children().start_from_grid(seeds);
     for (int i = 0; i < 2; ++i) fit.children().sweep(while_splitting, true);
     return fit.children().spheres();
   }
@@ -232,7 +232,7 @@ class OptimizedDivider {
     if (slabs) settings.slab_cell = fine_slabs ? narrow : level < 2 ? upper : lower;
     NodeFit fit(input_, node, points, most, mean_radius, settings, demand_);
     ChildFit& children = fit.children();
-    children.take(spheres);
+    children.start_from(spheres);
     for (int i = 0; i < effort_.sweeps; ++i) children.sweep(afterwards, true);
     constexpr int settling_sweeps = 2;
     for (std::size_t k = 0; k < shared_among_children(effort_.proposals[level]); ++k)

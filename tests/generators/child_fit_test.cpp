@@ -104,7 +104,7 @@ TEST(ChildFit, keeps_all_points_inside_through_every_operation) {
     children.try_seeds(random_seeds(whole, 8, 1), 1, 1);
     expect_all_contained(whole, children, "seeds");
     // Balls from anywhere, once they are fitted.
-    children.take({{whole.node.sphere, {whole.node.sphere.center + Vec3{0.5, 0, 0}, 0.1}}});
+    children.start_from({{whole.node.sphere, {whole.node.sphere.center + Vec3{0.5, 0, 0}, 0.1}}});
     children.sweep(0.15F, true);
     expect_all_contained(whole, children, "taking balls");
     const NodeFit::Exact exact = whole.fit.exact();
@@ -174,7 +174,7 @@ TEST(ChildFit, has_the_same_balls_when_rejected_splits_are_retried) {
           std::vector<Sphere> fewer = results[0].front();
           if (gone < fewer.size()) fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(gone));
           for (const auto& balls : {fewer, results[0].front()}) {
-            children.take(balls);
+            children.start_from(balls);
             children.sweep(settings.overlap_weight, true);
             keep();
             children.sweep(settings.overlap_weight, true);

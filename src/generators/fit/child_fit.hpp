@@ -30,56 +30,61 @@ namespace morula::detail {
 class ChildFit {
  public:
   struct Settings {
-    float overlap_weight_while_splitting = 0.6F;  // what space that siblings have counts, early and late
+    // A ball pays this share of the empty space that siblings cover already: during splitting, and afterwards.
+    float overlap_weight_while_splitting = 0.6F;
     float overlap_weight = 0.15F;
     float child_width = 1;        // of a child's part of the surface, in cells
     float balance = 0;            // weight of unequal demand among children
-    bool retries_splits = false;  // also those that were rejected as all stands: the same balls, later
+    bool retries_splits = false;  // tries a rejected split again even where the ball has not changed
   };
-  /// grid, points, shape: borrowed. most: balls wanted. start: the node's own ball, mesh coordinates.
-  ChildFit(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t most,
+  /// grid, points, shape: borrowed. max_balls: the search makes at most so many. start: the node's own ball, mesh
+  /// coordinates.
+  ChildFit(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t max_balls,
            const Sphere& start, const Settings& settings, std::uint64_t seed);
 
   /// One ball over all points, then split until there are as many as wanted or splitting does not pay.
   void split_from_one();
-  /// Takes these balls: points go to the one of least power. fill_places: sweeps may place further balls.
-  void take(std::span<const Sphere> balls, bool fill_places = true);
-  void take_in_grid(std::span<const GroupBall> balls);
-  /// Points to the ball of least power, balls fitted to their points, unused ones placed by splitting. exclusive: a
-  /// ball keeps only points that no sibling contains.
+  /// Starts from these balls; each point goes to the ball of least power. fill_places holds until the next call: where
+  /// it is false, no sweep adds a ball.
+  void start_from(std::span<const Sphere> balls, bool fill_places = true);
+  /// The same with balls of the grid; whether sweeps add balls stays as it was.
+  void start_from_grid(std::span<const GroupBall> balls);
+  /// Assigns each point to the ball of least power, fits each ball to its points, and places unused balls by splitting.
+  /// exclusive: gives each point that a sibling contains to that sibling first.
   void sweep(float overlap_weight, bool exclusive);
-  /// Points to the inscribed ball of least power: for balls that have settled where they are but not where they should.
+  /// Assigns each point to the inscribed ball of least power instead: for balls that are stuck in a poor arrangement.
   void sweep_inscribed(float overlap_weight);
-  /// Random changes, kept when they help: every move_every-th moves a ball elsewhere, the others nudge walls.
+  /// Tries random changes and keeps those that lower the objective: every move_every-th relocates a ball, the others
+  /// shift walls between balls.
   void try_changes(int count, int move_every);
-  /// Settles on whichever is better: as it is, or after sweeps by inscribed power.
+  /// Runs the sweeps, those by inscribed power first, and keeps the result only where the objective falls.
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
   void try_spheres(std::span<const Sphere> balls, int sweeps);
 
-  /// Empty space that the balls take in together, and what balance adds.
+  /// Empty space in the union of the balls, plus the balance term. Sets balance_scale_ where it is negative.
   double objective();
-  /// Fits a ball to other points, with all children but the nearest to the first start in place.
+  /// Fits a ball to other points, while the child nearest to the first start is lifted out of the grid.
   GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts);
   std::vector<Sphere> spheres() const;
 
  private:
-  /// Runs change(), and restores the state before where the objective is no less.
+  /// Runs change(). Where the objective has not fallen, restores the state before it.
   template <class Change>
   void keep_if_better(const Change& change);
   std::vector<GroupBall> in_grid(std::span<const Sphere> balls) const;
   std::vector<float> squared_radii() const;
-  void settle(int inscribed_sweeps, int sweeps);
+  void run_sweeps(int inscribed_sweeps, int sweeps);
   void fill(float overlap_weight);
   bool split_costliest(std::size_t into, float overlap_weight, std::vector<std::uint8_t>& rejected);
   float split_priority(std::size_t ball, std::span<const float> demand) const;
-  std::size_t least_missed(std::vector<float>& missed);
-  void relocate_sphere(std::vector<float>& missed);
+  std::size_t cheapest_to_remove(std::vector<float>& growth_if_removed);
+  void relocate_sphere(std::vector<float>& growth_if_removed);
   void nudge();
   double imbalance();
   const PlacedBalls& balls() const { return state_.balls(); }
   bool is_used(std::size_t ball) const { return state_.assignment().is_used(ball); }
-  std::size_t most() const { return state_.most(); }
+  std::size_t max_balls() const { return state_.max_balls(); }
 
   ChildState state_;
   WholeBalls better_whole_;
@@ -87,8 +92,10 @@ class ChildFit {
   Vec3f start_;
   Settings settings_;
   Random random_;
-  double scale_ = -1;  // of the balance term: the cost at the start; negative: not known yet
-  bool fill_places_ = true;
+  // The balance term is measured in this cost: a quarter of the first ball's during splitting, then that at the first
+  // objective(); negative: not known yet.
+  double balance_scale_ = -1;
+  bool fill_places_ = true;  // see start_from()
 };
 
 }  // namespace morula::detail

@@ -108,15 +108,15 @@ ChildState::Snapshot ChildState::snapshot() const {
 }
 
 void ChildState::restore(const Snapshot& snapshot) {
-  for (std::size_t b = 0; b < most(); ++b) balls_.place(b, snapshot.balls[b]);
+  for (std::size_t b = 0; b < max_balls(); ++b) balls_.place(b, snapshot.balls[b]);
   assignment_.set_owners(snapshot.owners);
   fits_ = snapshot.fits;
 }
 
 void ChildState::set_balls(std::span<const GroupBall> balls) {
-  for (std::size_t b = 0; b < most(); ++b) balls_.lift(b);
-  for (std::size_t b = 0; b < most(); ++b) balls_.place(b, b < balls.size() ? balls[b] : GroupBall{});
-  fits_ = FitCache(most());
+  for (std::size_t b = 0; b < max_balls(); ++b) balls_.lift(b);
+  for (std::size_t b = 0; b < max_balls(); ++b) balls_.place(b, b < balls.size() ? balls[b] : GroupBall{});
+  fits_ = FitCache(max_balls());
 }
 
 void ChildState::gather(std::size_t ball) {
@@ -146,7 +146,7 @@ void ChildState::recenter(std::size_t ball, float overlap_weight, float first_st
 GroupBall ChildState::fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight) {
   std::size_t nearest = 0;
   float least = std::numeric_limits<float>::infinity();
-  for (std::size_t b = 0; b < most(); ++b)
+  for (std::size_t b = 0; b < max_balls(); ++b)
     if (const float d = distance_between(balls_[b].center, starts[0]); balls_[b].radius > 0 && d < least)
       least = d, nearest = b;
   balls_.lift(nearest);
@@ -155,12 +155,11 @@ GroupBall ChildState::fit_to(const GroupPoints& points, std::span<const Vec3f> s
   return fitted;
 }
 
-// The ball keeps what only it contains.
 void ChildState::give_what_others_contain(std::size_t ball) {
   gather(ball);
   const float reach = farthest_from(own_, balls_[ball].center) * (1 + 1e-5F);
   std::vector<std::size_t> near;
-  for (std::size_t j = 0; j < most(); ++j) {
+  for (std::size_t j = 0; j < max_balls(); ++j) {
     if (j == ball || !(balls_[j].radius > 0)) continue;
     if (distance_between(balls_[j].center, balls_[ball].center) * (1 - 1e-5F) <= reach + balls_[j].radius)
       near.push_back(j);
@@ -179,14 +178,14 @@ void ChildState::give_what_others_contain(std::size_t ball) {
     if (owners[k] != 0) assignment_.set_owner(own_index_[k], near[owners[k] - 1]);
 }
 
-bool ChildState::split(std::size_t ball, std::size_t into, float overlap_weight, float most_cost_factor) {
+bool ChildState::split(std::size_t ball, std::size_t into, float overlap_weight, float max_cost_factor) {
   const GroupBall before = balls_[ball];
   gather(ball);
   const std::vector<std::uint32_t> members = own_index_;
   balls_.lift(ball);
-  const float most_cost = most_cost_factor * before.cost;
-  const Halves halves = cheapest_halves(members, before, overlap_weight, most_cost);
-  if (!(halves.cost < most_cost)) {
+  const float max_cost = max_cost_factor * before.cost;
+  const Halves halves = cheapest_halves(members, before, overlap_weight, max_cost);
+  if (!(halves.cost < max_cost)) {
     balls_.place(ball, before);
     return false;
   }
@@ -197,9 +196,10 @@ bool ChildState::split(std::size_t ball, std::size_t into, float overlap_weight,
   return true;
 }
 
-// Of the three axes the one whose halves cost least. (The axis of least variance is what divides rings on a tube.)
+// Tries all three axes and returns the halves that cost least: on a tube, only the axis of least variance separates
+// rings.
 ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> members, const GroupBall& before,
-                                               float overlap_weight, float most_cost) {
+                                               float overlap_weight, float max_cost) {
   const SplitPoints split_points(assignment_.points(), members);
   Halves best{{}, {}, {}, std::numeric_limits<float>::infinity()};
   std::vector<std::uint8_t> side(members.size());
@@ -207,13 +207,14 @@ ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> me
     own_.clear();
     for (std::size_t i = 0; i < members.size(); ++i)
       if (side[i] == s) own_.push_back(assignment_.points()[members[i]]);
-    // The old center is deep where the new points are a shallow patch: without it no split finds deep balls.
+    // The search starts from the old center as well: where the points are a shallow patch, only from there does it find
+    // balls that reach deep inside.
     return fit_ball(grid(), own_, {&before.center, 1}, overlap_weight, 0.25F, 0.03F);
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!split_points.two_means(axis, 1e-6 * before.radius, side)) continue;
     const GroupBall one = half(0);
-    if (!(one.cost < std::min(best.cost, most_cost))) continue;  // no pair with it is better
+    if (!(one.cost < std::min(best.cost, max_cost))) continue;  // no pair with it is better
     grid().add(one.sphere());
     const GroupBall other = half(1);
     grid().remove(one.sphere());
@@ -225,14 +226,14 @@ ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> me
 void ChildState::remove(std::size_t ball) {
   const GroupBall before = balls_[ball];
   std::vector<std::pair<std::size_t, std::size_t>> given;  // while the owners are gone over
-  reach_without(ball, [&](std::size_t i, std::size_t to) { given.emplace_back(i, to); });
+  radii_without(ball, [&](std::size_t i, std::size_t to) { given.emplace_back(i, to); });
   for (const auto& [point, to] : given) assignment_.set_owner(point, to);
   balls_.place(ball, {});
   fits_.note_change(ball, before);
 }
 
-// Only balls near by can be the one that grows least: the others would have to grow by more than the best of them even
-// for the point that is nearest to them.
+// A ball that is far away has to grow by more for the nearest of the points than the best near ball does for the
+// farthest one, so it never grows least. These are the others.
 std::vector<std::size_t> ChildState::neighbors_within_growth(std::size_t ball) const {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const GroupPoints& points = assignment_.points();
@@ -240,14 +241,14 @@ std::vector<std::size_t> ChildState::neighbors_within_growth(std::size_t ball) c
   assignment_.each_owned(
       ball, [&](std::size_t i) { around = std::max(around, distance_between(points[i], balls_[ball].center)); });
   float enough = infinity;
-  std::vector<float> away(most(), infinity);
-  for (std::size_t j = 0; j < most(); ++j) {
+  std::vector<float> away(max_balls(), infinity);
+  for (std::size_t j = 0; j < max_balls(); ++j) {
     if (j == ball || !assignment_.is_used(j)) continue;
     away[j] = distance_between(balls_[j].center, balls_[ball].center);
     enough = std::min(enough, away[j] + around - balls_[j].radius);
   }
   std::vector<std::size_t> near;
-  for (std::size_t j = 0; j < most(); ++j)
+  for (std::size_t j = 0; j < max_balls(); ++j)
     if (away[j] < infinity && away[j] - around - balls_[j].radius <= enough + 1e-4F * (away[j] + around))
       near.push_back(j);
   return near;
@@ -256,10 +257,10 @@ std::vector<std::size_t> ChildState::neighbors_within_growth(std::size_t ball) c
 // The radii that siblings would need if the ball were gone and each of its points went to the one that grows least.
 // Calls give(point, sibling) for each point that finds one.
 template <class Give>
-std::vector<float> ChildState::reach_without(std::size_t ball, const Give& give) const {
+std::vector<float> ChildState::radii_without(std::size_t ball, const Give& give) const {
   const GroupPoints& points = assignment_.points();
-  std::vector<float> reach(most());
-  for (std::size_t j = 0; j < most(); ++j) reach[j] = balls_[j].radius;
+  std::vector<float> reach(max_balls());
+  for (std::size_t j = 0; j < max_balls(); ++j) reach[j] = balls_[j].radius;
   const std::vector<std::size_t> near = neighbors_within_growth(ball);
   assignment_.each_owned(ball, [&](std::size_t i) {
     float growth = std::numeric_limits<float>::infinity(), needed = 0;
@@ -278,9 +279,9 @@ std::vector<float> ChildState::reach_without(std::size_t ball, const Give& give)
 float ChildState::growth_without(std::size_t ball) const {
   constexpr float unit_volume = static_cast<float>(4.0 / 3.0 * std::numbers::pi);
   const auto cube_of = [](float x) { return x * x * x; };
-  const std::vector<float> reach = reach_without(ball, [](std::size_t, std::size_t) {});
+  const std::vector<float> reach = radii_without(ball, [](std::size_t, std::size_t) {});
   float grown = 0;
-  for (std::size_t j = 0; j < most(); ++j)
+  for (std::size_t j = 0; j < max_balls(); ++j)
     if (j != ball && assignment_.is_used(j)) grown += unit_volume * (cube_of(reach[j]) - cube_of(balls_[j].radius));
   return grown;
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Child state: the balls of a node's children, the points that each must contain, and what is known about their fits.
+// Child state: the balls of a node's children, the points that each owns, and what is known about their fits. A ball
+// contains its points after recenter(); after assign_by_power() or remove() it may not, until the next one.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +21,10 @@ struct FitInputs {
   bool operator==(const FitInputs&) const = default;
 };
 
-/// Invariant: has_fit(b) is true only where ball b is what a fit to these inputs made, and no sibling has moved near
-/// it, to or from, since. Every change of a ball goes through note_fit() or note_change(), which is all that
-/// invalidates: entries are compared by time, never cleared one by one.
+/// Invariant: has_fit(b) is true only where a fit to these inputs made ball b, and no sibling near it has changed
+/// since, as far as each sibling's last change tells. (A ball that is relocated changes twice, and its departure is
+/// forgotten: its old neighbors keep their fits, which contain their points all the same.) Every change of a ball goes
+/// through note_fit() or note_change(); only these two make an entry stale, by its time.
 class FitCache {
  public:
   explicit FitCache(std::size_t most) : entries_(most) {}
@@ -37,7 +39,7 @@ class FitCache {
   struct Entry {
     std::uint64_t changed = 0, fitted = 0;  // times; 0: never
     FitInputs inputs{0, -1};
-    GroupBall before{};  // the last change
+    GroupBall before{};  // the ball before its last change
   };
   std::vector<Entry> entries_;
   std::uint64_t clock_ = 0;
@@ -87,11 +89,11 @@ class ChildState {
     FitCache fits;
   };
 
-  /// grid, points: borrowed. most: balls wanted, 256 at most.
-  ChildState(OutsideGrid& grid, const GroupPoints& points, std::size_t most)
-      : balls_(grid, most), assignment_(points, most), fits_(most) {}
+  /// grid, points: borrowed. max_balls: 256 at most.
+  ChildState(OutsideGrid& grid, const GroupPoints& points, std::size_t max_balls)
+      : balls_(grid, max_balls), assignment_(points, max_balls), fits_(max_balls) {}
 
-  std::size_t most() const { return balls_.size(); }
+  std::size_t max_balls() const { return balls_.size(); }
   OutsideGrid& grid() const { return balls_.grid(); }
   const PlacedBalls& balls() const { return balls_; }
   const Assignment& assignment() const { return assignment_; }
@@ -103,23 +105,26 @@ class ChildState {
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
 
-  /// These balls, `most` at most, none of them fitted. Points keep their owners.
+  /// Replaces the balls, by max_balls() at most, none of them fitted. Points keep their owners.
   void set_balls(std::span<const GroupBall> balls);
-  /// All points to ball 0.
+  /// Assigns all points to ball 0.
   void give_all_to_first() { assignment_.set_all(0); }
-  /// Points to the ball of least power; negative: the ball gets none.
+  /// Assigns each point to the ball of least power. A ball whose squared radius is negative gets none.
   void assign_by_power(std::span<const float> squared_radii) { assignment_.set_by_power(balls_, squared_radii); }
-  /// Points of the ball that siblings contain become theirs.
+  /// Gives each of the ball's points that a sibling contains to that sibling.
   void give_what_others_contain(std::size_t ball);
 
-  /// Fits the ball to its points, unless it is; first_step: see fit_ball. A ball without points vanishes.
+  /// Fits the ball to its points. Skips a ball that is fitted already. first_step: see fit_ball. A ball without points
+  /// vanishes.
   void recenter(std::size_t ball, float overlap_weight, float first_step);
   /// A ball for other points, while the ball nearest to the first start is lifted. Changes nothing.
   GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight);
-  /// Two balls for one: the points fall apart along one of their principal axes. `into`, an unused ball, gets some of
-  /// them. Returns false, with nothing changed, where both cost most_cost_factor times as much as the one, or more.
-  bool split(std::size_t ball, std::size_t into, float overlap_weight, float most_cost_factor);
-  /// Removes the ball; each of its points goes to the sibling that grows least by it.
+  /// Splits the ball's points in two along one of their principal axes and fits a ball to each part; `into`, an unused
+  /// ball, gets the second. Returns false and changes nothing where the two together cost at least max_cost_factor
+  /// times what the one costs.
+  bool split(std::size_t ball, std::size_t into, float overlap_weight, float max_cost_factor);
+  /// Removes the ball and gives each of its points to the sibling that grows least by it. Siblings do not contain these
+  /// points until recenter(). The points stay where no sibling is in use.
   void remove(std::size_t ball);
   /// By how much siblings would grow in volume without the ball.
   float growth_without(std::size_t ball) const;
@@ -131,12 +136,12 @@ class ChildState {
     float cost;                      // of both
   };
   Halves cheapest_halves(std::span<const std::uint32_t> members, const GroupBall& before, float overlap_weight,
-                         float most_cost);
+                         float max_cost);
   void gather(std::size_t ball);
   void place_fit(std::size_t ball, const GroupBall& fitted, float overlap_weight);
   std::vector<std::size_t> neighbors_within_growth(std::size_t ball) const;
   template <class Give>
-  std::vector<float> reach_without(std::size_t ball, const Give& give) const;
+  std::vector<float> radii_without(std::size_t ball, const Give& give) const;
 
   PlacedBalls balls_;
   Assignment assignment_;

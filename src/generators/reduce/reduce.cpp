@@ -119,7 +119,7 @@ class ReducerDivider {
   static std::vector<Start> judged(ChildFit& children, const Proposals& proposals) {
     std::vector<Start> starts;
     for (const Proposal& proposal : proposals) {
-      children.take(proposal.spheres, proposal.fill_places);
+      children.start_from(proposal.spheres, proposal.fill_places);
       children.sweep(overlap_weight, true);
       const double cost = children.objective();
       starts.push_back({&proposal, children.spheres(), cost});
@@ -129,7 +129,7 @@ class ReducerDivider {
   }
 
   void settle(ChildFit& children, const Start& start, int level) const {
-    children.take(start.spheres, start.proposal->fill_places);
+    children.start_from(start.spheres, start.proposal->fill_places);
     for (int i = 0; i < sweeps_for_winner; ++i) children.sweep(overlap_weight, true);
     children.try_inscribed(inscribed_sweeps, sweeps_after);
     children.try_changes(settings_.changes[static_cast<std::size_t>(std::min(level, 2))], settings_.move_every);
