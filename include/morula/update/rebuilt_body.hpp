@@ -33,19 +33,20 @@ struct RebuildOptions {
   // How to rebuild; branching and depth are those of the home tree.
   Method method = Method::optimized;
   Quality quality = Quality::draft;      ///< of Method::optimized, while the body moves
-  Quality rest_quality = Quality::fast;  ///< the same, once it has stopped
+  Quality rest_quality = Quality::fast;  ///< once it stands still away from rest
 
-  /// Looseness of some level, over that where the present tree was made, above which a rebuild is wanted; above 1.
+  /// A rebuild is wanted when any level is this many times as loose as when the present tree was built, and when the
+  /// body stops in a pose that the present tree was not built for; above 1.
   double rebuild_threshold = 1.25;
   /// Frames between estimates of looseness; at least 1.
   int check_every = 4;
   /// Frames between rebuilds, whatever the looseness; at least 1. With RebuildThread::caller, fixed frames.
   std::optional<int> rebuild_every{};
-  /// Share by which a new tree has to be expected to be better, by the sum over levels of looseness over looseness at
-  /// home; below 1. Very negative: always, for tests.
+  /// A new tree replaces the present one only where its expected score is lower by this share; below 1. The score is
+  /// the sum over levels of looseness divided by that of the home tree at rest. Very negative: always, for tests.
   double min_improvement = 0.05;
-  /// Rebuilds for where the motion will be when the result is in use, extrapolated from three frames, straight on or
-  /// turning as it did, instead of for where it was.
+  /// Rebuilds for the pose expected when the result is in use, extrapolated from three frames, straight or rotating.
+  /// false: for the pose at the start.
   bool look_ahead = true;
   /// Largest share of wall time that goes into rebuilding: a pause follows each; 0 < share ≤ 1. Not for
   /// RebuildThread::caller.
@@ -88,12 +89,12 @@ struct [[nodiscard]] RebuildStatus {
   explicit operator bool() const { return static_cast<bool>(update); }
 };
 
-/// A Body by the rule `exact`, one for each known pose of the tree, and up to two more while it is away from rest: each
-/// a tree of the same surface, each updated from the caller's positions before anyone sees it. So every level covers in
-/// every frame, whatever happens in the background; swaps change only how tightly.
+/// Holds a Body by the rule `exact` over the home tree, one over the tree of each known pose, and up to two over
+/// rebuilt trees while it is away from rest. Each is updated from the caller's positions before it serves. So every
+/// level covers in every frame, whatever happens in the background; swaps change only how tightly.
 ///
 /// At rest exactly, the home tree serves: the spheres are then those of rest bit for bit, whatever came before.
-/// Memory: mesh, and up to three bodies, and one for each known pose.
+/// Memory: the mesh and these bodies; a rebuilt tree that was replaced is freed by the next rebuild.
 class RebuiltBody {
  public:
   /// The body starts at rest. Throws as Body does, and std::invalid_argument for options out of range, a host without
@@ -107,9 +108,10 @@ class RebuiltBody {
 
   /// As Body::update. Never waits for a rebuild. Bad positions change nothing at all.
   ///
-  /// No allocation, except in frames where a rebuild starts or its result comes in. One update a frame, and one of
-  /// another tree where that may be tighter, of up to eight others where the body is small. Cost beyond that: a
-  /// share of an estimate, which is over in `check_every` frames, and a copy of the positions when a rebuild starts.
+  /// No allocation, except in frames where a rebuild starts or its result comes in. Each
+  /// frame updates the serving tree, and one other tree (up to eight for small bodies) that may be tighter. Besides
+  /// that it costs a share of an estimate, which takes `check_every` frames, and a copy of the positions when a rebuild
+  /// starts.
   RebuildStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   /// The present one: spheres, tree, cover. The reference is good until the next update.

@@ -39,11 +39,11 @@ void RebuildCycle::step(Event event, const Moment& now) {
     case Event::frame:
       if (phase_ == Phase::gathering) take_pose(now);
       break;
-    case Event::rest:
+    case Event::at_rest:
       // mutant rebuild-poses-kept-at-rest: `phase_ == Phase::gathering` -> `false`
       if (phase_ == Phase::gathering) phase_ = Phase::idle;
       [[fallthrough]];
-    case Event::stopped:
+    case Event::body_stopped:
       if (phase_ == Phase::building) job_->request_stop();
       break;
     case Event::collected:

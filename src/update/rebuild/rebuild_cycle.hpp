@@ -6,15 +6,15 @@
 //   +------+ ------------------------> +-----------+
 //   | idle |                           | gathering | --+ frame: takes a pose,
 //   +------+ <------------------------ +-----------+ <-+ with others to come
-//      ^       rest: the motion is over      |
+//      ^       at_rest: the motion is over   |
 //      |                                     | frame: takes the last pose and hands the job to its thread,
 //      |                                     | in the same frame where one pose is enough
 //      |  collected: the result is taken     v
 //      |  over, not tighter, stopped,  +----------+
-//      +------------------------------ | building | --+ rest, stopped: asks the job to stop,
-//         or failed                    +----------+ <-+ which ends it sooner
+//      +------------------------------ | building | --+ at_rest, body_stopped: asks the job
+//         or failed                    +----------+ <-+ to stop, which ends it sooner
 //
-// The job runs on another thread and ends by itself; is_done() says so, and the next frame collects it.
+// The job runs on another thread. When it ends, is_done() holds, and the next frame away from rest collects it.
 #pragma once
 
 #include <chrono>
@@ -31,13 +31,13 @@ class RebuildCycle {
  public:
   enum class Phase : std::uint8_t { idle, gathering, building };
   enum class Event : std::uint8_t {
-    frame,      ///< another one away from rest
-    wanted,     ///< a rebuild, for where the body is or will be; only where may_start()
-    stopped,    ///< the body has stopped: a rebuild for another pose is of no use
-    rest,       ///< the body is at rest exactly
-    collected,  ///< the result was taken from the job
+    frame,         ///< a frame away from rest
+    wanted,        ///< a rebuild is wanted for the present pose or the one to come; only where may_start()
+    body_stopped,  ///< the body stands still away from rest: a rebuild for another pose is of no use
+    at_rest,       ///< the body is exactly at rest
+    collected,     ///< the result was taken from the job
   };
-  /// Of an event.
+  /// What the cycle has to know about the frame of an event.
   struct Moment {
     std::uint64_t frame;
     const PositionView& positions;
@@ -62,7 +62,7 @@ class RebuildCycle {
   bool is_done() const noexcept;
   /// Of a job that is done: what it built; null when it was stopped or failed.
   TreeVersion* result() const noexcept { return job_->finished(); }
-  /// The same, to keep: the job is collected.
+  /// Takes the result out of the job and returns to idle.
   RebuildJob::Result collect(const Moment& now);
   /// The job frees it on its thread: that takes as long as a frame.
   void retire(std::unique_ptr<TreeVersion> old) { job_->retire(std::move(old)); }

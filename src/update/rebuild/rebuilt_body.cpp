@@ -51,7 +51,7 @@ class RestPose {
     used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
   }
   std::size_t size() const { return positions_.size(); }
-  // Exactly, or as these narrowed to float. As many positions as there are here.
+  // True where every vertex is at its rest position, or at that narrowed to float. Needs positions.size() == size().
   bool is_at(const PositionView& positions) const noexcept {
     if (positions.is_double())
       return std::all_of(used_.begin(), used_.end(), [&](std::uint32_t v) { return positions[v] == positions_[v]; });
@@ -92,7 +92,8 @@ struct RebuiltBody::State {
   RebuildCycle cycle;  // last: its thread goes first
 };
 
-RebuiltBody::State::State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers)
+RebuiltBody::State::State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options,
+                          Workers& workers)
     : options((require_poses(mesh, model), in_range(std::move(rebuild_options)))),
       at_rest(mesh),
       watch(mesh, model.tree.level_count(), options, report),
@@ -107,13 +108,16 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   TreeVersion* const present = &trees.present();
   TreeVersion* chosen = whole ? &chosen_before_update(positions, resting, arrived) : present;
   RebuildStatus status{.update = trees.follow(*chosen, positions, workers)};
-  if (!status && chosen != present) status.update = trees.follow(*(chosen = present), positions, workers);
+  if (!status && chosen != present) {
+    chosen = present;
+    status.update = trees.follow(*chosen, positions, workers);
+  }
   if (!status) return status;
 
   const std::uint64_t before = tree_version;
   ++frame;
   if (chosen == present && !resting) {
-    chosen = &trees.tightest_seen(frame, positions, workers);
+    chosen = &trees.tightest_evaluated(frame, positions, workers);
     report.candidates_evaluated = trees.candidates_evaluated();
   }
   // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
@@ -154,7 +158,7 @@ TreeVersion& RebuiltBody::State::chosen_before_update(const PositionView& positi
   if (resting) return trees.home();
   trees.measure(positions);
   const bool takes_over = arrived && cycle.result() != nullptr && trees.takes_over(*cycle.result(), positions);
-  return takes_over ? *cycle.result() : trees.made_for_this();
+  return takes_over ? *cycle.result() : trees.tree_for_this_pose();
 }
 
 void RebuiltBody::State::activate(TreeVersion& next) noexcept {
@@ -169,7 +173,7 @@ RebuildCycle::Moment RebuiltBody::State::now(const PositionView& positions) cons
 }
 
 void RebuiltBody::State::rest(const PositionView& positions) {
-  cycle.step(RebuildCycle::Event::rest, now(positions));
+  cycle.step(RebuildCycle::Event::at_rest, now(positions));
   watch.rest(trees.home());
 }
 
@@ -189,7 +193,7 @@ void RebuiltBody::State::check(const PositionView& positions) {
 void RebuiltBody::State::decide(const PositionView& positions) {
   const bool settling = watch.motion() == LoosenessWatch::Motion::stopped &&
                         (!trees.home_serves() || watch.is_off_build(trees.present()));
-  if (settling) cycle.step(RebuildCycle::Event::stopped, now(positions));
+  if (settling) cycle.step(RebuildCycle::Event::body_stopped, now(positions));
   if (!cycle.may_start() || !(settling || watch.has_grown())) return;
   watch.settle();
   cycle.step(RebuildCycle::Event::wanted, now(positions));
@@ -213,6 +217,7 @@ void RebuiltBody::State::collect(const PositionView& positions, bool taken) {
     trees.keep(result.tree);
     watch.estimator().reserve(node_count);
   } else {
+    // A tree for this pose is no better: wait until the pose changes.
     ++report.refused;
     if (trees.fits_here(*result.tree, options.rebuild_threshold)) watch.raise_thresholds();
   }

@@ -23,7 +23,7 @@ constexpr double grown = 1.15;
 constexpr std::size_t least_seen = 1, most_seen = 8, tests_to_see = 20'000;
 // A tree that was seen to be no better is looked at again after all others were and so many frames, or where
 // strain has come to be so many times what it was then.
-constexpr std::size_t seen_lately = 4;
+constexpr std::size_t evaluated_lately = 4;
 // mutant known-came-closer: `0.8` -> `0`
 constexpr double closer = 0.8;
 
@@ -62,7 +62,7 @@ void TreeVersions::for_others(const Visit& visit) noexcept {
   };
   unless_present(home_);
   for (TreeVersion& tree : known_) unless_present(tree);
-  if (away_) unless_present(*away_);
+  if (rebuilt_) unless_present(*rebuilt_);
 }
 
 void TreeVersions::measure(const PositionView& positions) noexcept {
@@ -86,11 +86,11 @@ double TreeVersions::expected_score(const TreeVersion& tree) const noexcept {
 }
 
 // What another has to be expected to stay below.
-double TreeVersions::promise_needed() const noexcept {
+double TreeVersions::score_to_beat() const noexcept {
   return (1 - std::max(least_gain, min_improvement_)) * expected_score(*present_);
 }
 
-TreeVersion& TreeVersions::made_for_this() noexcept {
+TreeVersion& TreeVersions::tree_for_this_pose() noexcept {
   TreeVersion* own = present_;
   double least = strain();
   if (least < still_strain) return *present_;
@@ -103,15 +103,15 @@ TreeVersion& TreeVersions::made_for_this() noexcept {
 
 // What strain costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up
 // is seen, so it decides.
-TreeVersion& TreeVersions::tightest_seen(std::uint64_t frame, const PositionView& positions,
-                                         Workers& workers) noexcept {
+TreeVersion& TreeVersions::tightest_evaluated(std::uint64_t frame, const PositionView& positions,
+                                              Workers& workers) noexcept {
   const bool has_grown = present_->growth() > grown;
   TreeVersion* best = present_;
   // mutant known-seen-decides: `(1 - least_less)` -> `0.9`
   double least = (1 - least_less) * present_->taken_up();
-  const std::size_t count = seen_in_a_frame();
+  const std::size_t count = evaluated_in_a_frame();
   for (std::size_t seen = 0; seen < count; ++seen) {
-    TreeVersion* const other = next_to_see(frame, has_grown);
+    TreeVersion* const other = next_to_evaluate(frame, has_grown);
     if (other == nullptr || !follow(*other, positions, workers)) break;
     ++candidates_evaluated_;
     other->seen_frame = frame, other->seen_strain = other->strain_now;
@@ -120,17 +120,17 @@ TreeVersion& TreeVersions::tightest_seen(std::uint64_t frame, const PositionView
   return *best;
 }
 
-std::size_t TreeVersions::seen_in_a_frame() const noexcept {
+std::size_t TreeVersions::evaluated_in_a_frame() const noexcept {
   return std::clamp(tests_to_see / std::max<std::size_t>(1, tests_of_update_), least_seen, most_seen);
 }
 
 // The one that is expected to be the tightest of those not seen lately, so that none is left aside for ever. As long as
 // the present one takes up what it did where it was made, only what promises to be better.
-TreeVersion* TreeVersions::next_to_see(std::uint64_t frame, bool has_grown) noexcept {
-  // mutant known-in-turn: `std::max(seen_lately, known_.size() / seen_in_a_frame() + 1)` -> `seen_lately`
-  const std::uint64_t round = std::max(seen_lately, known_.size() / seen_in_a_frame() + 1);
+TreeVersion* TreeVersions::next_to_evaluate(std::uint64_t frame, bool has_grown) noexcept {
+  // mutant known-in-turn: `std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1)` -> `evaluated_lately`
+  const std::uint64_t round = std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1);
   TreeVersion* next = nullptr;
-  double least = has_grown ? std::numeric_limits<double>::infinity() : promise_needed();
+  double least = has_grown ? std::numeric_limits<double>::infinity() : score_to_beat();
   for_others([&](TreeVersion& other) {
     const bool seen_before = other.seen_frame != 0 && frame < other.seen_frame + round;
     if (other.seen_frame == frame || (seen_before && !(other.strain_now < closer * other.seen_strain))) return;

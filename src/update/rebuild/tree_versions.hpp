@@ -14,7 +14,7 @@
 
 namespace morula::detail {
 
-/// Of lengths from one pose to another, where none has changed but by rounding.
+/// Two poses count as equal where the strain between them is below this: smaller strain is rounding.
 inline constexpr double still_strain = 1e-5;
 
 inline bool fits_leaves(const RebuildOptions& options) {
@@ -26,8 +26,8 @@ class TreeVersions {
  public:
   /// Made at rest and at the known poses, which are of this mesh; the one at rest serves. min_improvement and effort:
   /// of `options`. estimator: of the mesh.
-  TreeVersions(const MeshView& mesh, const CoveredTree& model, const RebuildOptions& options, LoosenessEstimator& estimator,
-               Workers& workers);
+  TreeVersions(const MeshView& mesh, const CoveredTree& model, const RebuildOptions& options,
+               LoosenessEstimator& estimator, Workers& workers);
   TreeVersions(const TreeVersions&) = delete;
   TreeVersions& operator=(const TreeVersions&) = delete;
 
@@ -45,31 +45,31 @@ class TreeVersions {
   double strain() const noexcept { return present_->strain_now; }
   /// Updates one.
   UpdateStatus follow(TreeVersion& tree, const PositionView& positions, Workers& workers) noexcept;
-  /// The tree whose own pose this is; else the present one, as where positions are not finite, or where lengths
-  /// feel no difference: then rounding would choose.
-  TreeVersion& made_for_this() noexcept;
-  /// The present tree, updated in this frame, or one of some others that were updated beside it and take up less.
-  TreeVersion& tightest_seen(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
-  /// Others updated so far, to see whether they take up less.
+  /// Returns the tree that was made for this pose. Returns the present tree where there is none, where the present one
+  /// fits as well, and where positions are not finite.
+  TreeVersion& tree_for_this_pose() noexcept;
+  /// Updates some other trees and returns the tightest, or the present tree, which was updated in this frame.
+  TreeVersion& tightest_evaluated(std::uint64_t frame, const PositionView& positions, Workers& workers) noexcept;
+  /// Updates of other trees so far, made to find out whether they are tighter.
   std::size_t candidates_evaluated() const noexcept { return candidates_evaluated_; }
   /// Is a rebuilt one, not looked at yet, expected to be better than all that there are?
   bool takes_over(TreeVersion& rebuilt, const PositionView& positions) const noexcept;
-  /// Is it expected to be less than so many times as loose as where it was made? takes_over was asked in this frame.
+  /// Does its expected looseness stay within rebuild_threshold times that at its build? Call takes_over() first.
   bool fits_here(const TreeVersion& rebuilt, double rebuild_threshold) const noexcept;
 
   // What became of it.
 
   void activate(TreeVersion& next) noexcept;
-  /// Kept in the place of the one rebuilt before, which is handed out.
-  void keep(std::unique_ptr<TreeVersion>& rebuilt) noexcept { away_.swap(rebuilt); }
-  /// The present one was estimated to be so loose where its strain was this.
+  /// Keeps the tree and gives back the one that was rebuilt before it.
+  void keep(std::unique_ptr<TreeVersion>& rebuilt) noexcept { rebuilt_.swap(rebuilt); }
+  /// Records the looseness that was estimated for the present tree at this strain.
   void learn(const std::vector<double>& looseness, double strain) noexcept;
 
  private:
   double expected_score(const TreeVersion& tree) const noexcept;
-  double promise_needed() const noexcept;
-  std::size_t seen_in_a_frame() const noexcept;
-  TreeVersion* next_to_see(std::uint64_t frame, bool has_grown) noexcept;
+  double score_to_beat() const noexcept;
+  std::size_t evaluated_in_a_frame() const noexcept;
+  TreeVersion* next_to_evaluate(std::uint64_t frame, bool has_grown) noexcept;
   template <typename Visit>
   void for_others(const Visit& visit) noexcept;
 
@@ -77,7 +77,7 @@ class TreeVersions {
   TreeVersion home_;
   std::optional<StrainCost> cost_;  // once it is known how loose the home tree is
   std::vector<TreeVersion> known_;
-  std::unique_ptr<TreeVersion> away_;  // rebuilt
+  std::unique_ptr<TreeVersion> rebuilt_;
   TreeVersion* present_;
   std::size_t tests_of_update_ = 0;  // points that the last one of the present tree tested
   std::size_t candidates_evaluated_ = 0;

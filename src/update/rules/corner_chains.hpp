@@ -13,6 +13,10 @@
 //   chain_begin_   0          3          6       8
 //
 //   points of D:   [ A tests these | and B these as well | and D these ]    point_end_ has the three ends
+//
+// A node above a leaf tests fewer of the leaf's points: it looks at a point that several leaves own once, in the first
+// of them, and not at cut points that others surround (Ownership::tested_from). Whatever contains the tested points
+// contains all that the node owns, within the tolerance that the rounding budget has.
 #pragma once
 
 #include <morula/geometry/sphere.hpp>
@@ -40,7 +44,7 @@ struct PointLists {
 /// Nodes are numbered by their place in nodes(), leaves by the leaf order.
 class CornerChains {
  public:
-  /// measured: one flag per node of the tree.
+  /// measured: one flag per node of the tree, not 0 where the walk computes the node's reach.
   CornerChains(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
                std::span<const std::uint8_t> measured);
 
@@ -58,8 +62,8 @@ class CornerChains {
   std::uint32_t end(std::size_t leaf) const noexcept { return chain_begin_[leaf + 1]; }
   std::span<const std::uint32_t> chain() const noexcept { return chain_; }
   std::uint32_t node_of(std::size_t entry) const noexcept { return chain_[entry]; }
-  /// Does node k end the chains of the leaves below it? Where every leaf is measured, it is a leaf then.
-  bool is_leaf(std::uint32_t k) const noexcept {
+  /// True if node k is the last node of its leaves' chains: where every leaf is measured, if it is a leaf.
+  bool ends_chain(std::uint32_t k) const noexcept {
     const std::uint32_t leaf = below_[k].leaf_begin;
     return begin(leaf) + below_[k].slot + 1 == end(leaf);
   }
@@ -76,9 +80,9 @@ class CornerChains {
   }
   /// How many are read for it: without the padding at the end of the leaf.
   std::size_t test_count(std::size_t entry) const noexcept { return test_count_[entry]; }
-  /// Of a leaf, padding included: what a walk for its own node reads.
+  /// The number of points that a walk for the leaf's own node reads, with padding.
   std::size_t padded_count(std::size_t leaf) const noexcept;
-  /// Node k tests so many points, in all leaves below it.
+  /// The number of points that node k tests, in all leaves below it.
   std::size_t points_of(std::uint32_t k) const noexcept;
   std::size_t owned_points() const { return owned_points_; }
   std::size_t tested_points() const { return tested_points_; }
@@ -86,10 +90,10 @@ class CornerChains {
   /// The largest squared distance from a node's center to the points of a leaf that it tests.
   float farthest(std::size_t leaf, std::size_t entry, std::span<const LocalPoint> points,
                  std::span<const Spheref> spheres) const noexcept;
-  /// The same for the leaves begin … end - 1 and the first `count` nodes of their chains' numbers. squared: by entry.
+  /// The same for the leaves in [begin, end) and the nodes k < count of their chains. Writes squared[entry].
   void farthest_of_leaves(std::size_t begin, std::size_t end, std::size_t count, std::span<const LocalPoint> points,
                           std::span<const Spheref> spheres, std::span<float> squared) const noexcept;
-  /// Of one leaf for its whole chain: that costs less than to find out for which of its nodes it has to be.
+  /// The same for one leaf and its whole chain: finding the nodes that need it would cost more.
   void farthest_of_leaf(std::size_t leaf, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                         std::span<float> squared) const noexcept {
     // mutant walk-changed-leaf-not-for-all: `nodes_.size()` -> `leaf == 0 ? nodes_.size() : 1`

@@ -46,10 +46,10 @@ void CornerWalk::gather(std::size_t count) noexcept {
   const auto raise = [&](std::uint32_t k, float squared) {
     if (k < count) of_node[k] = std::max(of_node[k], squared);
   };
-  // Most leaves follow one of the same nodes above: of four in a chain, the largest so far stay in a register.
+  // Most leaves have the same ancestors as the leaf before. For chains of four nodes, their maxima stay in a register.
   constexpr std::size_t together = 4;
   Float4 most(0.0f);
-  const std::uint32_t* above = nullptr;  // of whom: the chain of a leaf below them
+  const std::uint32_t* above = nullptr;  // the chain whose first three nodes these maxima belong to; null: none
   const auto finish = [&] {
     if (above == nullptr) return;
     const auto squared = most.lanes();

@@ -77,15 +77,15 @@ std::size_t IncrementalWalk::measure(const Frame& frame, const Marks& changed_le
   std::size_t tested = 0;
   is_fresh_ = false;
   searched_.clear();
-  for (const auto& [k, way] : moved) {
-    // mutant walk-path-swallows-steps: `next_above ... (way))` -> `path_[k] + static_cast<double>(way)`
-    path_[k] = next_above(path_[k] + static_cast<double>(way));  // rounded up, so that every move makes it longer
+  for (const auto& [k, moved_by] : moved) {
+    // mutant walk-path-swallows-steps: `next_above ... (moved_by))` -> `path_[k] + static_cast<double>(moved_by)`
+    path_[k] = next_above(path_[k] + static_cast<double>(moved_by));  // rounded up, so that every move makes it longer
     dirty.add(k);
-    if (!chains.is_leaf(k)) searched_.add(k);
+    if (!chains.ends_chain(k)) searched_.add(k);
   }
   changed_leaves.each([&](std::uint32_t leaf) { tested += measure_changed(frame, leaf, dirty); });
   for (const MovedNode& node : moved) {
-    if (!chains.is_leaf(node.k)) continue;
+    if (!chains.ends_chain(node.k)) continue;
     const std::uint32_t leaf = chains.below(node.k).leaf_begin;
     if (!changed_leaves.has(leaf)) tested += measure_moved(frame, leaf);
     frame.reaches.of_node[node.k] = frame.reaches.of_entry[chains.end(leaf) - 1];
@@ -120,7 +120,7 @@ std::size_t IncrementalWalk::measure_changed(const Frame& frame, std::uint32_t l
     path_when_walked_[entry] = path_[k];
     // mutant walk-changed-leaf-untold: `, dirty.add(k)` -> ``
     tested += chains.test_count(entry), dirty.add(k);
-    if (squared[entry] >= reach || chains.is_leaf(k)) reach = squared[entry];
+    if (squared[entry] >= reach || chains.ends_chain(k)) reach = squared[entry];
     // mutant walk-farthest-not-missed: `squared_before_[entry - begin] >= reach` -> `false`
     else if (squared_before_[entry - begin] >= reach)
       searched_.add(k);

@@ -3,12 +3,13 @@
 // Measures the reaches of a corner walk again where a part of the points and centers has moved, with the bits of a
 // walk over all.
 //
-//   changed leaf    is walked for its whole chain. A node above whose farthest point it had, and has no more, is
-//                   searched.
-//   moved leaf      (only its center has moved) is walked for its own node, without the groups of points that were
-//                   nearer than the farthest by more than twice the way.
-//   moved node      is searched: of the leaves below, those are walked whose bound is not below the reach. A leaf's
-//                   bound is its reach when it was walked last, plus the node's path since.
+//   changed leaf    (a point has moved) is walked for its whole chain. If the leaf held the farthest point of a node
+//                   above it and no longer does, that node is searched.
+//   moved leaf      (only its center has moved) is walked for its own node. Groups of points that were nearer than the
+//                   farthest one by more than twice the center's motion are skipped.
+//   moved node      is searched: a leaf below is walked only if its bound reaches the node's largest distance so far.
+//                   The bound is the distance when the leaf was walked last for the node, plus the path of the node's
+//                   center since.
 #pragma once
 
 #include <span>
@@ -27,7 +28,7 @@ class IncrementalWalk {
   /// A place in CornerChains::nodes(), and how far its center has moved.
   struct MovedNode {
     std::uint32_t k;
-    float way;
+    float moved_by;
   };
   /// What is measured, and where results go.
   struct Frame {
@@ -36,11 +37,11 @@ class IncrementalWalk {
     std::span<const LocalPoint> points;
     std::span<const Spheref> spheres;
   };
-  /// changed_leaves: leaves that own points which moved. moved: each node once whose center has moved. dirty: gets the
-  /// nodes whose reach or center may differ. Returns how many points were tested.
+  /// changed_leaves: leaves that own points which moved. moved: each node once whose center has moved. Adds to dirty
+  /// every node whose reach or center may have changed. Returns how many points were tested.
   std::size_t measure(const Frame& frame, const Marks& changed_leaves, std::span<const MovedNode> moved,
                       Marks& dirty) noexcept;
-  /// All reaches have been measured by a walk over all.
+  /// Drops all paths and groups. Call it after a walk over all points.
   void forget() noexcept;
 
  private:
@@ -49,8 +50,8 @@ class IncrementalWalk {
   std::size_t search(const Frame& frame, std::uint32_t k) noexcept;
   std::size_t walk(const Frame& frame, std::size_t leaf, std::size_t entry) noexcept;
 
-  // Paths add up the ways of a node's center since forget(). By entry: the node's path when the leaf was walked for it
-  // last. A leaf's own node is always measured.
+  // The path of a node is the sum of its center's motions since forget(). By entry: the node's path when the leaf was
+  // walked for it last. A leaf's own node is always measured.
   std::vector<double> path_, path_when_walked_;
   bool is_fresh_ = true;  // all paths are 0, no groups are known
 
@@ -59,7 +60,7 @@ class IncrementalWalk {
     Marks known;                          // leaves
     std::vector<std::uint32_t> begin{0};  // per leaf, and the end; other leaves have no groups
     std::vector<float> squared;           // of each group: the largest squared distance to center
-    std::vector<Vec3f> center;            // of the leaf's node, then
+    std::vector<Vec3f> center;            // the leaf node's center when its groups were measured
   } groups_;
 
   // Memory of one call.

@@ -74,7 +74,7 @@ TEST_F(Cycle, forgets_poses_of_a_motion_that_came_to_rest) {
   RebuildCycle cycle = make();
   step(cycle, Event::wanted);
   step(cycle, Event::frame);
-  step(cycle, Event::rest);
+  step(cycle, Event::at_rest);
   EXPECT_FALSE(cycle.is_under_way());
   EXPECT_TRUE(cycle.may_start());
   step(cycle, Event::frame);
@@ -83,7 +83,7 @@ TEST_F(Cycle, forgets_poses_of_a_motion_that_came_to_rest) {
 
 TEST_F(Cycle, stops_a_build_at_rest_and_where_the_body_has_stopped) {
   options.look_ahead = false;
-  for (const Event event : {Event::rest, Event::stopped}) {
+  for (const Event event : {Event::at_rest, Event::body_stopped}) {
     RebuildCycle cycle = make();
     report = {};
     step(cycle, Event::wanted);
@@ -101,7 +101,7 @@ TEST_F(Cycle, stops_a_build_at_rest_and_where_the_body_has_stopped) {
 TEST_F(Cycle, a_stop_of_one_build_is_not_one_of_the_next) {
   options.look_ahead = false;
   RebuildCycle cycle = make();
-  step(cycle, Event::rest);
+  step(cycle, Event::at_rest);
   step(cycle, Event::wanted);
   jobs.back()();
   EXPECT_NE(cycle.result(), nullptr);
