@@ -13,6 +13,7 @@
 
 #include "../bodies.hpp"
 #include "limb.hpp"
+#include "support/allocations.hpp"
 
 namespace morula {
 namespace {
@@ -51,6 +52,32 @@ TEST(RebuiltBody, covers_in_every_frame_when_every_frame_swaps) {
     }
     EXPECT_GE(body.report().swapped, test::motions().size() - 1) << b.name << ": " << body.report().failure;
   }
+}
+
+// In the frame that takes a rebuilt tree, every allocation fails once.
+TEST(RebuiltBody, covers_when_memory_runs_out_anywhere_in_a_swap) {
+  std::size_t failures = 0;
+  for (std::size_t n = 1; n < 1000; ++n) {
+    Job job;
+    RebuiltBody body(limb(), limb_tree(), hosted([&](Job next) { job = std::move(next); }));
+    ASSERT_TRUE(body.update(stretched_limb(0.4)));
+    ASSERT_TRUE(job);
+    job();
+    const std::vector<Vec3> positions = stretched_limb(0.5), later = stretched_limb(0.6);
+    const std::size_t failed_before = body.report().failed;
+    allocation_to_fail = n;
+    const RebuildStatus status = body.update(positions);
+    allocation_to_fail = 0;
+    ASSERT_TRUE(status);
+    expect_cover(body, positions, "allocation " + std::to_string(n));
+    const bool has_failed = body.report().failed != failed_before;
+    failures += has_failed ? 1 : 0;
+    ASSERT_TRUE(body.update(later));
+    expect_cover(body, later, "after allocation " + std::to_string(n));
+    if (!has_failed) break;
+    EXPECT_FALSE(body.report().failure.empty());
+  }
+  EXPECT_GT(failures, 0u) << "no allocation of a swap failed";
 }
 
 TEST(RebuiltBody, covers_under_random_vertex_noise_while_rebuilding) {
