@@ -38,8 +38,8 @@ constexpr ReduceSettings thorough{
     .all_on_root = true,
     .balance = {2.5F, 2.0F}};
 
-CoveredTree build_reduced(const MeshView& mesh, const BuildRun& run, Workers& workers, std::vector<Reduction> reductions,
-                          const ReduceSettings& settings) {
+CoveredTree build_reduced(const MeshView& mesh, const BuildRun& run, Workers& workers,
+                          std::vector<Reduction> reductions, const ReduceSettings& settings) {
   std::optional<ObjectShape> object(std::in_place, mesh, workers);
   const ObjectShape& shape = *object;
   const ObjectLines lines(mesh, shape, cells_for(run, mesh, shape), workers);

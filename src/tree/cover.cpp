@@ -31,8 +31,8 @@ struct Pieces {
 
 // Cuts facets by the power diagram of all leaves; a piece that sticks out of its owner goes whole to the leaf that
 // contains it after the least growth.
-Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves, std::size_t begin,
-                     std::size_t end) {
+Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves,
+                     std::size_t begin, std::size_t end) {
   Pieces result;
   CutFacet cut;
   std::vector<std::uint32_t> scratch;

@@ -45,8 +45,8 @@ struct Body::State {
   std::vector<double> coordinates_reached{};
 
   // At rest; throws like Body's constructors.
-  static std::shared_ptr<State> made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options,
-                                     Workers& workers);
+  static std::shared_ptr<State> made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model,
+                                     UpdateOptions options, Workers& workers);
 
   // Each moves the spheres, or says why not; what they return is to be counted.
   UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;

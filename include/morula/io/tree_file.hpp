@@ -34,8 +34,8 @@ TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& opt
 
 /// A tree with a cover for this mesh: a native file's own when it was built for exactly this mesh (else FileError), or
 /// cover(mesh, tree) for a bare tree, with report.growth filled in.
-CoveredTree read_covered_tree(const std::filesystem::path& path, const MeshView& mesh, const ReadTreeOptions& options = {},
-                              WorkersOrAll workers = {});
+CoveredTree read_covered_tree(const std::filesystem::path& path, const MeshView& mesh,
+                              const ReadTreeOptions& options = {}, WorkersOrAll workers = {});
 
 /// Writes .morula (bits round-trip, known poses included), .sph (spheres in mesh coordinates; refused above ten million
 /// slots), .json or .npz. Written whole or not at all.

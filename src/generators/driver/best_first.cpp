@@ -154,7 +154,8 @@ constexpr double overshoot = 2;
 
 class BestFirst {
  public:
-  BestFirst(const MeshView& mesh, const BuildRun& run, const Divider& divide, const SignedDistance& shape, Workers& workers)
+  BestFirst(const MeshView& mesh, const BuildRun& run, const Divider& divide, const SignedDistance& shape,
+            Workers& workers)
       : mesh_(mesh),
         run_(run),
         divide_(divide),

@@ -114,13 +114,14 @@ class NearbyPoints {
   void add(const Sphere& around, Marks& points) const;
 
  private:
-  const Mesh* rest_;
+  MeshView rest_;
   const Ownership* ownership_;
   std::vector<Sphere> leaf_vertices_;  // per leaf of the order: contains the vertices that it owns
 };
 
-NearbyPoints::NearbyPoints(const MeshView& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership)
-    : rest_(&rest), ownership_(&ownership) {
+NearbyPoints::NearbyPoints(const MeshView& rest, const SphereTree& tree, const LeafOrder& order,
+                           const Ownership& ownership)
+    : rest_(rest), ownership_(&ownership) {
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
     const Vec3& center = tree.spheres[order.leaves[k]].center;
     double squared = -1;  // of a leaf without vertices
@@ -137,7 +138,7 @@ void NearbyPoints::add(const Sphere& around, Marks& points) const {
     if (leaf.radius < 0 || distance(leaf.center, around.center) > (leaf.radius + around.radius) * (1 + 1e-9)) continue;
     for (const std::uint32_t p : ownership_->of_leaf(k)) {
       if (p >= ownership_->vertices.size()) break;  // ascending: cut points follow
-      if (distance(rest_->positions[ownership_->vertices[p]], around.center) <= around.radius) points.add(p);
+      if (distance(rest_.positions[ownership_->vertices[p]], around.center) <= around.radius) points.add(p);
     }
   }
 }

@@ -38,8 +38,8 @@ struct BonePose {
 class SkinPoser {
  public:
   /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
-  SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin& skin, std::span<const std::uint32_t> used_vertices,
-            const Vec3& rest_origin, double size);
+  SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin& skin,
+            std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
   /// Whether the transforms are finite and move nothing farther than spheres in single precision can follow. If not,
   /// first_bad is the lowest bone that is not finite or, when all are, the lowest that moves too far.
