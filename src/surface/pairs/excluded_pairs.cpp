@@ -27,7 +27,7 @@ class RingSearch {
   template <class Reached>
   bool run(const SurfaceTreeState& s, std::span<const std::uint32_t> from, std::uint32_t rings,
            const Reached& reached) {
-    if (stamp_.size() < s.rest.size()) stamp_.resize(s.rest.size(), now_);
+    if (stamp_.size() < s.mesh.rest.size()) stamp_.resize(s.mesh.rest.size(), now_);
     if (++now_ == 0) {
       std::fill(stamp_.begin(), stamp_.end(), 0u);
       now_ = 1;
@@ -38,8 +38,8 @@ class RingSearch {
     std::size_t begin = 0;
     for (std::uint32_t ring = 0; ring < rings && begin < queue_.size(); ++ring)
       for (const std::size_t end = queue_.size(); begin < end; ++begin)
-        for (std::uint32_t i = s.ring_begin[queue_[begin]]; i < s.ring_begin[queue_[begin] + 1]; ++i)
-          if (take(s.ring[i]) && reached(s.ring[i])) return true;
+        for (std::uint32_t i = s.mesh.ring_begin[queue_[begin]]; i < s.mesh.ring_begin[queue_[begin] + 1]; ++i)
+          if (take(s.mesh.ring[i]) && reached(s.mesh.ring[i])) return true;
     return false;
   }
   std::size_t reached_count() const { return queue_.size(); }
@@ -66,8 +66,8 @@ class RestBoxes {
  public:
   explicit RestBoxes(const SurfaceTreeState& s) {
     std::vector<Box>& blocks = levels_.emplace_back(s.block_count());
-    for (std::size_t i = 0; i < s.order.size(); ++i)
-      for (const std::uint32_t v : s.facets_in_order[i]) blocks[i / 8].add(s.rest[v]);
+    for (std::size_t i = 0; i < s.blocks.order.size(); ++i)
+      for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks[i / 8].add(s.mesh.rest[v]);
     while (levels_.back().size() > 1) {
       std::vector<Box> next((levels_.back().size() + 7) / 8);
       for (std::size_t i = 0; i < levels_.back().size(); ++i) next[i / 8].add(levels_.back()[i]);
@@ -116,13 +116,13 @@ struct BlockPlaces {
 
   void take(const SurfaceTreeState& s, std::uint32_t block, Features features) {
     corners.clear(), facets.clear(), vertices.clear(), edges.clear();
-    const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
-    for (std::size_t i = begin; i < end; ++i) add(s, facets, s.order[i], s.facets_in_order[i]);
+    const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.blocks.order.size(), begin + 8);
+    for (std::size_t i = begin; i < end; ++i) add(s, facets, s.blocks.order[i], s.blocks.facets_in_order[i]);
     if (features == Features::facets) return;
-    for (std::uint32_t i = s.own_vertices[block]; i < s.own_vertices[block + 1]; ++i)
-      add(s, vertices, s.vertex_of_slot[i], std::array{s.vertex_of_slot[i]});
-    for (std::uint32_t i = s.own_edges_begin[block]; i < s.own_edges_begin[block + 1]; ++i)
-      add(s, edges, s.own_edges[i], s.ends_of_own_edges[i]);
+    for (std::uint32_t i = s.blocks.own_vertices[block]; i < s.blocks.own_vertices[block + 1]; ++i)
+      add(s, vertices, s.blocks.vertex_of_slot[i], std::array{s.blocks.vertex_of_slot[i]});
+    for (std::uint32_t i = s.blocks.own_edges_begin[block]; i < s.blocks.own_edges_begin[block + 1]; ++i)
+      add(s, edges, s.blocks.own_edges[i], s.blocks.ends_of_own_edges[i]);
   }
   /// joined_to(v): vertices of the row's block that are neighbors of v.
   template <class JoinedTo>
@@ -141,7 +141,7 @@ struct BlockPlaces {
            const std::array<std::uint32_t, N>& vertices_of_it) {
     Place& place = places.emplace_back(Place{number, {}, 0, 0});
     for (const std::uint32_t v : vertices_of_it) {
-      place.box.add(s.rest[v]);
+      place.box.add(s.mesh.rest[v]);
       const auto at = std::find(corners.begin(), corners.end(), v);
       place.corners |= 1u << (at - corners.begin());
       if (at == corners.end()) corners.push_back(v);
@@ -152,14 +152,14 @@ struct BlockPlaces {
 /// Blocks by the vertices of their facets.
 class BlocksOfVertices {
  public:
-  explicit BlocksOfVertices(const SurfaceTreeState& s) : begin_(s.rest.size() + 1) {
-    for (const Facet& facet : s.facets_in_order)
+  explicit BlocksOfVertices(const SurfaceTreeState& s) : begin_(s.mesh.rest.size() + 1) {
+    for (const Facet& facet : s.blocks.facets_in_order)
       for (const std::uint32_t v : facet) ++begin_[v + 1];
-    for (std::size_t v = 0; v < s.rest.size(); ++v) begin_[v + 1] += begin_[v];
+    for (std::size_t v = 0; v < s.mesh.rest.size(); ++v) begin_[v + 1] += begin_[v];
     blocks_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t i = 0; i < s.facets_in_order.size(); ++i)
-      for (const std::uint32_t v : s.facets_in_order[i]) blocks_[next[v]++] = static_cast<std::uint32_t>(i / 8);
+    for (std::size_t i = 0; i < s.blocks.facets_in_order.size(); ++i)
+      for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks_[next[v]++] = static_cast<std::uint32_t>(i / 8);
   }
   /// Ascending, some of them more than once.
   std::span<const std::uint32_t> of(std::uint32_t vertex) const {
@@ -216,7 +216,7 @@ class ExclusionRows {
   ExclusionRows(const SurfaceTreeState& s, const ExclusionRule& rule, const ExclusionTest& test, const RestBoxes& boxes,
                 const BlocksOfVertices& blocks_of_vertices)
       : s_(s), rule_(rule), test_(test), boxes_(boxes), blocks_of_vertices_(blocks_of_vertices) {
-    reached_from_.assign(s.rest.size(), 0);
+    reached_from_.assign(s.mesh.rest.size(), 0);
   }
 
   /// False: the rings of the rule hold too many vertices.
@@ -346,7 +346,7 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
   const ExclusionTest test(s, rule);
   const RestBoxes boxes(s);
   const BlocksOfVertices blocks_of_vertices(s);
-  const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.order.size();
+  const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.blocks.order.size();
   // A few parts, for each has a number per vertex.
   const std::size_t blocks_at_once = std::max<std::size_t>(16, (blocks + 63) / 64);
   std::vector<std::optional<ExclusionRows>> parts((blocks + blocks_at_once - 1) / blocks_at_once);
