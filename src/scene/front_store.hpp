@@ -17,6 +17,7 @@
 
 namespace morula::detail {
 
+/// All fronts that a scene has made. list_near() takes those of new pairs and gives back those of pairs that are gone.
 class FrontStore {
  public:
   /// A front for two bodies that have come near: the one that they had when they were near, or a spare one. It is of

@@ -75,6 +75,8 @@ struct PairPriority {
   std::size_t tests = 0;  ///< in this update
 };
 
+/// Of two bodies, from one update to the next. Each update fills it in this order: bind() if it was of others, visit()
+/// or part() if a body has moved, refine(), add_extras().
 class PairFront {
  public:
   /// Borrowed while they are a pair. Forgets whatever was known of others.

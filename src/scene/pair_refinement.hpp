@@ -13,6 +13,7 @@
 
 namespace morula::detail {
 
+/// The pairs with work to do, and what the last update took. look_at_roots() adds them, then refine() runs it.
 class PairRefinement {
  public:
   /// No pair has work to do.

@@ -136,6 +136,9 @@ struct ExtrasWork {
   std::vector<std::uint32_t> places;  ///< of bodies whose shares are to follow
 };
 
+/// A scene between two updates. An update fills it in this order: read_bodies() `reads_`, then `bodies`; list_near()
+/// `near` and its fronts; look_at_roots() the roots of fronts, and what `refinement_` has to do; refine() contacts,
+/// then surfaces and crossings, of fronts; publish() `published`.
 struct SceneState {
   SceneOptions options;
   BroadPhase broad;
