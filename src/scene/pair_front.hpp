@@ -146,9 +146,9 @@ class PairFront {
   };
   /// refine_front() makes it and goes on with it; descend() and forget_front() end it.
   struct Front {
-    bool is_there = false;                  ///< of these or earlier poses
     std::unique_ptr<ContactQuery> query{};  ///< once there was a front
     std::size_t tests = 0;                  ///< what a fresh front has cost
+    bool is_there = false;                  ///< of these or earlier poses
     bool carrying_was_dear = false;         ///< bodies had moved so far that it saved too few tests
   };
   /// What refine() has taken in these and earlier poses.
