@@ -19,69 +19,64 @@ constexpr std::size_t descent_tests = 4;
 }  // namespace
 
 void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider& b) {
-  if (query_) {
-    query_->clear();
-    query_->add(a, b);
+  if (front_.query) {
+    front_.query->clear();
+    front_.query->add(a, b);
   }
-  id_a_ = id_a, id_b_ = id_b;
-  a_ = &a, b_ = &b;
-  has_front_ = is_current_ = roots_overlap_ = carrying_was_dear_ = false;
-  forget_extras();
-  tests_to_finish_.reset();
-  in_vain_ = 0;
-}
-
-void PairFront::forget_extras() {
-  surfaces_.clear();
-  crossings_.clear();
+  bodies_.id_a = id_a, bodies_.id_b = id_b;
+  bodies_.a = &a, bodies_.b = &b;
+  front_.is_there = is_current_ = roots_.overlap = front_.carrying_was_dear = false;
+  extras_.forget();
+  cost_.to_finish.reset();
+  cost_.in_vain = 0;
 }
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
   CollideOptions result{.margin = options.margin, .budget = budget};
   // Where both trees end above the level, contacts are those of leaves.
-  if (options.level && *options.level < std::max(a_->tree().level_count(), b_->tree().level_count()))
+  if (options.level && *options.level < std::max(a().tree().level_count(), b().tree().level_count()))
     result.level = options.level;
   return result;
 }
 
 void PairFront::visit(const SceneOptions& options) {
-  const TreePair trees(*a_, *b_, options.margin, options.level.value_or(leaf_level));
+  const TreePair trees(a(), b(), options.margin, options.level.value_or(leaf_level));
   part();
-  roots_overlap_ = trees.overlaps(0, 0);
-  if (!roots_overlap_) return;
-  overlap_share_ = detail::overlap_share(trees.placed(), trees.sphere_a(0), trees.sphere_b(0));
-  describe(trees, 0, 0, coarse_);
+  roots_.overlap = trees.overlaps(0, 0);
+  if (!roots_.overlap) return;
+  roots_.overlap_share = detail::overlap_share(trees.placed(), trees.sphere_a(0), trees.sphere_b(0));
+  describe(trees, 0, 0, roots_.coarse);
 }
 
 void PairFront::part() {
-  roots_overlap_ = is_current_ = extras_are_due = false;
-  forget_extras();
+  roots_.overlap = is_current_ = extras_.are_due = false;
+  extras_.forget();
 }
 
 // A front is what a pair needs that takes more tests than it can have at a time. Most take few, and are done three to
 // four times as soon depth-first, without one.
 bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const {
-  if (is_current_ || (carries() && !(by_time && carrying_was_dear_))) return false;
+  if (is_current_ || (carries() && !(by_time && front_.carrying_was_dear))) return false;
   if (const std::optional<std::size_t> expected = tests_expected()) return *expected <= most_tests;
   // Where nothing is known: with surfaces or crossings, which are those of finished contacts alone, only what cannot be
   // stopped; else as many as a round gives at least.
   if (options.surfaces || options.find_crossings)
-    return a_->tree().node_count() * b_->tree().node_count() <= most_tests;
-  return most_tests >= least_for_a_try && most_tests > 2 * in_vain_;
+    return a().tree().node_count() * b().tree().node_count() <= most_tests;
+  return most_tests >= least_for_a_try && most_tests > 2 * cost_.in_vain;
 }
 
 std::optional<std::size_t> PairFront::tests_expected() const {
-  if (!tests_to_finish_) return std::nullopt;
-  return *tests_to_finish_ + *tests_to_finish_ / 4;
+  if (!cost_.to_finish) return std::nullopt;
+  return *cost_.to_finish + *cost_.to_finish / 4;
 }
 
 // To carry a front over, all nodes are looked at once: dear where there are more of them than tests.
 bool PairFront::carries() const {
-  return has_front_ && tests_of_front_ > a_->tree().node_count() + b_->tree().node_count();
+  return front_.is_there && front_.tests > a().tree().node_count() + b().tree().node_count();
 }
 
 Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) {
-  const TreePair trees(*a_, *b_, options.margin, options.level.value_or(leaf_level));
+  const TreePair trees(a(), b(), options.margin, options.level.value_or(leaf_level));
   descended_.clear();
   const Descent done = each_overlapping(
       trees,
@@ -92,19 +87,19 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
       },
       most_tests);
   if (done.finished) {
-    is_current_ = extras_are_due = true;
-    has_front_ = false;
-    tests_to_finish_ = done.tests;
-    in_vain_ = 0;
+    is_current_ = extras_.are_due = true;
+    front_.is_there = false;
+    cost_.to_finish = done.tests;
+    cost_.in_vain = 0;
   } else {
-    tests_to_finish_.reset();
-    in_vain_ = most_tests;
+    cost_.to_finish.reset();
+    cost_.in_vain = most_tests;
   }
   return done;
 }
 
 std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time) {
-  const bool goes_on = is_current_ && has_front_;
+  const bool goes_on = is_current_ && front_.is_there;
   if (!most_tests && !goes_on) return descend(options, std::numeric_limits<std::size_t>::max()).tests;
   std::size_t spent = 0;
   if (most_tests) {
@@ -117,51 +112,51 @@ std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::si
     }
   }
   const ContactStatus status = refine_front(options, most_tests ? Budget(*most_tests) : Budget());
-  if (status.finished) tests_to_finish_ = tests_of_front_;
-  has_front_ = is_current_ = extras_are_due = static_cast<bool>(status);
-  forget_extras();
+  if (status.finished) cost_.to_finish = front_.tests;
+  front_.is_there = is_current_ = extras_.are_due = static_cast<bool>(status);
+  extras_.forget();
   return spent + status.pair_tests;
 }
 
 ContactStatus PairFront::refine_front(const SceneOptions& options, const Budget& budget) {
-  if (!query_) {
-    query_ = std::make_unique<ContactQuery>();
-    query_->add(*a_, *b_);
+  if (!front_.query) {
+    front_.query = std::make_unique<ContactQuery>();
+    front_.query->add(a(), b());
   }
-  query_->set_options(options_for(options, budget));
-  if (is_current_ && has_front_) {
-    const ContactStatus status = query_->resume();
-    if (status) tests_of_front_ += status.pair_tests;
+  front_.query->set_options(options_for(options, budget));
+  if (is_current_ && front_.is_there) {
+    const ContactStatus status = front_.query->resume();
+    if (status) front_.tests += status.pair_tests;
     return status;
   }
   if (carries()) {
-    const ContactStatus status = query_->carry();
-    carrying_was_dear_ = descent_tests * status.pair_tests > tests_of_front_;
+    const ContactStatus status = front_.query->carry();
+    front_.carrying_was_dear = descent_tests * status.pair_tests > front_.tests;
     if (status) return status;
   }
-  const ContactStatus status = query_->start();
-  tests_of_front_ = status.pair_tests;
+  const ContactStatus status = front_.query->start();
+  front_.tests = status.pair_tests;
   return status;
 }
 
 std::span<const Contact> PairFront::contacts() const {
-  if (!roots_overlap_) return {};
-  if (!is_current_) return std::span(&coarse_, 1);
-  return has_front_ ? std::span<const Contact>(query_->contacts().contacts) : descended_;
+  if (!roots_.overlap) return {};
+  if (!is_current_) return std::span(&roots_.coarse, 1);
+  return front_.is_there ? std::span<const Contact>(front_.query->contacts().contacts) : descended_;
 }
 
 std::size_t PairFront::finished_count() const {
-  if (!roots_overlap_ || !is_current_) return 0;
-  return has_front_ ? query_->contacts().finished_count : descended_.size();
+  if (!roots_.overlap || !is_current_) return 0;
+  return front_.is_there ? front_.query->contacts().finished_count : descended_.size();
 }
 
 void PairFront::give_back() {
   part();
-  has_front_ = false;
-  query_.reset();
+  front_.is_there = false;
+  front_.query.reset();
   std::vector<Contact>().swap(descended_);
-  std::vector<ContactSurface>().swap(surfaces_);
-  std::vector<Crossing>().swap(crossings_);
+  std::vector<ContactSurface>().swap(extras_.surfaces);
+  std::vector<Crossing>().swap(extras_.crossings);
 }
 
 }  // namespace morula::detail

@@ -75,10 +75,10 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 void Scene::set_options(SceneOptions options) {
   SceneState& s = state_->idle("set_options");
   require_good_options(options);
-  s.everything_anew = s.everything_anew || options.level != s.options.level || options.margin != s.options.margin;
-  s.filter_anew = s.filter_anew || options.accepts || s.options.accepts;
-  s.extras_anew =
-      s.extras_anew || options.surfaces != s.options.surfaces || options.find_crossings != s.options.find_crossings;
+  s.renewal.everything = s.renewal.everything || options.level != s.options.level || options.margin != s.options.margin;
+  s.renewal.filter = s.renewal.filter || options.accepts || s.options.accepts;
+  s.renewal.extras =
+      s.renewal.extras || options.surfaces != s.options.surfaces || options.find_crossings != s.options.find_crossings;
   s.options = std::move(options);
 }
 
@@ -123,18 +123,12 @@ void Scene::replace(BodyId id, const Collider& collider) {
   body.collider = &collider;
   body.shares = {};
   body.is_to_be_read = true;
-  for (SceneState::Near& pair : s.near)
+  for (NearPair& pair : s.near.pairs)
     if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {
       pair.front->unbind();
       pair.generation_a = 0;
     }
-  std::erase_if(s.parted_fronts, [&](PairFront* front) {
-    // mutant scene-parted-fronts-of-replaced: `if (front->id_a() != id && front->id_b() != id) return` -> `return`
-    if (front->id_a() != id && front->id_b() != id) return false;
-    front->unbind();
-    s.spare_fronts.push_back(front);
-    return true;
-  });
+  s.fronts.unbind(id);
 }
 
 void Scene::sleep(BodyId id) {
@@ -154,7 +148,7 @@ void Scene::set_masks(BodyId id, std::uint32_t category, std::uint32_t mask) {
   SceneBody& body = s.known(id);
   require_masks(category);
   body.options.category = category, body.options.mask = mask;
-  s.filter_anew = true;
+  s.renewal.filter = true;
 }
 
 bool Scene::has(BodyId id) const {
@@ -179,15 +173,15 @@ SceneStatus Scene::update(Workers& workers) {
 }
 
 std::span<const ScenePair> Scene::pairs() const {
-  return state_->idle("pairs").published;
+  return state_->idle("pairs").published.pairs();
 }
 std::span<const EndedPair> Scene::ended() const {
-  return state_->idle("ended").ended;
+  return state_->idle("ended").published.ended();
 }
 
 const ScenePair* Scene::find(BodyId a, BodyId b) const {
   if (b.place < a.place) std::swap(a, b);
-  const auto& list = state_->idle("find").published;
+  const auto& list = state_->idle("find").published.pairs();
   const auto found = std::lower_bound(list.begin(), list.end(), std::pair(a.place, b.place),
                                       [](const ScenePair& pair, const std::pair<std::uint32_t, std::uint32_t>& key) {
                                         return std::pair(pair.a.place, pair.b.place) < key;
@@ -218,7 +212,7 @@ Status detail::SceneState::usable(const Collider& collider) const {
 }
 
 std::span<const SceneTouch> Scene::touches() const {
-  return state_->idle("touches").touches;
+  return state_->idle("touches").shapes.touches;
 }
 
 }  // namespace morula

@@ -20,7 +20,7 @@ Box grown(Box box, double by) {
   return box;
 }
 
-/// find(margin): the bodies that the shape may come so near, in s.found.
+/// find(margin): the bodies that the shape may come so near, in s.shapes.bodies.
 template <class Shape, class Find>
 SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const TouchOptions& options, const Find& find) {
   const StandardFloats standard;
@@ -28,22 +28,23 @@ SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const Tou
   if (!std::isfinite(options.margin) || options.nearest) return refusal({Status::Code::bad_option});
   if (!is_usable(shape) || !is_near) return refusal({Status::Code::bad_shape});
   find(std::max(0.0, options.margin));
-  for (const std::uint32_t place : s.found)
+  for (const std::uint32_t place : s.shapes.bodies)
     if (const Collider& collider = *s.bodies[place].collider; collider.has_surface())
       if (const Status status = askable(collider); !status) return refusal(status, s.id_of(place));
-  s.touches.clear();
+  s.shapes.touches.clear();
   try {
-    for (const std::uint32_t place : s.found) {
+    for (const std::uint32_t place : s.shapes.bodies) {
       const Collider& collider = *s.bodies[place].collider;
       if (!collider.has_surface()) continue;
-      if (s.touches.size() == s.touch_queries.size()) s.touch_queries.push_back(std::make_unique<TouchQuery>());
-      const Touch& touch = s.touch_queries[s.touches.size()]->run(collider, shape, options);
+      if (s.shapes.touches.size() == s.shapes.queries.size())
+        s.shapes.queries.push_back(std::make_unique<TouchQuery>());
+      const Touch& touch = s.shapes.queries[s.shapes.touches.size()]->run(collider, shape, options);
       if (!touch.status) return refusal(touch.status, s.id_of(place));
-      if (!touch.proven_clear) s.touches.push_back({s.id_of(place), &touch});
+      if (!touch.proven_clear) s.shapes.touches.push_back({s.id_of(place), &touch});
     }
   } catch (...) {
     // Some of them would look like all, and a query may be half made.
-    s.touches.clear(), s.touch_queries.clear();
+    s.shapes.touches.clear(), s.shapes.queries.clear();
     throw;
   }
   return {};
@@ -70,11 +71,11 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
     hit.status.code = Status::Code::bad_shape;
     return hit;
   }
-  s.broad.find_along(ray.origin, ray.direction, ray.t_end, s.found);
+  s.broad.find_along(ray.origin, ray.direction, ray.t_end, s.shapes.bodies);
   hit.certified = true;
   Ray rest = ray;
   const RayQuery query;
-  for (const std::uint32_t place : s.found) {
+  for (const std::uint32_t place : s.shapes.bodies) {
     const Collider& collider = *s.bodies[place].collider;
     if (!collider.has_surface()) continue;
     const RayHit here = query.run(collider, rest);
@@ -95,7 +96,7 @@ SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
   SceneState& s = state_->idle("touch");
   return touch_all(s, shape, true, options, [&](double margin) {
     const double offset = shape.offset + margin * scaled_length(shape.normal);
-    s.broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), s.found);
+    s.broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
   });
 }
 
@@ -108,7 +109,7 @@ SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options) {
   return touch_all(s, shape, options.margin < 0x1p200, options, [&](double margin) {
     Box box;
     box.add(shape.p), box.add(shape.q);
-    s.broad.find(grown(box, shape.radius + margin), s.found);
+    s.broad.find(grown(box, shape.radius + margin), s.shapes.bodies);
   });
 }
 
@@ -117,7 +118,7 @@ SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options) {
   return touch_all(s, shape, options.margin < 0x1p200, options, [&](double margin) {
     Box box;
     for (const Vec3& p : shape.vertices()) box.add(p);
-    s.broad.find(grown(box, margin), s.found);
+    s.broad.find(grown(box, margin), s.shapes.bodies);
   });
 }
 

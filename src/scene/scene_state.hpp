@@ -1,24 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // What a scene knows between two updates.
-//
-// Where a front is:
-//
-//   new ──> in use: Near::front ── end() ──> parted ── give_back_parted() ──> spare
-//            ^  ^     │                        │                              ^  │
-//            │  └─────│── the same two bodies ─┘ (others: of too many parted) │  │
-//            │        └── end(), a body was removed ──────────────────────────┘  │
-//            └── any two bodies ─────────────────────────────────────────────────┘
 #pragma once
 
 #include <memory>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
 #include <string_view>
+#include <vector>
 
 #include "collide/facets/leaf_surfaces.hpp"
 #include "collide/require.hpp"
+#include "scene/front_store.hpp"
 #include "scene/pair_front.hpp"
+#include "scene/pair_refinement.hpp"
 
 namespace morula::detail {
 
@@ -68,44 +63,95 @@ inline SceneStatus refusal(const Status& status, std::optional<BodyId> offender 
   return refused;
 }
 
-struct SceneState {
-  /// Two bodies whose boxes overlap, by place.
-  struct Near {
-    enum class Stage : std::uint8_t {
-      unasked,    ///< new: the masks and the filter come next
-      unwanted,   ///< by them; there is no front
-      roots_due,  ///< wanted, and the roots are to be looked at
-      looked_at,
-    };
-    std::uint32_t a = 0, b = 0;
-    PairFront* front = nullptr;  ///< of a pair that is wanted
-    Stage stage = Stage::unasked;
-    std::uint32_t generation_a = 0, generation_b = 0;  ///< of these bodies the front is; 0: of others
+/// Two bodies whose boxes overlap, by place.
+struct NearPair {
+  enum class Stage : std::uint8_t {
+    unasked,    ///< new: the masks and the filter come next
+    unwanted,   ///< by them; there is no front
+    roots_due,  ///< wanted, and the roots are to be looked at
+    looked_at,
   };
+  std::uint32_t a = 0, b = 0;
+  PairFront* front = nullptr;  ///< of a pair that is wanted
+  Stage stage = Stage::unasked;
+  std::uint32_t generation_a = 0, generation_b = 0;  ///< of these bodies the front is; 0: of others
+};
 
-  SceneOptions options;
-  BroadPhase broad;
-  std::vector<SceneBody> bodies;                   ///< by their numbers in the broad phase
-  std::vector<Near> near, next_near;               ///< ascending
-  std::vector<std::unique_ptr<PairFront>> fronts;  ///< all there are
-  std::vector<PairFront*> spare_fronts;
-  /// Of pairs that were near: they may be so again. In the order of their bodies.
-  std::vector<PairFront*> parted_fronts;
-  std::vector<ScenePair> published;
-  std::vector<EndedPair> ended;
+/// All near pairs. Every update makes the lists anew: list_near() makes `pairs`, then look_at_roots() makes
+/// `looked_at`.
+struct NearPairs {
+  std::vector<NearPair> pairs, next;   ///< ascending; `next`: memory of list_near()
+  std::vector<std::size_t> looked_at;  ///< of pairs, where the roots may have changed
+};
+
+/// What an update finds of bodies, by place: read_bodies() fills it, before anything else changes.
+struct BodyReads {
+  std::vector<BodyRead> found;
+  std::vector<ColliderAsRead> as_read;  ///< where an update has callbacks: unmoved() compares
+};
+
+/// What the next update has to do again for all bodies or pairs. Methods of the scene note it; an update that succeeds
+/// clears it.
+struct SceneRenewal {
+  bool everything = false;  ///< other levels or another margin, or there are no pairs since an update was interrupted
+  bool filter = false;      ///< other masks, or another SceneOptions::accepts
+  bool extras = false;      ///< other SceneOptions::surfaces or find_crossings
+};
+
+/// What an update tells of: pairs in contact, and touches that ended. publish() fills it, at the end of an update:
+/// start(), add() for each pair, finish(); then the update has succeeded, and calls commit().
+class PublishedPairs {
+ public:
+  const std::vector<ScenePair>& pairs() const { return pairs_; }
+  const std::vector<EndedPair>& ended() const { return ended_; }
+  /// Touches that were told of stay, and are still to end.
+  void clear() noexcept { pairs_.clear(), ended_.clear(); }
+  void start();
+  /// Pairs with contacts, in the order of their bodies. Sets ScenePair::id and began.
+  void add(ScenePair pair);
+  void finish();
+  void commit() noexcept { told_.swap(next_told_); }
+
+ private:
+  std::vector<ScenePair> pairs_;
+  std::vector<EndedPair> ended_;
   /// The touches that an update has told of and none has ended, ascending; what an update makes of them. Apart from
   /// fronts and lists, so that an update that fails loses none.
-  std::vector<EndedPair> touching, next_touching;
-  std::uint64_t next_touch = 1;
-  bool everything_anew = false, filter_anew = false, extras_anew = false;
+  std::vector<EndedPair> told_, next_told_;
+  std::size_t walked_ = 0;  ///< so many of told_ are before the pairs added so far, or are theirs
+  std::uint64_t next_touch_ = 1;
+};
+
+/// What Scene::touch() has found, and memory of all questions of rays and shapes: each call fills it anew.
+struct ShapeTouches {
+  std::vector<SceneTouch> touches;
+  std::vector<std::unique_ptr<TouchQuery>> queries;  ///< touch i is of query i
+  mutable std::vector<std::uint32_t> bodies;         ///< by place: those that the ray or shape comes near
+};
+
+/// Work and memory of add_extras(): surfaces and crossings of finished pairs.
+struct ExtrasWork {
+  ExtrasPool pool;
+  std::vector<PairFront*> due;
+  std::vector<std::uint32_t> places;  ///< of bodies whose shares are to follow
+};
+
+/// A scene between two updates. An update fills it in this order: read_bodies() `reads_`, then `bodies`; list_near()
+/// `near` and its fronts; look_at_roots() the roots of fronts, and what `refinement_` has to do; refine() contacts,
+/// then surfaces and crossings, of fronts; publish() `published`.
+struct SceneState {
+  SceneOptions options;
+  BroadPhase broad;
+  std::vector<SceneBody> bodies;  ///< by their numbers in the broad phase
+  NearPairs near;
+  FrontStore fronts;
+  PublishedPairs published;
+  SceneRenewal renewal;
   /// By a callback, or for lack of memory: there are no pairs until an update succeeds.
   bool is_interrupted = false;
   /// A callback may be running.
   bool is_updating = false;
-
-  std::vector<SceneTouch> touches;
-  std::vector<std::unique_ptr<TouchQuery>> touch_queries;
-  mutable std::vector<std::uint32_t> found;
+  ShapeTouches shapes;
 
   bool has(BodyId id) const {
     return id.place < bodies.size() && bodies[id.place].generation == id.generation &&
@@ -131,35 +177,17 @@ struct SceneState {
   SceneStatus update_once(Workers& workers);
   void start_over() noexcept;
   void list_near();
-  void end(const Near& pair);
-  PairFront* front_of(BodyId a, BodyId b);
+  void end(const NearPair& pair);
   void look_at_roots(Workers& workers);
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
-  void refine_all(Workers& workers);
-  void refine_by_tests(std::size_t tests, Workers& workers);
-  void choose_by_importance(std::size_t count);
-  void refine_by_time(std::chrono::nanoseconds deadline, Workers& workers);
-  void note_first_round(std::int64_t spent, std::int64_t pairs);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
   void follow_shares(Workers& workers);
-  void give_back_parted();
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;
 
-  /// Pairs with work to do, and what a round gives them.
-  std::vector<PairFront*> work_, chosen_;
-  std::vector<std::size_t> used_, shares_;
-  std::vector<std::uint32_t> order_;
-  std::vector<std::size_t> looked_at_;
-  std::vector<std::uint32_t> places_;
-  ExtrasPool extras_;
-  std::size_t next_to_forget_ = 0;
-  std::uint32_t updates_to_give_back_ = 0;  ///< since memory was given back last
-  std::size_t tests_done_ = 0;
-  std::vector<BodyRead> read_;
-  std::vector<ColliderAsRead> as_read_;  ///< by place, where an update has callbacks
-  std::vector<double> values_;
-  double first_round_of_pair_ = 0;          ///< in the last update, of one thread; ns
+  BodyReads reads_;
+  PairRefinement refinement_;
+  ExtrasWork extras_;
   std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update takes
 };
 

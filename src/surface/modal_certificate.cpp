@@ -69,17 +69,17 @@ class ModalCertifier {
         largest_norm_(options.largest_norm),
         rest_distance_(options.rest_distance) {
     // Displacements for coordinates of norm 1, vertex by vertex.
-    moves_.resize(tree_.rest.size() * modes_);
+    moves_.resize(tree_.mesh.rest.size() * modes_);
     double farthest = 0, coordinate = 0;
-    for (std::size_t v = 0; v < tree_.rest.size(); ++v) {
+    for (std::size_t v = 0; v < tree_.mesh.rest.size(); ++v) {
       double square = 0;
       for (std::size_t j = 0; j < modes_; ++j) {
         moves_[v * modes_ + j] = modes.mode(j)[v] * scales[j];
         square += squared_length(moves_[v * modes_ + j]);
       }
-      if (tree_.slot_of_vertex[v] == SurfaceTreeState::no_slot) continue;
+      if (tree_.blocks.slot_of_vertex[v] == SurfaceTreeState::no_slot) continue;
       farthest = std::max(farthest, std::sqrt(square));
-      coordinate = std::max(coordinate, max_norm(tree_.rest[v]));
+      coordinate = std::max(coordinate, max_norm(tree_.mesh.rest[v]));
     }
     // Positions of vertices: sums of as many terms as there are modes, each off by 2^-52 of itself. Gaps and lengths
     // here: some 2^-48 of coordinates and displacements. All of it is below 2^-44 of what a vertex may reach, for less
@@ -87,7 +87,7 @@ class ModalCertifier {
     const double terms = std::max(1.0, static_cast<double>(modes_) / 64);
     pad_ = options.margin * (1 + 0x1p-40) +
            0x1p-44 * terms * (coordinate + farthest * largest_norm_ * std::sqrt(static_cast<double>(modes_ + 1)));
-    make_node(0, static_cast<std::uint32_t>(tree_.order.size()));
+    make_node(0, static_cast<std::uint32_t>(tree_.blocks.order.size()));
   }
 
   /// open(norm, facet, facet) of each pair that is not proven apart up to the largest norm.
@@ -128,12 +128,12 @@ class ModalCertifier {
     means_.resize(means_.size() + modes_);
     Vec3* const mean = &means_[number * modes_];
     for (std::uint32_t i = begin; i < end; ++i)
-      for (const std::uint32_t v : tree_.facets_in_order[i]) {
-        node.box.add(tree_.rest[v]);
+      for (const std::uint32_t v : tree_.blocks.facets_in_order[i]) {
+        node.box.add(tree_.mesh.rest[v]);
         for (std::size_t j = 0; j < modes_; ++j) mean[j] += moves(v)[j] * (1.0 / (3 * (end - begin)));
       }
     for (std::uint32_t i = begin; i < end; ++i)
-      for (const std::uint32_t v : tree_.facets_in_order[i]) {
+      for (const std::uint32_t v : tree_.blocks.facets_in_order[i]) {
         double square = 0;
         for (std::size_t j = 0; j < modes_; ++j) square += squared_length(moves(v)[j] - mean[j]);
         node.spread = std::max(node.spread, std::sqrt(square));
@@ -179,7 +179,7 @@ class ModalCertifier {
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t v : f)
       for (const std::uint32_t w : g) {
-        const double gap = dot(n, tree_.rest[w] - tree_.rest[v]);
+        const double gap = dot(n, tree_.mesh.rest[w] - tree_.mesh.rest[v]);
         if (!(gap > pad_)) return 0;
         double square = 0;
         for (std::size_t j = 0; j < modes_; ++j) {
@@ -193,8 +193,8 @@ class ModalCertifier {
 
   /// Any direction proves something; the best of a few.
   double norm_of_facets(const Facet& f, const Facet& g) const {
-    const Triangle s{tree_.rest[f[0]], tree_.rest[f[1]], tree_.rest[f[2]]};
-    const Triangle t{tree_.rest[g[0]], tree_.rest[g[1]], tree_.rest[g[2]]};
+    const Triangle s{tree_.mesh.rest[f[0]], tree_.mesh.rest[f[1]], tree_.mesh.rest[f[2]]};
+    const Triangle t{tree_.mesh.rest[g[0]], tree_.mesh.rest[g[1]], tree_.mesh.rest[g[2]]};
     const NearestPair nearest = nearest_pair(s, t);
     if (nearest.crossing) return 0;
     double best = norm_along(f, g, nearest.point_b - nearest.point_a);
@@ -210,12 +210,12 @@ class ModalCertifier {
     const bool is_one = p.begin == q.begin;
     for (std::uint32_t i = p.begin; i < p.end; ++i)
       for (std::uint32_t k = is_one ? i + 1 : q.begin; k < q.end; ++k) {
-        const Facet &f = tree_.facets_in_order[i], &g = tree_.facets_in_order[k];
+        const Facet &f = tree_.blocks.facets_in_order[i], &g = tree_.blocks.facets_in_order[k];
         if (share_a_vertex(f, g)) continue;
         ++facet_pairs;
         const double norm = norm_of_facets(f, g);
-        if (norm < largest_norm_ && !is_near_at_rest(tree_.order[i], tree_.order[k]))
-          open(norm, tree_.order[i], tree_.order[k]);
+        if (norm < largest_norm_ && !is_near_at_rest(tree_.blocks.order[i], tree_.blocks.order[k]))
+          open(norm, tree_.blocks.order[i], tree_.blocks.order[k]);
       }
   }
 

@@ -12,7 +12,7 @@ namespace {
 void find_crossings(const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs,
                     std::vector<FeaturePair>& found) {
   const auto corners = [](const SurfaceTreeState& s, std::uint32_t facet) -> Triangle {
-    const Facet& f = s.facets[facet];
+    const Facet& f = s.mesh.facets[facet];
     return {s.from_of(f[0]), s.from_of(f[1]), s.from_of(f[2])};
   };
   find_meeting(

@@ -240,7 +240,7 @@ TEST(ExcludedPairs, are_those_that_their_own_distance_excludes_however_coarse_co
       for (std::uint32_t a = 0; a < s.block_count(); ++a)
         for (std::uint32_t b = a; b < s.block_count(); ++b) {
           const auto in = [&](std::uint32_t block) {
-            return static_cast<std::uint32_t>(std::min<std::size_t>(8, s.order.size() - 8 * std::size_t{block}));
+            return static_cast<std::uint32_t>(std::min<std::size_t>(8, s.blocks.order.size() - 8 * std::size_t{block}));
           };
           for (std::uint32_t i = 0; i < in(a); ++i)
             for (std::uint32_t j = 0; j < in(b); ++j) {
@@ -248,7 +248,7 @@ TEST(ExcludedPairs, are_those_that_their_own_distance_excludes_however_coarse_co
               check(*facets.of(a, b), 8 * i + j, PairKind::facet_facet, std::min(f, g), std::max(f, g));
             }
           const std::uint64_t* mask = features.of(a, b);
-          const std::uint32_t vertices = s.own_vertices[a + 1] - s.own_vertices[a];
+          const std::uint32_t vertices = s.blocks.own_vertices[a + 1] - s.blocks.own_vertices[a];
           for (std::uint32_t i = 0; i < vertices; ++i)
             for (std::uint32_t j = 0; j < in(b); ++j)
               check(mask[i / 8], i % 8 * 8 + j, PairKind::vertex_facet, places.vertex(a, i), places.facet(b, j));

@@ -43,7 +43,7 @@ struct Looked {
 
   explicit Looked(const Mesh& mesh, const std::vector<Vec3>* positions = nullptr)
       : state(detail::make_surface_tree(mesh)) {
-    if (positions != nullptr) state.from = PositionView(*positions);
+    if (positions != nullptr) state.pose.from = PositionView(*positions);
     EXPECT_TRUE(state.move(serial_workers()));
     fields.start(state, state.boxes);
     fields.find_all(serial_workers());
@@ -285,7 +285,8 @@ TEST(HeightFields, have_no_crossings_in_random_facets_of_few_vertices) {
     if (!looked.is_one()) continue;
     ++fields;
     std::vector<int> visits(points);
-    for (const std::uint32_t slot : looked.state.borders.back().slots) ++visits[looked.state.vertex_of_slot[slot]];
+    for (const std::uint32_t slot : looked.state.borders.back().slots)
+      ++visits[looked.state.blocks.vertex_of_slot[slot]];
     pinched += std::any_of(visits.begin(), visits.end(), [](int n) { return n > 1; }) ? 1u : 0u;
     ASSERT_FALSE(has_crossings) << "round " << round;
   }
@@ -360,9 +361,9 @@ TEST(HeightFields, have_no_crossings_in_random_cracked_sheets) {
     const SurfaceTreeState& s = looked.state;
     for (std::size_t level = 1; level <= s.boxes.levels.size(); ++level) {
       const std::size_t size = std::size_t{8} << (3 * level);
-      for (std::uint32_t region = 0; region * size < s.order.size(); ++region) {
-        const std::size_t begin = region * size, end = std::min(s.order.size(), begin + size);
-        const auto facets = std::span(s.facets_in_order).subspan(begin, end - begin);
+      for (std::uint32_t region = 0; region * size < s.blocks.order.size(); ++region) {
+        const std::size_t begin = region * size, end = std::min(s.blocks.order.size(), begin + size);
+        const auto facets = std::span(s.blocks.facets_in_order).subspan(begin, end - begin);
         const std::size_t pairs = crossings_by_force(facets, mesh.positions).size();
         crossed += pairs > 0 ? 1u : 0u;
         const bool is_field = looked.fields.is_one(level, region);

@@ -24,8 +24,8 @@ namespace {
 void expect_boxes_hold(const SurfaceTree& tree) {
   const detail::SurfaceTreeState& s = detail::state_of(tree);
   std::size_t looked_at = 0;
-  for (std::size_t i = 0; i < s.order.size(); ++i)
-    for (const std::uint32_t v : s.facets[s.order[i]])
+  for (std::size_t i = 0; i < s.blocks.order.size(); ++i)
+    for (const std::uint32_t v : s.mesh.facets[s.blocks.order[i]])
       for (const Vec3& p : {tree.from(v), tree.to(v)}) {
         std::size_t box = i / 8;
         for (const auto& level : s.boxes.levels) {
@@ -65,14 +65,14 @@ TEST(SurfaceTree, every_vertex_and_edge_has_one_owner_and_blocks_have_eight_face
     const SurfaceTree tree(body.mesh);
     const detail::SurfaceTreeState& s = detail::state_of(tree);
     std::vector<int> facets(body.mesh.facets.size()), edges(tree.edges().size());
-    for (const std::uint32_t f : s.order) ++facets[f];
-    for (const std::uint32_t e : s.own_edges) ++edges[e];
+    for (const std::uint32_t f : s.blocks.order) ++facets[f];
+    for (const std::uint32_t e : s.blocks.own_edges) ++edges[e];
     EXPECT_EQ(std::count(facets.begin(), facets.end(), 1), std::ssize(facets)) << body.name;
     EXPECT_EQ(std::count(edges.begin(), edges.end(), 1), std::ssize(edges)) << body.name;
-    EXPECT_EQ(s.vertex_of_slot.size(), test::plain_vertices(body.mesh).size()) << body.name;
+    EXPECT_EQ(s.blocks.vertex_of_slot.size(), test::plain_vertices(body.mesh).size()) << body.name;
     EXPECT_EQ(tree.edges().size(), test::plain_edges(body.mesh).size()) << body.name;
-    EXPECT_EQ(s.own_vertices.back(), s.vertex_of_slot.size());
-    EXPECT_EQ(s.own_edges_begin.back(), s.own_edges.size());
+    EXPECT_EQ(s.blocks.own_vertices.back(), s.blocks.vertex_of_slot.size());
+    EXPECT_EQ(s.blocks.own_edges_begin.back(), s.blocks.own_edges.size());
   }
 }
 

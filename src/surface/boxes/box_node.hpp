@@ -35,8 +35,9 @@ struct BoxNode {
 /// The facets below a node.
 inline std::span<const std::uint32_t> facets_below(const SurfaceTreeState& s, std::uint32_t number, int height) {
   const std::size_t size = std::size_t{1} << (3 * (height + 1));
-  const std::size_t begin = std::min(s.order.size(), number * size), end = std::min(s.order.size(), begin + size);
-  return std::span<const std::uint32_t>(s.order).subspan(begin, end - begin);
+  const std::size_t begin = std::min(s.blocks.order.size(), number * size),
+                    end = std::min(s.blocks.order.size(), begin + size);
+  return std::span<const std::uint32_t>(s.blocks.order).subspan(begin, end - begin);
 }
 
 }  // namespace morula::detail

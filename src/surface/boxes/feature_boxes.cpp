@@ -11,7 +11,7 @@ template <std::size_t N>
 MinBox box_of_vertices(const SurfaceTreeState& s, const SurfaceBoxes& boxes,
                        const std::array<std::uint32_t, N>& vertices) {
   MinBox box;
-  for (const std::uint32_t v : vertices) box.add(boxes.vertices[s.slot_of_vertex[v]]);
+  for (const std::uint32_t v : vertices) box.add(boxes.vertices[s.blocks.slot_of_vertex[v]]);
   return box;
 }
 
@@ -55,21 +55,21 @@ void FeatureBoxes::make(std::uint32_t block) {
   const SurfaceTreeState& s = *state_;
   BoxGroup* group = &groups_[first_[block]];
   group->clear();
-  const std::size_t facets = std::min<std::size_t>(8, s.order.size() - 8 * std::size_t{block});
+  const std::size_t facets = std::min<std::size_t>(8, s.blocks.order.size() - 8 * std::size_t{block});
   for (std::size_t i = 0; i < facets; ++i)
-    put(*group, i, box_of_vertices(s, *boxes_, s.facets_in_order[8 * std::size_t{block} + i]));
+    put(*group, i, box_of_vertices(s, *boxes_, s.blocks.facets_in_order[8 * std::size_t{block} + i]));
   if (features_ == Features::facets) return;
-  const std::uint32_t vertex_begin = s.own_vertices[block], vertex_end = s.own_vertices[block + 1];
+  const std::uint32_t vertex_begin = s.blocks.own_vertices[block], vertex_end = s.blocks.own_vertices[block + 1];
   for (std::uint32_t slot = vertex_begin; slot < vertex_end; ++slot) {
     const std::uint32_t place = (slot - vertex_begin) % 8;
     if (place == 0) (++group)->clear();
     put(*group, place, boxes_->vertices[slot]);
   }
-  const std::uint32_t edge_begin = s.own_edges_begin[block], edge_end = s.own_edges_begin[block + 1];
+  const std::uint32_t edge_begin = s.blocks.own_edges_begin[block], edge_end = s.blocks.own_edges_begin[block + 1];
   for (std::uint32_t i = edge_begin; i < edge_end; ++i) {
     const std::uint32_t place = (i - edge_begin) % 8;
     if (place == 0) (++group)->clear();
-    put(*group, place, box_of_vertices(s, *boxes_, s.ends_of_own_edges[i]));
+    put(*group, place, box_of_vertices(s, *boxes_, s.blocks.ends_of_own_edges[i]));
   }
 }
 

@@ -24,10 +24,10 @@ class FeatureBoxes {
 
   const BoxGroup& facets(std::uint32_t block) const { return groups_[first_[block]]; }
   std::uint32_t vertex_groups(std::uint32_t block) const {
-    return (state_->own_vertices[block + 1] - state_->own_vertices[block] + 7) / 8;
+    return (state_->blocks.own_vertices[block + 1] - state_->blocks.own_vertices[block] + 7) / 8;
   }
   std::uint32_t edge_groups(std::uint32_t block) const {
-    return (state_->own_edges_begin[block + 1] - state_->own_edges_begin[block] + 7) / 8;
+    return (state_->blocks.own_edges_begin[block + 1] - state_->blocks.own_edges_begin[block] + 7) / 8;
   }
   const BoxGroup& vertices(std::uint32_t block, std::uint32_t group) const {
     return groups_[first_[block] + 1 + group];
@@ -35,19 +35,21 @@ class FeatureBoxes {
   const BoxGroup& edges(std::uint32_t block, std::uint32_t group) const {
     return groups_[first_[block] + 1 + vertex_groups(block) + group];
   }
-  std::uint32_t facet(std::uint32_t block, std::uint32_t place) const { return state_->order[8 * block + place]; }
+  std::uint32_t facet(std::uint32_t block, std::uint32_t place) const {
+    return state_->blocks.order[8 * block + place];
+  }
   std::uint32_t vertex(std::uint32_t block, std::uint32_t place) const {
-    return state_->vertex_of_slot[state_->own_vertices[block] + place];
+    return state_->blocks.vertex_of_slot[state_->blocks.own_vertices[block] + place];
   }
   std::uint32_t edge(std::uint32_t block, std::uint32_t place) const {
-    return state_->own_edges[state_->own_edges_begin[block] + place];
+    return state_->blocks.own_edges[state_->blocks.own_edges_begin[block] + place];
   }
 
   const Facet& facet_corners(std::uint32_t block, std::uint32_t place) const {
-    return state_->facets_in_order[8 * block + place];
+    return state_->blocks.facets_in_order[8 * block + place];
   }
   const std::array<std::uint32_t, 2>& edge_ends(std::uint32_t block, std::uint32_t place) const {
-    return state_->ends_of_own_edges[state_->own_edges_begin[block] + place];
+    return state_->blocks.ends_of_own_edges[state_->blocks.own_edges_begin[block] + place];
   }
 
  private:

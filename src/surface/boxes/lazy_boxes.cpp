@@ -17,7 +17,7 @@ void LazyBoxes::start(const SurfaceTreeState& s) {
     boxes_.make_levels(s.block_count());
     groups_.assign(boxes_.levels.size(), {});
   }
-  if (boxes_.vertices.size() < s.vertex_of_slot.size()) boxes_.vertices.resize(s.vertex_of_slot.size());
+  if (boxes_.vertices.size() < s.blocks.vertex_of_slot.size()) boxes_.vertices.resize(s.blocks.vertex_of_slot.size());
   for (std::size_t level = 0; level < groups_.size(); ++level) {
     for (const std::uint32_t g : groups_[level]) boxes_.levels[level][g].clear();
     groups_[level].clear();
@@ -39,7 +39,7 @@ void LazyBoxes::want(std::uint32_t leaf) {
 const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> extent) {
   const SurfaceTreeState& s = *state_;
   slots_.clear();
-  has_slot_.assign(s.vertex_of_slot.size(), 0);
+  has_slot_.assign(s.blocks.vertex_of_slot.size(), 0);
   const auto take = [&](std::uint32_t slot) {
     if (has_slot_[slot] != 0) return;
     has_slot_[slot] = 1;
@@ -47,13 +47,14 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
   };
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
     if (wants_block_[block] == 0) continue;
-    // mutant follow-corners: `take` -> `if (s.corners[i] >= s.own_vertices[block]) take`
-    for (std::uint32_t i = s.corners_begin[block]; i < s.corners_begin[block + 1]; ++i) take(s.corners[i]);
+    // mutant follow-corners: `take` -> `if (s.blocks.corners[i] >= s.blocks.own_vertices[block]) take`
+    for (std::uint32_t i = s.blocks.corners_begin[block]; i < s.blocks.corners_begin[block + 1]; ++i)
+      take(s.blocks.corners[i]);
     const std::uint32_t group = block / 8;
     if (groups_[0].empty() || groups_[0].back() != group) groups_[0].push_back(group);
   }
   const MakeVertexBoxes make_boxes = make_vertex_boxes();
-  with_reader(s.from, s.rest, [&](const auto& read) {
+  with_reader(s.pose.from, s.mesh.rest, [&](const auto& read) {
     parallel_for(workers, slots_.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
       const StandardFloats standard;
       // One more: the kernel reads one number beyond the last.
@@ -62,9 +63,9 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
       for (; begin < end; begin += vertices_together) {
         const std::size_t count = std::min(vertices_together, end - begin);
         for (std::size_t i = 0; i < count; ++i) {
-          const Vec3 p = read(s.vertex_of_slot[slots_[begin + i]]);
-          // mutant follow-placed: `s.followed->is_placed` -> `false`
-          points[i] = (s.followed->is_placed ? s.followed->spheres.transform()(p) : p) - s.origin;
+          const Vec3 p = read(s.blocks.vertex_of_slot[slots_[begin + i]]);
+          // mutant follow-placed: `s.pose.followed->is_placed` -> `false`
+          points[i] = (s.pose.followed->is_placed ? s.pose.followed->spheres.transform()(p) : p) - s.origin;
         }
         make_boxes(points.data(), points.data(), count, made.data());
         for (std::size_t i = 0; i < count; ++i) boxes_.vertices[slots_[begin + i]] = made[i];
@@ -91,17 +92,17 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
 void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, bool by_spheres,
                        Workers& workers) {
   const bool are_two = &a != &b;
-  if (a.followed) lazy_a_.start(a);
-  if (are_two && b.followed) lazy_b_.start(b);
-  const bool asks_spheres =
-      // mutant follow-covers: `a.followed->covers() && b.followed->covers()` -> `true`
-      by_spheres && are_two && a.followed && b.followed && a.followed->covers() && b.followed->covers();
+  const std::optional<FollowedBody>&body_a = a.pose.followed, &body_b = b.pose.followed;
+  if (body_a) lazy_a_.start(a);
+  if (are_two && body_b) lazy_b_.start(b);
+  // mutant follow-covers: `body_a->covers() && body_b->covers()` -> `true`
+  const bool asks_spheres = by_spheres && are_two && body_a && body_b && body_a->covers() && body_b->covers();
   if (asks_spheres) {
-    const double farthest_a = a.farthest_of_spheres(*a.followed), farthest_b = b.farthest_of_spheres(*b.followed);
+    const double farthest_a = a.farthest_of_spheres(*body_a), farthest_b = b.farthest_of_spheres(*body_b);
     // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);
     // mutant follow-reach: `reach` -> `0 * reach`
-    const TreePair trees(a.followed->spheres, b.followed->spheres, reach + rounding, leaf_level);
+    const TreePair trees(body_a->spheres, body_b->spheres, reach + rounding, leaf_level);
     each_overlapping(trees, [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
       lazy_a_.want(leaf_a);
       // mutant follow-both: `lazy_b_.want` -> `if (leaf_b % 2 == 0) lazy_b_.want`
@@ -112,7 +113,7 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, dou
     return;
   }
   const auto all = [&](LazyBoxes& boxes, const SurfaceTreeState& surface) {
-    if (!surface.followed) return &surface.boxes;
+    if (!surface.pose.followed) return &surface.boxes;
     boxes.want_all();
     return &boxes.make(workers);
   };

@@ -78,74 +78,113 @@ std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facet
   return edges;
 }
 
-void give_vertices(SurfaceTreeState& s) {
-  s.slot_of_vertex.assign(s.rest.size(), SurfaceTreeState::no_slot);
-  s.own_vertices = {0};
-  s.corners_begin = {0};
+/// Each used vertex to the first block that has it; slots, and corners by them.
+void give_vertices(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
+  blocks.slot_of_vertex.assign(mesh.rest.size(), SurfaceTreeState::no_slot);
+  blocks.own_vertices = {0};
+  blocks.corners_begin = {0};
   AskNowAndThen ask_now_and_then(64);
-  for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+  for (std::uint32_t block = 0; block < blocks.count(); ++block) {
     ask_now_and_then();
     std::vector<std::uint32_t> corners;
-    for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
-      corners.insert(corners.end(), s.facets[s.order[i]].begin(), s.facets[s.order[i]].end());
+    for (std::size_t i = 8 * std::size_t{block}; i < std::min(blocks.order.size(), 8 * std::size_t{block} + 8); ++i)
+      corners.insert(corners.end(), mesh.facets[blocks.order[i]].begin(), mesh.facets[blocks.order[i]].end());
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     for (const std::uint32_t v : corners) {
-      std::uint32_t& slot = s.slot_of_vertex[v];
+      std::uint32_t& slot = blocks.slot_of_vertex[v];
       if (slot == SurfaceTreeState::no_slot) {
-        slot = static_cast<std::uint32_t>(s.vertex_of_slot.size());
-        s.vertex_of_slot.push_back(v);
+        slot = static_cast<std::uint32_t>(blocks.vertex_of_slot.size());
+        blocks.vertex_of_slot.push_back(v);
       }
-      s.corners.push_back(slot);
+      blocks.corners.push_back(slot);
     }
-    while (s.corners.size() % corners_step != 0) s.corners.push_back(s.corners.back());
-    s.own_vertices.push_back(static_cast<std::uint32_t>(s.vertex_of_slot.size()));
-    s.corners_begin.push_back(static_cast<std::uint32_t>(s.corners.size()));
+    while (blocks.corners.size() % corners_step != 0) blocks.corners.push_back(blocks.corners.back());
+    blocks.own_vertices.push_back(static_cast<std::uint32_t>(blocks.vertex_of_slot.size()));
+    blocks.corners_begin.push_back(static_cast<std::uint32_t>(blocks.corners.size()));
   }
 }
 
-void give_edges(SurfaceTreeState& s) {
-  std::vector<std::uint8_t> is_given(s.edges.size());
-  s.own_edges_begin = {0};
+/// Each edge to the first block that has it.
+void give_edges(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
+  std::vector<std::uint8_t> is_given(mesh.edges.size());
+  blocks.own_edges_begin = {0};
   AskNowAndThen ask_now_and_then(64);
-  for (std::uint32_t block = 0; block < s.block_count(); ++block) {
+  for (std::uint32_t block = 0; block < blocks.count(); ++block) {
     ask_now_and_then();
-    for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i) {
-      const Facet& f = s.facets[s.order[i]];
+    for (std::size_t i = 8 * std::size_t{block}; i < std::min(blocks.order.size(), 8 * std::size_t{block} + 8); ++i) {
+      const Facet& f = mesh.facets[blocks.order[i]];
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = f[k], w = f[(k + 1) % 3];
         if (v == w) continue;
         const std::array<std::uint32_t, 2> ends{std::min(v, w), std::max(v, w)};
-        const auto edge =
-            static_cast<std::uint32_t>(std::lower_bound(s.edges.begin(), s.edges.end(), ends) - s.edges.begin());
+        const auto edge = static_cast<std::uint32_t>(std::lower_bound(mesh.edges.begin(), mesh.edges.end(), ends) -
+                                                     mesh.edges.begin());
         // mutant surface-edges-of-blocks: `[edge]` -> `[edge] && k < 2`
-        if (!is_given[edge]) s.own_edges.push_back(edge);
+        if (!is_given[edge]) blocks.own_edges.push_back(edge);
         is_given[edge] = 1;
       }
     }
-    s.own_edges_begin.push_back(static_cast<std::uint32_t>(s.own_edges.size()));
+    blocks.own_edges_begin.push_back(static_cast<std::uint32_t>(blocks.own_edges.size()));
   }
 }
 
-void find_rings(SurfaceTreeState& s) {
+void find_rings(SurfaceMesh& mesh) {
   AskNowAndThen ask_now_and_then(1u << 16);
-  s.ring_begin.assign(s.rest.size() + 1, 0);
-  for (const auto& edge : s.edges) {
+  mesh.ring_begin.assign(mesh.rest.size() + 1, 0);
+  for (const auto& edge : mesh.edges) {
     ask_now_and_then();
-    ++s.ring_begin[edge[0] + 1], ++s.ring_begin[edge[1] + 1];
+    ++mesh.ring_begin[edge[0] + 1], ++mesh.ring_begin[edge[1] + 1];
   }
-  for (std::size_t v = 0; v < s.rest.size(); ++v) s.ring_begin[v + 1] += s.ring_begin[v];
-  s.ring.resize(2 * s.edges.size());
-  std::vector<std::uint32_t> next(s.ring_begin.begin(), s.ring_begin.end() - 1);
+  for (std::size_t v = 0; v < mesh.rest.size(); ++v) mesh.ring_begin[v + 1] += mesh.ring_begin[v];
+  mesh.ring.resize(2 * mesh.edges.size());
+  std::vector<std::uint32_t> next(mesh.ring_begin.begin(), mesh.ring_begin.end() - 1);
   // Ascending, since edges are: first of all edges whose higher vertex it is, then of those whose lower one.
-  for (const auto& edge : s.edges) {
+  for (const auto& edge : mesh.edges) {
     ask_now_and_then();
-    s.ring[next[edge[1]]++] = edge[0];
+    mesh.ring[next[edge[1]]++] = edge[0];
   }
-  for (const auto& edge : s.edges) {
+  for (const auto& edge : mesh.edges) {
     ask_now_and_then();
-    s.ring[next[edge[0]]++] = edge[1];
+    mesh.ring[next[edge[0]]++] = edge[1];
   }
+}
+
+SurfaceMesh copy_and_link(const MeshView& mesh) {
+  SurfaceMesh made;
+  AskNowAndThen ask_now_and_then(1u << 16);
+  made.facets.assign(mesh.facets.begin(), mesh.facets.end());
+  made.rest.resize(mesh.vertex_count());
+  for (std::size_t v = 0; v < made.rest.size(); ++v) {
+    ask_now_and_then();
+    made.rest[v] = mesh.positions[v];
+  }
+  made.edges = all_edges(made.facets);
+  find_rings(made);
+  const Components components = components_by_vertices(mesh);
+  made.component.assign(made.rest.size(), 0);
+  for (std::size_t f = 0; f < made.facets.size(); ++f) {
+    ask_now_and_then();
+    for (const std::uint32_t v : made.facets[f]) made.component[v] = components.of_facet[f];
+  }
+  return made;
+}
+
+SurfaceBlocks sort_into_blocks(const MeshView& view, const SurfaceMesh& mesh) {
+  SurfaceBlocks blocks;
+  Sorter(view, blocks.order).sort();
+  AskNowAndThen ask_now_and_then(1u << 16);
+  for (const std::uint32_t f : blocks.order) {
+    ask_now_and_then();
+    blocks.facets_in_order.push_back(mesh.facets[f]);
+  }
+  give_vertices(mesh, blocks);
+  give_edges(mesh, blocks);
+  for (const std::uint32_t e : blocks.own_edges) {
+    ask_now_and_then();
+    blocks.ends_of_own_edges.push_back(mesh.edges[e]);
+  }
+  return blocks;
 }
 
 }  // namespace
@@ -154,39 +193,15 @@ SurfaceTreeState make_surface_tree(const MeshView& mesh) {
   require_usable(mesh);
   require_usable_scale(mesh);
   SurfaceTreeState s;
-  AskNowAndThen ask_now_and_then(1u << 16);
-  s.facets.assign(mesh.facets.begin(), mesh.facets.end());
-  s.rest.resize(mesh.vertex_count());
-  for (std::size_t v = 0; v < s.rest.size(); ++v) {
-    ask_now_and_then();
-    s.rest[v] = mesh.positions[v];
-  }
   const Box box = bounding_box(mesh);
   s.origin = box.lower * 0.5 + box.upper * 0.5;
   s.rest_reach = std::max(max_norm(box.lower), max_norm(box.upper));
-  s.edges = all_edges(s.facets);
-  Sorter(mesh, s.order).sort();
-  give_vertices(s);
-  give_edges(s);
-  for (const std::uint32_t f : s.order) {
-    ask_now_and_then();
-    s.facets_in_order.push_back(s.facets[f]);
-  }
-  for (const std::uint32_t e : s.own_edges) {
-    ask_now_and_then();
-    s.ends_of_own_edges.push_back(s.edges[e]);
-  }
-  find_rings(s);
-  const Components components = components_by_vertices(mesh);
-  s.component.assign(s.rest.size(), 0);
-  for (std::size_t f = 0; f < s.facets.size(); ++f) {
-    ask_now_and_then();
-    for (const std::uint32_t v : s.facets[f]) s.component[v] = components.of_facet[f];
-  }
-  s.boxes.vertices.resize(s.vertex_of_slot.size());
-  s.next_vertex_boxes.resize(s.vertex_of_slot.size());
+  s.mesh = copy_and_link(mesh);
+  s.blocks = sort_into_blocks(mesh, s.mesh);
+  s.boxes.vertices.resize(s.blocks.vertex_of_slot.size());
+  s.next_vertex_boxes.resize(s.blocks.vertex_of_slot.size());
   s.boxes.make_levels(s.block_count());
-  s.borders = region_borders(s.facets_in_order, s.slot_of_vertex, s.boxes.levels.size());
+  s.borders = region_borders(s.blocks.facets_in_order, s.blocks.slot_of_vertex, s.boxes.levels.size());
   return s;
 }
 

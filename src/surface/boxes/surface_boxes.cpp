@@ -33,9 +33,9 @@ void SurfaceBoxes::join_block(const SurfaceTreeState& s, std::size_t block) {
   // Two minima, so that none waits for the one before.
   Float4 lower[2] = {Float4(MinBox::none), Float4(MinBox::none)}, upper[2] = {lower[0], lower[0]};
   // mutant surface-corners: `i <` -> `i + corners_step <`
-  for (std::uint32_t i = s.corners_begin[block]; i < s.corners_begin[block + 1]; i += corners_step)
+  for (std::uint32_t i = s.blocks.corners_begin[block]; i < s.blocks.corners_begin[block + 1]; i += corners_step)
     for (std::uint32_t k = 0; k < corners_step; ++k) {
-      const MinBox& vertex = vertices[s.corners[i + k]];
+      const MinBox& vertex = vertices[s.blocks.corners[i + k]];
       lower[k % 2] = min(Float4::load(vertex.bound), lower[k % 2]);
       upper[k % 2] = min(Float4::load(vertex.bound + 4), upper[k % 2]);
     }

@@ -21,15 +21,15 @@ namespace {
 /// The lowest vertex that cannot be taken; none.
 std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const PositionView& positions) {
   for (std::uint32_t v = 0; v < positions.size(); ++v)
-    if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(positions[v] - s.origin)) return v;
+    if (s.blocks.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(positions[v] - s.origin)) return v;
   return std::nullopt;
 }
 
 BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body) {
-  if (!std::equal(body.mesh_facets().begin(), body.mesh_facets().end(), s.facets.begin(), s.facets.end()))
+  if (!std::equal(body.mesh_facets().begin(), body.mesh_facets().end(), s.mesh.facets.begin(), s.mesh.facets.end()))
     throw std::invalid_argument("the body is of another mesh: its facets are not those of the surface");
-  std::vector<std::uint32_t> block_of_facet(s.facets.size());
-  for (std::uint32_t i = 0; i < s.order.size(); ++i) block_of_facet[s.order[i]] = i / 8;
+  std::vector<std::uint32_t> block_of_facet(s.mesh.facets.size());
+  for (std::uint32_t i = 0; i < s.blocks.order.size(); ++i) block_of_facet[s.blocks.order[i]] = i / 8;
   BlocksOfLeaves found;
   const SphereTree& tree = body.tree();
   found.cover_id = body.sphere_state().cover_id;
@@ -61,7 +61,7 @@ double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
 Status SurfaceTreeState::askable(std::uint8_t body) const {
   if (!call.ended) return {call.ended.code, body};
   if (call.is_running) return {Status::Code::in_use, body};
-  if (followed && !followed->is_current()) return {Status::Code::surface_not_current, body};
+  if (pose.followed && !pose.followed->is_current()) return {Status::Code::surface_not_current, body};
   return {};
 }
 
@@ -75,7 +75,7 @@ Status SurfaceTreeState::move(Workers& workers) {
     for (; begin < end; begin += vertices_together) {
       const std::size_t count = std::min(vertices_together, end - begin);
       for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t v = vertex_of_slot[begin + i];
+        const std::uint32_t v = blocks.vertex_of_slot[begin + i];
         const Vec3 p = read_from(v) - origin;
         far += is_near(p) ? 0 : 1;
         lower[i] = p;
@@ -90,20 +90,20 @@ Status SurfaceTreeState::move(Workers& workers) {
     }
     if (far != 0) is_bad = true;
   };
-  parallel_for(workers, vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
-    with_reader(from, rest, [&](const auto& read_from) {
-      if (!to) {
+  parallel_for(workers, blocks.vertex_of_slot.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
+    with_reader(pose.from, mesh.rest, [&](const auto& read_from) {
+      if (!pose.to) {
         make(begin, end, read_from, read_from, false);
       } else {
-        with_reader(to, rest, [&](const auto& read_to) { make(begin, end, read_from, read_to, true); });
+        with_reader(pose.to, mesh.rest, [&](const auto& read_to) { make(begin, end, read_from, read_to, true); });
       }
     });
   });
   if (is_bad) return {Status::Code::non_finite_position};
   std::swap(boxes.vertices, next_vertex_boxes);
-  const std::size_t blocks = block_count();
+  const std::size_t count = block_count();
   parallel_for(workers, boxes.levels[0].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t block = 8 * begin; block < std::min(blocks, 8 * end); ++block) boxes.join_block(*this, block);
+    for (std::size_t block = 8 * begin; block < std::min(count, 8 * end); ++block) boxes.join_block(*this, block);
   });
   for (std::size_t level = 1; level < boxes.levels.size(); ++level)
     parallel_for(workers, boxes.levels[level].size(), groups_at_once, [&](std::size_t begin, std::size_t end) {
@@ -147,20 +147,19 @@ Status SurfaceTree::update(const PositionView& from, const PositionView& to, Wor
   ObjectCall own(s, CallKind::begins);
   if (!own.status()) return own.status();
   for (const PositionView* view : {&from, &to})
-    if (view->size() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
-  const auto before_from = s.from, before_to = s.to;
-  const auto before_followed = s.followed;
-  s.followed.reset();
-  s.from = from;
+    if (view->size() != s.mesh.rest.size()) return {.code = Status::Code::wrong_vertex_count};
+  const SurfacePose before = s.pose;
+  s.pose.followed.reset();
+  s.pose.from = from;
   if (&from == &to) {
-    s.to.reset();
+    s.pose.to.reset();
   } else {
-    s.to = to;
+    s.pose.to = to;
   }
   Status status = s.move(workers);
   own.finish(status);
   if (status) return status;
-  s.from = before_from, s.to = before_to, s.followed = before_followed;
+  s.pose = before;
   const std::optional<std::uint32_t> bad_from = lowest_bad(s, from), bad_to = lowest_bad(s, to);
   status.index = std::min(bad_from.value_or(SurfaceTreeState::no_slot), bad_to.value_or(SurfaceTreeState::no_slot));
   return status;
@@ -171,39 +170,39 @@ Status SurfaceTree::follow(const Collider& body) {
   if (const Status status = morula::askable(body); !status) return status;
   SurfaceTreeState& s = *state_;
   if (s.call.is_running) return {.code = Status::Code::in_use};
-  if (body.vertex_count() != s.rest.size()) return {.code = Status::Code::wrong_vertex_count};
+  if (body.vertex_count() != s.mesh.rest.size()) return {.code = Status::Code::wrong_vertex_count};
   FollowedBody followed{Collider(body.sphere_state()), body.sphere_state().frame,
                         !(body.transform() == RigidTransform{})};
   followed.spheres.set_transform(body.transform());
   // Spheres that cover say that all vertices are near; else each is looked at.
   if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
-    for (std::uint32_t v = 0; v < s.rest.size(); ++v)
-      if (s.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
+    for (std::uint32_t v = 0; v < s.mesh.rest.size(); ++v)
+      if (s.blocks.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
         return {.code = Status::Code::non_finite_position, .index = v};
   if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.cover_id != body.sphere_state().cover_id)
     s.blocks_of_leaves = blocks_of_leaves(s, body);
-  s.followed = std::move(followed);
-  s.from = body.positions();
-  s.to.reset();
+  s.pose.followed = std::move(followed);
+  s.pose.from = body.positions();
+  s.pose.to.reset();
   s.call.ended = {};
   ++s.frame;
   return {};
 }
 
 bool SurfaceTree::is_following() const {
-  return state_->followed.has_value();
+  return state_->pose.followed.has_value();
 }
 bool SurfaceTree::is_step() const {
-  return state_->to.has_value();
+  return state_->pose.to.has_value();
 }
 std::size_t SurfaceTree::vertex_count() const {
-  return state_->rest.size();
+  return state_->mesh.rest.size();
 }
 std::span<const Facet> SurfaceTree::facets() const {
-  return state_->facets;
+  return state_->mesh.facets;
 }
 std::span<const std::array<std::uint32_t, 2>> SurfaceTree::edges() const {
-  return state_->edges;
+  return state_->mesh.edges;
 }
 Vec3 SurfaceTree::from(std::uint32_t vertex) const {
   return state_->from_of(vertex);
@@ -212,7 +211,7 @@ Vec3 SurfaceTree::to(std::uint32_t vertex) const {
   return state_->to_of(vertex);
 }
 Vec3 SurfaceTree::rest(std::uint32_t vertex) const {
-  return state_->rest[vertex];
+  return state_->mesh.rest[vertex];
 }
 
 std::uint64_t SurfaceTree::hash() const {

@@ -119,16 +119,20 @@ struct ExclusionTables {
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
 };
 
-/// Queries share it with the surface: what they stand at stays readable when the surface is gone or is another.
-struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
-  static constexpr std::uint32_t no_slot = 0xffffffffu;
-
-  // The surface, and how it is sorted.
+/// The mesh, by its own numbers. make_surface_tree() fills it first, from the mesh alone.
+struct SurfaceMesh {
   std::vector<Facet> facets;
-  std::vector<std::array<std::uint32_t, 2>> edges;
-  std::vector<Vec3> rest;                // by vertex
-  std::vector<std::uint32_t> component;  // by vertex; of facets that share vertices
-  std::vector<std::uint32_t> order;      // facets as blocks have them
+  std::vector<std::array<std::uint32_t, 2>> edges;  // ascending; each from its lower vertex
+  std::vector<Vec3> rest;                           // by vertex
+  std::vector<std::uint32_t> component;             // by vertex; of facets that share vertices
+  std::vector<std::uint32_t> ring_begin, ring;      // neighbors of vertex v along edges, ascending:
+                                                    // ring[ring_begin[v] … ring_begin[v + 1])
+};
+
+/// How the mesh is sorted: blocks of eight facets, and what each block owns. make_surface_tree() fills it from the
+/// SurfaceMesh: facets, then vertices, then edges.
+struct SurfaceBlocks {
+  std::vector<std::uint32_t> order;  // facets as blocks have them
   std::vector<Facet> facets_in_order;
   std::vector<std::uint32_t> vertex_of_slot;   // used vertices alone
   std::vector<std::uint32_t> slot_of_vertex;   // no_slot: no facet uses it
@@ -138,29 +142,44 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   std::vector<std::uint32_t> own_edges_begin;  // its edges are
   std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
   std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
-  std::vector<std::uint32_t> ring_begin, ring;  // neighbors of a vertex along edges, ascending
-  std::vector<RegionBorders> borders;           // of levels 1 and above, the last one above that of one group
-  Vec3 origin;                                  // what boxes are about
-  double rest_reach = 0;                        // the largest |coordinate| at rest of a vertex that a facet uses
-  std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
 
-  // The present pose or step.
-  SurfaceBoxes boxes;  // of an older one while a body is followed
-  std::vector<MinBox> next_vertex_boxes;
+  std::uint32_t count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
+};
+
+/// Where the surface is: SurfaceTree::update() and follow() set it, each all of it.
+struct SurfacePose {
   std::optional<PositionView> from, to;  // none: at rest
   std::optional<FollowedBody> followed;  // where it is placed, `from` is, too
-  BlocksOfLeaves blocks_of_leaves;       // of the body followed last
+};
+
+/// Queries share it with the surface: what they stand at stays readable when the surface is gone or is another.
+struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
+  static constexpr std::uint32_t no_slot = 0xffffffffu;
+
+  // The surface, and how it is sorted: make_surface_tree() fills it once, in this order.
+  Vec3 origin;            // what boxes are about
+  double rest_reach = 0;  // the largest |coordinate| at rest of a vertex that a facet uses
+  SurfaceMesh mesh;
+  SurfaceBlocks blocks;
+  std::vector<RegionBorders> borders;  // of levels 1 and above, the last one above that of one group
+  std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
+
+  // The present pose or step: update() and follow() set the pose, move() makes the boxes, then the frame is another.
+  SurfacePose pose;
+  SurfaceBoxes boxes;                     // of an older one while a body is followed
+  std::vector<MinBox> next_vertex_boxes;  // memory of move(): a refused one leaves `boxes` as they were
+  BlocksOfLeaves blocks_of_leaves;        // of the body followed last
   std::uint64_t frame = 0;
   CallState call;
 
   /// Boxes are of no frame, then.
   void forget() noexcept { ++frame; }
-  std::uint32_t block_count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
+  std::uint32_t block_count() const { return blocks.count(); }
   Vec3 from_of(std::uint32_t vertex) const {
-    const Vec3 p = from ? (*from)[vertex] : rest[vertex];
-    return followed && followed->is_placed ? followed->spheres.transform()(p) : p;
+    const Vec3 p = pose.from ? (*pose.from)[vertex] : mesh.rest[vertex];
+    return pose.followed && pose.followed->is_placed ? pose.followed->spheres.transform()(p) : p;
   }
-  Vec3 to_of(std::uint32_t vertex) const { return to ? (*to)[vertex] : from_of(vertex); }
+  Vec3 to_of(std::uint32_t vertex) const { return pose.to ? (*pose.to)[vertex] : from_of(vertex); }
 
   /// Of a body whose pose covers: no vertex that a facet uses has a larger coordinate, in the world and about the
   /// surface's origin.

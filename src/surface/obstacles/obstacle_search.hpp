@@ -161,11 +161,11 @@ class ObstacleSearch {
     };
     const SurfaceTreeState& s = *surface_;
     if (options.features == ObstacleFeatures::vertices) {
-      for (std::uint32_t slot = s.own_vertices[block]; slot < s.own_vertices[block + 1]; ++slot)
-        take(s.vertex_of_slot[slot], std::span(&s.vertex_of_slot[slot], 1));
+      for (std::uint32_t slot = s.blocks.own_vertices[block]; slot < s.blocks.own_vertices[block + 1]; ++slot)
+        take(s.blocks.vertex_of_slot[slot], std::span(&s.blocks.vertex_of_slot[slot], 1));
     } else {
-      for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.order.size(), 8 * std::size_t{block} + 8); ++i)
-        take(s.order[i], s.facets_in_order[i]);
+      for (std::size_t i = 8 * std::size_t{block}; i < std::min(s.blocks.order.size(), 8 * std::size_t{block} + 8); ++i)
+        take(s.blocks.order[i], s.blocks.facets_in_order[i]);
     }
   }
 

@@ -27,7 +27,7 @@ class RingSearch {
   template <class Reached>
   bool run(const SurfaceTreeState& s, std::span<const std::uint32_t> from, std::uint32_t rings,
            const Reached& reached) {
-    if (stamp_.size() < s.rest.size()) stamp_.resize(s.rest.size(), now_);
+    if (stamp_.size() < s.mesh.rest.size()) stamp_.resize(s.mesh.rest.size(), now_);
     if (++now_ == 0) {
       std::fill(stamp_.begin(), stamp_.end(), 0u);
       now_ = 1;
@@ -38,8 +38,8 @@ class RingSearch {
     std::size_t begin = 0;
     for (std::uint32_t ring = 0; ring < rings && begin < queue_.size(); ++ring)
       for (const std::size_t end = queue_.size(); begin < end; ++begin)
-        for (std::uint32_t i = s.ring_begin[queue_[begin]]; i < s.ring_begin[queue_[begin] + 1]; ++i)
-          if (take(s.ring[i]) && reached(s.ring[i])) return true;
+        for (std::uint32_t i = s.mesh.ring_begin[queue_[begin]]; i < s.mesh.ring_begin[queue_[begin] + 1]; ++i)
+          if (take(s.mesh.ring[i]) && reached(s.mesh.ring[i])) return true;
     return false;
   }
   std::size_t reached_count() const { return queue_.size(); }
@@ -56,6 +56,34 @@ class RingSearch {
   std::uint32_t now_ = 0;
 };
 
+/// The vertices in the rings of any vertex of one block. find() fills it anew for each row.
+class BlockRings {
+ public:
+  explicit BlockRings(const SurfaceTreeState& s) { reached_from_.assign(s.mesh.rest.size(), 0); }
+  /// Searches from each of these vertices, at most 32. False: the rings hold too many vertices.
+  bool find(const SurfaceTreeState& s, std::span<const std::uint32_t> corners, std::uint32_t rings) {
+    for (const std::uint32_t v : reached_) reached_from_[v] = 0;
+    reached_.clear();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const bool is_too_much = search_.run(s, corners.subspan(k, 1), rings, [&](std::uint32_t v) {
+        if (reached_from_[v] == 0) reached_.push_back(v);
+        reached_from_[v] |= 1u << k;
+        return search_.reached_count() > ExcludedPairs::most_vertices_in_rings;
+      });
+      if (is_too_much) return false;
+    }
+    return true;
+  }
+  std::span<const std::uint32_t> reached() const { return reached_; }
+  /// From which of the vertices, a bit each.
+  std::uint32_t reached_from(std::uint32_t vertex) const { return reached_from_[vertex]; }
+
+ private:
+  RingSearch search_;
+  std::vector<std::uint32_t> reached_;
+  std::vector<std::uint32_t> reached_from_;  // by vertex; 0 for all that are not in reached_
+};
+
 /// Blocks [begin, end).
 struct BlockRange {
   std::uint32_t begin, end;
@@ -66,8 +94,8 @@ class RestBoxes {
  public:
   explicit RestBoxes(const SurfaceTreeState& s) {
     std::vector<Box>& blocks = levels_.emplace_back(s.block_count());
-    for (std::size_t i = 0; i < s.order.size(); ++i)
-      for (const std::uint32_t v : s.facets_in_order[i]) blocks[i / 8].add(s.rest[v]);
+    for (std::size_t i = 0; i < s.blocks.order.size(); ++i)
+      for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks[i / 8].add(s.mesh.rest[v]);
     while (levels_.back().size() > 1) {
       std::vector<Box> next((levels_.back().size() + 7) / 8);
       for (std::size_t i = 0; i < levels_.back().size(); ++i) next[i / 8].add(levels_.back()[i]);
@@ -116,13 +144,13 @@ struct BlockPlaces {
 
   void take(const SurfaceTreeState& s, std::uint32_t block, Features features) {
     corners.clear(), facets.clear(), vertices.clear(), edges.clear();
-    const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
-    for (std::size_t i = begin; i < end; ++i) add(s, facets, s.order[i], s.facets_in_order[i]);
+    const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.blocks.order.size(), begin + 8);
+    for (std::size_t i = begin; i < end; ++i) add(s, facets, s.blocks.order[i], s.blocks.facets_in_order[i]);
     if (features == Features::facets) return;
-    for (std::uint32_t i = s.own_vertices[block]; i < s.own_vertices[block + 1]; ++i)
-      add(s, vertices, s.vertex_of_slot[i], std::array{s.vertex_of_slot[i]});
-    for (std::uint32_t i = s.own_edges_begin[block]; i < s.own_edges_begin[block + 1]; ++i)
-      add(s, edges, s.own_edges[i], s.ends_of_own_edges[i]);
+    for (std::uint32_t i = s.blocks.own_vertices[block]; i < s.blocks.own_vertices[block + 1]; ++i)
+      add(s, vertices, s.blocks.vertex_of_slot[i], std::array{s.blocks.vertex_of_slot[i]});
+    for (std::uint32_t i = s.blocks.own_edges_begin[block]; i < s.blocks.own_edges_begin[block + 1]; ++i)
+      add(s, edges, s.blocks.own_edges[i], s.blocks.ends_of_own_edges[i]);
   }
   /// joined_to(v): vertices of the row's block that are neighbors of v.
   template <class JoinedTo>
@@ -141,7 +169,7 @@ struct BlockPlaces {
            const std::array<std::uint32_t, N>& vertices_of_it) {
     Place& place = places.emplace_back(Place{number, {}, 0, 0});
     for (const std::uint32_t v : vertices_of_it) {
-      place.box.add(s.rest[v]);
+      place.box.add(s.mesh.rest[v]);
       const auto at = std::find(corners.begin(), corners.end(), v);
       place.corners |= 1u << (at - corners.begin());
       if (at == corners.end()) corners.push_back(v);
@@ -152,14 +180,14 @@ struct BlockPlaces {
 /// Blocks by the vertices of their facets.
 class BlocksOfVertices {
  public:
-  explicit BlocksOfVertices(const SurfaceTreeState& s) : begin_(s.rest.size() + 1) {
-    for (const Facet& facet : s.facets_in_order)
+  explicit BlocksOfVertices(const SurfaceTreeState& s) : begin_(s.mesh.rest.size() + 1) {
+    for (const Facet& facet : s.blocks.facets_in_order)
       for (const std::uint32_t v : facet) ++begin_[v + 1];
-    for (std::size_t v = 0; v < s.rest.size(); ++v) begin_[v + 1] += begin_[v];
+    for (std::size_t v = 0; v < s.mesh.rest.size(); ++v) begin_[v + 1] += begin_[v];
     blocks_.resize(begin_.back());
     std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t i = 0; i < s.facets_in_order.size(); ++i)
-      for (const std::uint32_t v : s.facets_in_order[i]) blocks_[next[v]++] = static_cast<std::uint32_t>(i / 8);
+    for (std::size_t i = 0; i < s.blocks.facets_in_order.size(); ++i)
+      for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks_[next[v]++] = static_cast<std::uint32_t>(i / 8);
   }
   /// Ascending, some of them more than once.
   std::span<const std::uint32_t> of(std::uint32_t vertex) const {
@@ -210,36 +238,38 @@ const std::uint64_t ExcludedPairs::all_[most_masks] = {all_bits, all_bits, all_b
                                                        all_bits, all_bits, all_bits, all_bits, all_bits,
                                                        all_bits, all_bits, all_bits, all_bits, all_bits};
 
+/// What all rows of a table are made from, the same for all threads. ExcludedPairs() makes it once.
+struct ExclusionSource {
+  ExclusionSource(const SurfaceTreeState& s, const ExclusionRule& of)
+      : surface(s), rule(of), test(s, of), boxes(s), blocks_of_vertices(s) {}
+
+  const SurfaceTreeState& surface;
+  const ExclusionRule& rule;
+  const ExclusionTest test;
+  const RestBoxes boxes;
+  const BlocksOfVertices blocks_of_vertices;
+};
+
 /// Rows of the table, one after the other: of some of the blocks, with memory of its own.
 class ExclusionRows {
  public:
-  ExclusionRows(const SurfaceTreeState& s, const ExclusionRule& rule, const ExclusionTest& test, const RestBoxes& boxes,
-                const BlocksOfVertices& blocks_of_vertices)
-      : s_(s), rule_(rule), test_(test), boxes_(boxes), blocks_of_vertices_(blocks_of_vertices) {
-    reached_from_.assign(s.rest.size(), 0);
-  }
+  explicit ExclusionRows(const ExclusionSource& source) : source_(source), rings_(source.surface) {}
 
   /// False: the rings of the rule hold too many vertices.
   bool add(std::uint32_t block) {
-    places_a_.take(s_, block, rule_.features);
-    if (!reach()) return false;
-    blocks_.clear(), near_.clear();
-    for (const std::uint32_t v : reached_)
-      for (const std::uint32_t b : blocks_of_vertices_.of(v))
-        if (b >= block) blocks_.push_back(b);
-    boxes_.find(test_, block, near_, blocks_);
-    std::sort(blocks_.begin(), blocks_.end());
-    blocks_.erase(std::unique(blocks_.begin(), blocks_.end()), blocks_.end());
+    places_a_.take(source_.surface, block, source_.rule.features);
+    if (!rings_.find(source_.surface, places_a_.corners, source_.rule.rings)) return false;
+    find_partners(block);
     row_ = entries.size();
-    auto next = blocks_.begin();
-    for (const BlockRange& range : near_) {
-      for (; next != blocks_.end() && *next < range.begin; ++next) add_block(block, *next);
+    auto next = partners_.in_doubt.begin();
+    const auto end = partners_.in_doubt.end();
+    for (const BlockRange& range : partners_.excluded) {
+      for (; next != end && *next < range.begin; ++next) add_block(block, *next);
       add_excluded(range);
-      while (next != blocks_.end() && *next < range.end) ++next;
+      while (next != end && *next < range.end) ++next;
     }
-    for (; next != blocks_.end(); ++next) add_block(block, *next);
+    for (; next != end; ++next) add_block(block, *next);
     counts.push_back(static_cast<std::uint32_t>(entries.size()));
-    for (const std::uint32_t v : reached_) reached_from_[v] = 0;
     return true;
   }
   std::size_t bytes() const {
@@ -251,18 +281,22 @@ class ExclusionRows {
   std::vector<std::uint64_t> masks;
 
  private:
-  /// Searches from every vertex of the row's block.
-  bool reach() {
-    reached_.clear();
-    for (std::size_t k = 0; k < places_a_.corners.size(); ++k) {
-      const bool is_too_much = rings_.run(s_, std::span(&places_a_.corners[k], 1), rule_.rings, [&](std::uint32_t v) {
-        if (reached_from_[v] == 0) reached_.push_back(v);
-        reached_from_[v] |= 1u << k;
-        return rings_.reached_count() > ExcludedPairs::most_vertices_in_rings;
-      });
-      if (is_too_much) return false;
-    }
-    return true;
+  /// The blocks from the row's own on that may have an excluded pair with it, ascending. find_partners() fills it for
+  /// each row.
+  struct Partners {
+    std::vector<BlockRange> excluded;     // whose pairs are all excluded
+    std::vector<std::uint32_t> in_doubt;  // that may have a pair that is excluded and one that is not
+  };
+
+  void find_partners(std::uint32_t block) {
+    std::vector<std::uint32_t>& in_doubt = partners_.in_doubt;
+    in_doubt.clear(), partners_.excluded.clear();
+    for (const std::uint32_t v : rings_.reached())
+      for (const std::uint32_t b : source_.blocks_of_vertices.of(v))
+        if (b >= block) in_doubt.push_back(b);
+    source_.boxes.find(source_.test, block, partners_.excluded, in_doubt);
+    std::sort(in_doubt.begin(), in_doubt.end());
+    in_doubt.erase(std::unique(in_doubt.begin(), in_doubt.end()), in_doubt.end());
   }
 
   /// All pairs of the row's block with these.
@@ -278,8 +312,8 @@ class ExclusionRows {
 
   void add_block(std::uint32_t a, std::uint32_t b) {
     const std::size_t first = masks.size();
-    places_b_.take(s_, b, rule_.features);
-    places_b_.join([&](std::uint32_t v) { return reached_from_[v]; });
+    places_b_.take(source_.surface, b, source_.rule.features);
+    places_b_.join([&](std::uint32_t v) { return rings_.reached_from(v); });
     add_masks(a == b);
     const auto are = [&](std::uint64_t bits) {
       return std::all_of(masks.begin() + static_cast<std::ptrdiff_t>(first), masks.end(),
@@ -296,7 +330,7 @@ class ExclusionRows {
     const auto ordered = [](PairKind kind, std::uint32_t x, std::uint32_t y) {
       return FeaturePair{kind, std::min(x, y), std::max(x, y)};
     };
-    if (rule_.features == Features::facets) {
+    if (source_.rule.features == Features::facets) {
       add_masks(a.facets, b.facets,
                 [&](std::uint32_t f, std::uint32_t g) { return ordered(PairKind::facet_facet, f, g); });
       return;
@@ -324,29 +358,20 @@ class ExclusionRows {
   template <class Pair>
   bool excludes(const Place& a, const Place& b, const Pair& pair) const {
     if ((a.corners & b.joined) != 0) return true;
-    if (test_.are_surely_apart(a.box, b.box)) return false;
-    return test_.are_surely_near(a.box, b.box) || test_.are_near_at_rest(pair(a.number, b.number));
+    if (source_.test.are_surely_apart(a.box, b.box)) return false;
+    return source_.test.are_surely_near(a.box, b.box) || source_.test.are_near_at_rest(pair(a.number, b.number));
   }
 
-  const SurfaceTreeState& s_;
-  const ExclusionRule& rule_;
-  const ExclusionTest& test_;
-  const RestBoxes& boxes_;
-  const BlocksOfVertices& blocks_of_vertices_;
-  RingSearch rings_;
-  std::vector<std::uint32_t> reached_;       // vertices in the rings of any vertex of the row's block
-  std::vector<std::uint32_t> reached_from_;  // by vertex: of which vertices of the row's block, a bit each
-  std::vector<std::uint32_t> blocks_;        // that may have a pair that is excluded and one that is not
-  std::vector<BlockRange> near_;             // whose pairs are all excluded
-  std::size_t row_ = 0;                      // where its entries begin
-  BlockPlaces places_a_, places_b_;
+  const ExclusionSource& source_;
+  BlockRings rings_;
+  Partners partners_;
+  std::size_t row_ = 0;              // where the row's entries begin
+  BlockPlaces places_a_, places_b_;  // of the row's block, and of the one that is added
 };
 
 ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers) : rule_(rule) {
-  const ExclusionTest test(s, rule);
-  const RestBoxes boxes(s);
-  const BlocksOfVertices blocks_of_vertices(s);
-  const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.order.size();
+  const ExclusionSource source(s, rule_);
+  const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.blocks.order.size();
   // A few parts, for each has a number per vertex.
   const std::size_t blocks_at_once = std::max<std::size_t>(16, (blocks + 63) / 64);
   std::vector<std::optional<ExclusionRows>> parts((blocks + blocks_at_once - 1) / blocks_at_once);
@@ -354,7 +379,7 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
   std::atomic<bool> is_too_large = false;
   parallel_for(workers, blocks, blocks_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
-    ExclusionRows& rows = parts[begin / blocks_at_once].emplace(s, rule_, test, boxes, blocks_of_vertices);
+    ExclusionRows& rows = parts[begin / blocks_at_once].emplace(source);
     for (std::size_t block = begin; block < end && !is_too_large; ++block) {
       ask_to_go_on();
       const std::size_t before = rows.bytes();

@@ -20,24 +20,24 @@ double length_of(const Vec3& v) {
 
 bool fits(const FacetMasks& masks, const SurfaceTreeState& s) {
   const auto fits_one = [&](const std::vector<std::uint32_t>& mask) {
-    return mask.empty() || mask.size() == s.facets.size();
+    return mask.empty() || mask.size() == s.mesh.facets.size();
   };
   return fits_one(masks.category) && fits_one(masks.mask);
 }
 
 void gather(std::span<const std::uint32_t> facet_bits, const SurfaceTreeState& s, std::vector<std::uint32_t>& vertices,
             std::vector<std::uint32_t>& edges) {
-  vertices.assign(s.rest.size(), 0);
-  edges.assign(s.edges.size(), 0);
-  for (std::size_t f = 0; f < s.facets.size(); ++f) {
-    const Facet& facet = s.facets[f];
+  vertices.assign(s.mesh.rest.size(), 0);
+  edges.assign(s.mesh.edges.size(), 0);
+  for (std::size_t f = 0; f < s.mesh.facets.size(); ++f) {
+    const Facet& facet = s.mesh.facets[f];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = facet[k], w = facet[(k + 1) % 3];
       vertices[v] |= facet_bits[f];
       if (v == w) continue;
       const std::array<std::uint32_t, 2> ends{std::min(v, w), std::max(v, w)};
-      edges[static_cast<std::size_t>(std::lower_bound(s.edges.begin(), s.edges.end(), ends) - s.edges.begin())] |=
-          facet_bits[f];
+      edges[static_cast<std::size_t>(std::lower_bound(s.mesh.edges.begin(), s.mesh.edges.end(), ends) -
+                                     s.mesh.edges.begin())] |= facet_bits[f];
     }
   }
 }
@@ -70,8 +70,8 @@ ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, s
 bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance) {
   std::array<Vec3, 3> a, b;
   const FeatureVertices in_a(s, feature_a(pair.kind), pair.a), in_b(s, feature_b(pair.kind), pair.b);
-  for (std::size_t i = 0; i < in_a.size(); ++i) a[i] = s.rest[in_a[i]];
-  for (std::size_t i = 0; i < in_b.size(); ++i) b[i] = s.rest[in_b[i]];
+  for (std::size_t i = 0; i < in_a.size(); ++i) a[i] = s.mesh.rest[in_a[i]];
+  for (std::size_t i = 0; i < in_b.size(); ++i) b[i] = s.mesh.rest[in_b[i]];
   if (pair.kind == PairKind::facet_facet) return are_within(a, b, distance);
   return nearest_points(pair, std::span(a).first(in_a.size()), std::span(b).first(in_b.size())).distance <= distance;
 }
@@ -126,7 +126,7 @@ bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
   const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
   if (b_ == a_) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
-    if (filter_->same_component && a_->component[in_a[0]] == a_->component[in_b[0]]) return false;
+    if (filter_->same_component && a_->mesh.component[in_a[0]] == a_->mesh.component[in_b[0]]) return false;
     if (tests_each_ && ExclusionTest(*a_, excluded_->rule()).excludes(pair)) return false;
   }
   if ((masks_a_.are_given() || masks_b_.are_given()) &&

@@ -35,9 +35,9 @@ class FeatureVertices {
     if (feature == Feature::vertex) {
       vertex_[0] = number, size_ = 1;
     } else if (feature == Feature::edge) {
-      vertex_[0] = s.edges[number][0], vertex_[1] = s.edges[number][1], size_ = 2;
+      vertex_[0] = s.mesh.edges[number][0], vertex_[1] = s.mesh.edges[number][1], size_ = 2;
     } else {
-      vertex_ = s.facets[number], size_ = 3;
+      vertex_ = s.mesh.facets[number], size_ = 3;
     }
   }
   std::size_t size() const { return size_; }

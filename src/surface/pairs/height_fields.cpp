@@ -77,7 +77,7 @@ class HeightFields::Border {
   void add(const SurfaceTreeState& s, const SurfaceBoxes& boxes, std::span<const std::uint32_t> loop) {
     const auto first = static_cast<std::uint32_t>(points_.size());
     for (const std::uint32_t slot : loop) {
-      points_.push_back(s.from_of(s.vertex_of_slot[slot]));
+      points_.push_back(s.from_of(s.blocks.vertex_of_slot[slot]));
       boxes_.push_back(boxes.vertices[slot]);
       slots_.push_back(slot);
       before_.push_back(static_cast<std::uint32_t>(points_.size()) - 2);
@@ -253,22 +253,24 @@ void HeightFields::start(const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
   levels_.resize(s.borders.size());
   for (std::size_t level = 0; level < levels_.size(); ++level) {
     const std::size_t size = std::size_t{8} << (3 * level);
-    levels_[level].assign((s.order.size() + size - 1) / size, {});
+    levels_[level].assign((s.blocks.order.size() + size - 1) / size, {});
   }
   if (borders_.empty()) borders_.resize(1);
 }
 
 void HeightFields::find_directions(std::uint32_t first_block, std::uint32_t last_block) {
   const SurfaceTreeState& s = *state_;
-  const bool is_placed = s.followed && s.followed->is_placed;
-  with_reader(s.from, s.rest, [&](const auto& read) {
-    // mutant height-field-placed: `s.followed->spheres.transform()(read(v))` -> `read(v)`
-    const auto corner = [&](std::uint32_t v) { return is_placed ? s.followed->spheres.transform()(read(v)) : read(v); };
+  const bool is_placed = s.pose.followed && s.pose.followed->is_placed;
+  with_reader(s.pose.from, s.mesh.rest, [&](const auto& read) {
+    // mutant height-field-placed: `s.pose.followed->spheres.transform()(read(v))` -> `read(v)`
+    const auto corner = [&](std::uint32_t v) {
+      return is_placed ? s.pose.followed->spheres.transform()(read(v)) : read(v);
+    };
     for (std::uint32_t block = first_block; block < last_block; ++block) {
-      const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.order.size(), begin + 8);
+      const std::size_t begin = 8 * std::size_t{block}, end = std::min(s.blocks.order.size(), begin + 8);
       unsigned directions = 63;
       for (std::size_t i = begin; i < end && directions != 0; ++i) {
-        const Facet& f = s.facets_in_order[i];
+        const Facet& f = s.blocks.facets_in_order[i];
         directions &= directions_of(corner(f[0]), corner(f[1]), corner(f[2]));
       }
       levels_[0][block].directions = static_cast<Directions>(directions);

@@ -90,25 +90,26 @@ std::size_t PairSearch::cost(const BlockPair& pair) const {
   if (features_ == Features::facets) return 1;
   const FeatureBoxes& in_b = boxes_b();
   const std::size_t vertices =
-      boxes_a_.vertex_groups(pair.a) + (is_with_itself() && pair.a == pair.b ? 0 : in_b.vertex_groups(pair.b));
-  return vertices + std::size_t{boxes_a_.edge_groups(pair.a)} * in_b.edge_groups(pair.b);
+      a_.boxes.vertex_groups(pair.a) + (is_with_itself() && pair.a == pair.b ? 0 : in_b.vertex_groups(pair.b));
+  return vertices + std::size_t{a_.boxes.edge_groups(pair.a)} * in_b.edge_groups(pair.b);
+}
+
+void PairSearch::Side::start(const SurfaceTreeState& s) {
+  surface = &s;
+  kept = s.weak_from_this().lock();
+  frame = s.frame;
 }
 
 void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, Features features,
                        bool by_spheres, Workers& workers) {
-  a_ = &a;
-  b_ = &b;
-  kept_a_ = a.weak_from_this().lock();
-  kept_b_ = b.weak_from_this().lock();
-  frame_a_ = a.frame;
-  frame_b_ = b.frame;
+  a_.start(a);
+  b_.start(b);
   features_ = features;
-  meet_ = meet_groups();
   boxes_.start(a, b, reach, by_spheres, workers);
-  reach_ = box_reach(reach, b.origin - a.origin, boxes_.a().extent + boxes_.b().extent);
-  boxes_a_.start(a, boxes_.a(), features);
+  are_near_ = {meet_groups(), box_reach(reach, b.origin - a.origin, boxes_.a().extent + boxes_.b().extent)};
+  a_.boxes.start(a, boxes_.a(), features);
   if (!is_with_itself())
-    boxes_b_.start(b, boxes_.b(), features);
+    b_.boxes.start(b, boxes_.b(), features);
   else if (features == Features::facets)
     fields_.start(a, boxes_.a());
   open_.assign(1, {BoxNode::root(a), BoxNode::root(b)});
@@ -133,14 +134,14 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
     const std::uint32_t count = a.child_count(this->a());
     // mutant surface-last-box: `i <` -> `i + 1 <`
     for (std::uint32_t i = 0; i < count; ++i) below.push_back({a.child(i), a.child(i)});
-    push_near(meet_(a.boxes(boxes_.a()), b.boxes(boxes_.b()), reach_) & above_diagonal, in_a, in_b);
+    push_near(are_near_(a.boxes(boxes_.a()), b.boxes(boxes_.b())) & above_diagonal, in_a, in_b);
   } else if (a.height == b.height) {
-    push_near(meet_(a.boxes(boxes_.a()), b.boxes(boxes_.b()), reach_), in_a, in_b);
+    push_near(are_near_(a.boxes(boxes_.a()), b.boxes(boxes_.b())), in_a, in_b);
   } else if (a.height > b.height) {
-    push_near(meet_(a.boxes(boxes_.a()), box_of(boxes_.b(), b), reach_), in_a, [&](std::uint32_t) { return b; });
+    push_near(are_near_(a.boxes(boxes_.a()), box_of(boxes_.b(), b)), in_a, [&](std::uint32_t) { return b; });
   } else {
     push_near(
-        meet_(box_of(boxes_.a(), a), b.boxes(boxes_.b()), reach_), [&](std::uint32_t) { return a; }, in_b);
+        are_near_(box_of(boxes_.a(), a), b.boxes(boxes_.b())), [&](std::uint32_t) { return a; }, in_b);
   }
   std::reverse(below.begin() + static_cast<std::ptrdiff_t>(first), below.end());
 }
@@ -148,35 +149,38 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
 void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
   // Breadth first, by one thread, as long as there are few; then each pair by itself, to its end. What comes out is
   // the same for any number of workers.
-  pairs_.clear();
-  level_.assign(open_.rbegin(), open_.rend());
+  std::vector<NodePair>&level = descent_.level, &below = descent_.below;
+  std::vector<BlockDescent::Task>& tasks = descent_.tasks;
+  std::vector<BlockPair>& pairs = descent_.pairs;
+  pairs.clear();
+  level.assign(open_.rbegin(), open_.rend());
   open_.clear();
   bool has_more = true;
-  while (has_more && level_.size() < pairs_for_workers) {
+  while (has_more && level.size() < pairs_for_workers) {
     has_more = false;
-    below_.clear();
-    for (const NodePair& pair : level_) {
+    below.clear();
+    for (const NodePair& pair : level) {
       if (pair.is_pair_of_blocks()) {
-        below_.push_back(pair);
+        below.push_back(pair);
         continue;
       }
-      expand(pair, below_);
+      expand(pair, below);
       ++meter.groups_tested;
       has_more = true;
     }
-    level_.swap(below_);
+    level.swap(below);
   }
   // A few pairs share the memory of one task: many small pieces of it would be slow to come by.
   constexpr std::size_t pairs_at_once = 16;
-  const std::size_t tasks = (level_.size() + pairs_at_once - 1) / pairs_at_once;
-  if (tasks_.size() < tasks) tasks_.resize(tasks);
-  parallel_for(workers, level_.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
+  const std::size_t task_count = (level.size() + pairs_at_once - 1) / pairs_at_once;
+  if (tasks.size() < task_count) tasks.resize(task_count);
+  parallel_for(workers, level.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
-    Task& task = tasks_[begin / pairs_at_once];
+    BlockDescent::Task& task = tasks[begin / pairs_at_once];
     task.pairs.clear();
     task.tests = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      task.stack.assign(1, level_[i]);
+      task.stack.assign(1, level[i]);
       while (!task.stack.empty()) {
         const NodePair pair = task.stack.back();
         task.stack.pop_back();
@@ -189,9 +193,9 @@ void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
       }
     }
   });
-  for (std::size_t i = 0; i < tasks; ++i) {
-    pairs_.insert(pairs_.end(), tasks_[i].pairs.begin(), tasks_[i].pairs.end());
-    meter.groups_tested += tasks_[i].tests;
+  for (std::size_t i = 0; i < task_count; ++i) {
+    pairs.insert(pairs.end(), tasks[i].pairs.begin(), tasks[i].pairs.end());
+    meter.groups_tested += tasks[i].tests;
   }
 }
 

@@ -57,19 +57,19 @@ class PairSearch {
              Workers& workers);
   /// Of one surface with itself: what is not to be found. It has to live until the last run(). Null: nothing.
   void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
-  bool is_started() const { return a_ != nullptr; }
+  bool is_started() const { return a_.surface != nullptr; }
   /// Have the surfaces not moved since?
   bool is_current() const { return static_cast<bool>(moved(Status::Code::other_frame)); }
   /// ok, or `code` with the number of the first one that has moved since.
   Status moved(Status::Code code) const {
-    if (a_->frame != frame_a_ || !a_->askable(0)) return {code, 0};
-    if (!is_with_itself() && (b_->frame != frame_b_ || !b_->askable(1))) return {code, 1};
+    if (!a_.is_current(0)) return {code, 0};
+    if (!is_with_itself() && !b_.is_current(1)) return {code, 1};
     return {};
   }
-  bool is_with_itself() const { return b_ == a_; }
+  bool is_with_itself() const { return b_.surface == a_.surface; }
   const QueryBoxes& boxes() const { return boxes_; }
-  const SurfaceTreeState& a() const { return *a_; }
-  const SurfaceTreeState& b() const { return *b_; }
+  const SurfaceTreeState& a() const { return *a_.surface; }
+  const SurfaceTreeState& b() const { return *b_.surface; }
 
   /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
   /// vertex, and look(chunk) after some of them, the last ones at least: those of one chunk one after the other, of
@@ -112,15 +112,15 @@ class PairSearch {
   void find_block_pairs(SurfaceMeter& meter, Workers& workers);
   template <class Find, class Look>
   void run_within_budget(SurfaceMeter& meter, const Find& find, const Look& visit);
-  FeatureBoxes& boxes_b() { return is_with_itself() ? boxes_a_ : boxes_b_; }
-  const FeatureBoxes& boxes_b() const { return is_with_itself() ? boxes_a_ : boxes_b_; }
+  FeatureBoxes& boxes_b() { return is_with_itself() ? a_.boxes : b_.boxes; }
+  const FeatureBoxes& boxes_b() const { return is_with_itself() ? a_.boxes : b_.boxes; }
   void want(const BlockPair& pair) {
-    boxes_a_.want(pair.a);
+    a_.boxes.want(pair.a);
     boxes_b().want(pair.b);
   }
   void fill_boxes(Workers& workers) {
-    boxes_a_.fill(workers);
-    if (!is_with_itself()) boxes_b_.fill(workers);
+    a_.boxes.fill(workers);
+    if (!is_with_itself()) b_.boxes.fill(workers);
   }
 
   /// find(pair) for pairs of features of two blocks whose boxes are near.
@@ -138,33 +138,51 @@ class PairSearch {
                       const std::uint64_t*& excluded, const Found& found) const {
     for (std::uint32_t i = 0; i < groups_a; ++i)
       for (std::uint32_t j = 0; j < groups_b; ++j, ++excluded)
-        for (std::uint64_t bits = meet_(group_a(i), group_b(j), reach_) & ~*excluded; bits != 0; bits &= bits - 1) {
+        for (std::uint64_t bits = are_near_(group_a(i), group_b(j)) & ~*excluded; bits != 0; bits &= bits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
           found(8 * i + bit / 8, 8 * j + bit % 8);
         }
   }
 
-  const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;       // the same of one surface with itself
-  std::shared_ptr<const SurfaceTreeState> kept_a_, kept_b_;  // of a SurfaceTree: keeps the state
-  std::uint64_t frame_a_ = 0, frame_b_ = 0;
+  /// One of the two surfaces, as it was when start() filled it; fill_boxes() makes the boxes that are wanted.
+  struct Side {
+    const SurfaceTreeState* surface = nullptr;
+    std::shared_ptr<const SurfaceTreeState> kept;  // of a SurfaceTree: keeps the state
+    std::uint64_t frame = 0;
+    FeatureBoxes boxes;
+
+    void start(const SurfaceTreeState& s);
+    bool is_current(std::uint8_t body) const { return surface->frame == frame && surface->askable(body); }
+  };
+  /// Which boxes count as near: start() fills it.
+  struct NearTest {
+    MeetGroups meet = nullptr;
+    BoxReach reach{};
+    std::uint64_t operator()(const BoxGroup& group_a, const BoxGroup& group_b) const {
+      return meet(group_a, group_b, reach);
+    }
+  };
+  /// Memory of find_block_pairs(), which fills it anew: pairs of nodes of one level, then tasks that go on from them to
+  /// the pairs of blocks of all.
+  struct BlockDescent {
+    struct Task {
+      std::vector<NodePair> stack;
+      std::vector<BlockPair> pairs;
+      std::size_t tests = 0;
+    };
+    std::vector<NodePair> level, below;
+    std::vector<Task> tasks;
+    std::vector<BlockPair> pairs;
+  };
+
+  Side a_, b_;  // of one surface with itself both are of it, and b_ has no boxes
   Features features_ = Features::all;
-  BoxReach reach_{};
-  MeetGroups meet_ = nullptr;
+  NearTest are_near_;
   QueryBoxes boxes_;
-  FeatureBoxes boxes_a_, boxes_b_;
   const ExcludedPairs* excluded_ = nullptr;
   HeightFields fields_;
   std::vector<NodePair> open_;
-
-  // Memory for the next call.
-  std::vector<NodePair> level_, below_;
-  struct Task {
-    std::vector<NodePair> stack;
-    std::vector<BlockPair> pairs;
-    std::size_t tests = 0;
-  };
-  std::vector<Task> tasks_;
-  std::vector<BlockPair> pairs_;
+  BlockDescent descent_;
 };
 
 /// Without branches, which could not be foreseen.
@@ -188,7 +206,7 @@ void PairSearch::compare(const BlockPair& pair, const Find& find) const {
 template <class Find>
 void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
-  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
@@ -209,7 +227,7 @@ template <class Find>
 void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded,
                                             const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
-  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto has = [](const Facet& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; };
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
@@ -239,7 +257,7 @@ void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::ui
 template <class Find>
 void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
-  const FeatureBoxes &in_a = boxes_a_, &in_b = boxes_b();
+  const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
   const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
@@ -284,20 +302,21 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
   }
   if (is_with_itself() && features_ == Features::facets) fields_.find_all(workers);
   find_block_pairs(meter, workers);
-  for (const BlockPair& pair : pairs_) {
+  const std::vector<BlockPair>& pairs = descent_.pairs;
+  for (const BlockPair& pair : pairs) {
     want(pair);
     meter.groups_tested += cost(pair);
   }
   fill_boxes(workers);
   constexpr std::size_t pairs_at_once = 256;
-  chunks((pairs_.size() + pairs_at_once - 1) / pairs_at_once);
-  parallel_for(workers, pairs_.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
+  chunks((pairs.size() + pairs_at_once - 1) / pairs_at_once);
+  parallel_for(workers, pairs.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
     // Few enough to stay in a small cache.
     constexpr std::size_t pairs_at_a_look = 32;
     const std::size_t chunk = begin / pairs_at_once;
     for (std::size_t i = begin; i < end; ++i) {
-      compare(pairs_[i], [&](const FeaturePair& found) { find(chunk, found); });
+      compare(pairs[i], [&](const FeaturePair& found) { find(chunk, found); });
       if (i % pairs_at_a_look == 0 || i + 1 == end) visit(chunk);
     }
   });
