@@ -151,7 +151,7 @@ std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared
         " is too far from the center for an update, or all are too far from the origin: scale "
         "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   state->origin = rest.origin;
-  state->follows = followed_by(plan.rule_of_level, state->options);
+  state->models.follows = followed_by(plan.rule_of_level, state->options);
   narrow_spheres(state->model->tree.spheres, rest.origin, state->spheres);
   state->bind(plan, rest, workers);
   if (plan.raises) state->raise_at_rest(plan, rest.rounding, workers);
@@ -168,13 +168,14 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
   if (plan.reads_links) bvh.emplace(mesh, workers);
   if (!options.modes.empty()) {
     require_modes(options.modes, mesh);
-    modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
+    models.modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
   }
   if (!options.skin.empty()) {
     require_skin(options.skin, mesh);
-    skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
+    models.skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
   }
-  if (plan.reads_points && (modal || skin)) rest_positions = moved_positions = mesh.positions.to_vector();
+  if (plan.reads_points && (models.modal || models.skin))
+    models.rest_positions = models.moved_positions = mesh.positions.to_vector();
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};
@@ -188,8 +189,8 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
                         .bvh = bvh ? &*bvh : nullptr,
                         .local = local,
                         .rest = frame,
-                        .modal_poser = modal ? &*modal : nullptr,
-                        .skin_poser = skin ? &*skin : nullptr,
+                        .modal_poser = models.modal ? &*models.modal : nullptr,
+                        .skin_poser = models.skin ? &*models.skin : nullptr,
                         .tree_spheres = of_tree,
                         .spheres = spheres,
                         .report = report,
@@ -199,18 +200,17 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
 }
 
 void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, Workers& workers) {
-  raised.emplace(model->tree, plan.order, plan.ownership, raised_nodes(plan.rule_of_node));
-  for (const Rule rule : plan.rule_of_node) wraps.push_back(rule == Rule::wrapped ? 1 : 0);
-  work.points_tested += raised->tested_points();
+  raising.emplace(Raising{CornerWalk(model->tree, plan.order, plan.ownership, raised_nodes(plan.rule_of_node))});
+  for (const Rule rule : plan.rule_of_node) raising->wraps.push_back(rule == Rule::wrapped ? 1 : 0);
+  work.points_tested += raising->walk.tested_points();
   raise(rounding, workers);
 }
 
 // What the spheres promise, and what a good update does.
 void Body::State::note_promises(const BodyPlan& plan) {
   const SphereTree& tree = model->tree;
-  cover_id = cover_id_of(*model);
-  reached.resize(tree.node_count());
-  coordinates_reached.resize(options.modes.mode_count);
+  lazy = LazyFrame(tree.node_count(), options.modes.mode_count);
+  posed.cover_id = cover_id_of(*model);
   posed.covers = options.conservative || std::all_of(plan.rule_of_level.begin(), plan.rule_of_level.end(),
                                                      [](Rule rule) { return traits(rule).covers; });
   // A node of one that reads children contains their spheres; raised radii see to that, too.
