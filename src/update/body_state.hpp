@@ -69,7 +69,7 @@ struct Body::State {
   // Of a conservative body, its nodes whose rules do not cover by themselves: raise_at_rest() makes it.
   struct Raising {
     detail::CornerWalk walk;
-    std::vector<std::uint8_t> wraps{};  // per node of the tree, 1 where it has the rule `wrapped`
+    std::vector<std::uint8_t> wraps;  // per node of the tree, 1 where it has the rule `wrapped`
   };
 
   std::shared_ptr<const CoveredTree> model;

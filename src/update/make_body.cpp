@@ -205,7 +205,7 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
 }
 
 void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, Workers& workers) {
-  raising.emplace(Raising{CornerWalk(model->tree, plan.order, plan.ownership, raised_nodes(plan.rules.of_node))});
+  raising.emplace(Raising{CornerWalk(model->tree, plan.order, plan.ownership, raised_nodes(plan.rules.of_node)), {}});
   for (const Rule rule : plan.rules.of_node) raising->wraps.push_back(rule == Rule::wrapped ? 1 : 0);
   work.points_tested += raising->walk.tested_points();
   raise(rounding, workers);
