@@ -34,43 +34,80 @@ bool comes_later(const WaitingPair& x, const WaitingPair& y) {
   return x.a != y.a ? x.a > y.a : x.b > y.b;
 }
 
-// Memory that outlives queries.
+// Memory that outlives queries; each Search empties it.
 struct Scratch {
+  struct OfBody {
+    WorldFacets facets;
+    std::vector<std::uint32_t> near;  // of its facets: Search::keep_near
+  };
   std::vector<WaitingPair> waiting;
-  WorldFacets facets_a, facets_b;
-  std::vector<std::uint32_t> near_a, near_b;
+  OfBody a, b;
   std::array<std::uint64_t, 512> recent;  // pairs of facets
+};
+
+// One of the two bodies, as one query reads it.
+struct SearchedBody {
+  SearchedBody(const Collider& body_, Scratch::OfBody& memory)
+      : body(body_), tree(body_.tree()), spheres(body_), facets(memory.facets), near(memory.near) {
+    facets.start(body);
+  }
+  bool is_leaf(std::uint32_t node) const { return tree.is_leaf(node); }
+
+  const Collider& body;
+  const SphereTree& tree;
+  PlacedSpheres spheres;
+  WorldFacets& facets;
+  std::vector<std::uint32_t>& near;
+};
+
+// The line through the two points of the answer so far, across which facets are measured; it moves with them.
+struct WitnessLine {
+  Slab slab{{}, {}};
+  std::uint32_t version = 0;  // of the slab
+  bool is_of_facets = false;  // the points are the nearest of two facets that were tried
+
+  void move_to(const Vec3& a, const Vec3& b, bool of_facets) {
+    slab = Slab(a, b - a);
+    ++version;
+    is_of_facets = of_facets;
+  }
+};
+
+// Of a budget of time, which begins with the query; any other is never over.
+class TimeLimit {
+ public:
+  explicit TimeLimit(const DistanceOptions& options) : options_(options) {}
+  // Looks at the clock after every 64 tests.
+  bool is_over(std::size_t tests) {
+    if (options_.budget.is_time() && !late_ && tests >= next_look_) {
+      next_look_ = tests + 64;
+      late_ = now(options_.clock) - start_ >= options_.budget.time();
+    }
+    return late_;
+  }
+
+ private:
+  const DistanceOptions& options_;
+  std::chrono::nanoseconds start_{options_.budget.is_time() ? now(options_.clock) : std::chrono::nanoseconds{}};
+  std::size_t next_look_ = 0;
+  bool late_ = false;
 };
 
 // One query.
 class Search {
  public:
   Search(const Collider& a, const Collider& b, const DistanceOptions& options, Scratch& scratch)
-      : a_(a),
-        b_(b),
-        tree_a_(a.tree()),
-        tree_b_(b.tree()),
-        spheres_a_(a),
-        spheres_b_(b),
-        options_(options),
-        waiting_(scratch.waiting),
-        facets_a_(scratch.facets_a),
-        facets_b_(scratch.facets_b),
-        near_a_(scratch.near_a),
-        near_b_(scratch.near_b),
-        recent_(scratch.recent) {
+      : a_(a, scratch.a), b_(b, scratch.b), options_(options), waiting_(scratch.waiting), recent_(scratch.recent) {
     waiting_.clear();
     recent_.fill(~std::uint64_t{0});
-    facets_a_.start(a);
-    facets_b_.start(b);
   }
 
   DistanceBounds run(std::uint32_t likely_a, std::uint32_t likely_b) {
     any_witness();
-    push(0, spheres_a_(0), 0, spheres_b_(0), -infinity);
+    push(0, a_.spheres(0), 0, b_.spheres(0), -infinity);
     if (has_budget()) {
       if (likely_a != no_facet)
-        try_facets({a_.triangle(likely_a), {}, likely_a}, {b_.triangle(likely_b), {}, likely_b});
+        try_facets({a_.body.triangle(likely_a), {}, likely_a}, {b_.body.triangle(likely_b), {}, likely_b});
       else
         descend();
     }
@@ -92,11 +129,7 @@ class Search {
   bool has_budget() {
     const std::size_t tests = answer_.sphere_tests + answer_.facet_tests;
     if (options_.budget.is_tests()) return tests < static_cast<std::size_t>(options_.budget.tests());
-    if (options_.budget.is_time() && !late_ && tests >= next_look_) {
-      next_look_ = tests + 64;
-      late_ = now(options_.clock) - start_ >= options_.budget.time();
-    }
-    return !late_;
+    return !time_.is_over(tests);
   }
   double lower() const {
     const double waiting = waiting_.empty() ? infinity : waiting_.front().bound;
@@ -113,15 +146,13 @@ class Search {
 
   // Two corners, so that there is an upper bound whatever the budget.
   void any_witness() {
-    const std::uint32_t facet_a = a_.facets(0).front(), facet_b = b_.facets(0).front();
-    answer_.a = {facet_a, {1, 0, 0}, a_.triangle(facet_a)[0]};
-    answer_.b = {facet_b, {1, 0, 0}, b_.triangle(facet_b)[0]};
+    const std::uint32_t facet_a = a_.body.facets(0).front(), facet_b = b_.body.facets(0).front();
+    answer_.a = {facet_a, {1, 0, 0}, a_.body.triangle(facet_a)[0]};
+    answer_.b = {facet_b, {1, 0, 0}, b_.body.triangle(facet_b)[0]};
     // mutant distance-witness: `) * (1 + 0x1p-49)` -> `)`
     answer_.upper = scaled_length(answer_.b.point - answer_.a.point) * (1 + 0x1p-49);
     answer_.crossing = answer_.upper == 0;
-    is_of_facets_ = false;
-    slab_ = Slab(answer_.a.point, answer_.b.point - answer_.a.point);
-    ++version_;
+    line_.move_to(answer_.a.point, answer_.b.point, false);
   }
 
   // Children need not be inside their parents, but what they own is: what held for these holds for them.
@@ -135,46 +166,46 @@ class Search {
   }
 
   bool splits_a(std::uint32_t node_a, const Sphere& sphere_a, std::uint32_t node_b, const Sphere& sphere_b) const {
-    return !tree_a_.is_leaf(node_a) && (tree_b_.is_leaf(node_b) || sphere_a.radius >= sphere_b.radius);
+    return !a_.is_leaf(node_a) && (b_.is_leaf(node_b) || sphere_a.radius >= sphere_b.radius);
   }
 
   void expand(const WaitingPair& pair) {
-    if (tree_a_.is_leaf(pair.a) && tree_b_.is_leaf(pair.b)) return look_at_facets(pair);
-    const Sphere sphere_a = spheres_a_(pair.a), sphere_b = spheres_b_(pair.b);
+    if (a_.is_leaf(pair.a) && b_.is_leaf(pair.b)) return look_at_facets(pair);
+    const Sphere sphere_a = a_.spheres(pair.a), sphere_b = b_.spheres(pair.b);
     if (splits_a(pair.a, sphere_a, pair.b, sphere_b)) {
-      const std::uint32_t first = tree_a_.first_child[pair.a];
-      for (std::uint32_t child = first; child < first + tree_a_.child_count[pair.a]; ++child)
-        push(child, spheres_a_(child), pair.b, sphere_b, pair.bound);
+      const std::uint32_t first = a_.tree.first_child[pair.a];
+      for (std::uint32_t child = first; child < first + a_.tree.child_count[pair.a]; ++child)
+        push(child, a_.spheres(child), pair.b, sphere_b, pair.bound);
     } else {
-      const std::uint32_t first = tree_b_.first_child[pair.b];
-      for (std::uint32_t child = first; child < first + tree_b_.child_count[pair.b]; ++child)
-        push(pair.a, sphere_a, child, spheres_b_(child), pair.bound);
+      const std::uint32_t first = b_.tree.first_child[pair.b];
+      for (std::uint32_t child = first; child < first + b_.tree.child_count[pair.b]; ++child)
+        push(pair.a, sphere_a, child, b_.spheres(child), pair.bound);
     }
   }
 
   // All pairs of facets that may be as near as the best so far.
   void look_at_facets(const WaitingPair& pair) {
     // Sound for any direction: that it is not the newest any more after the first find does no harm.
-    const Slab slab = slab_;
-    const double reach_a = facets_a_.reach(pair.a, version_, [&](const Triangle& t) { return slab.end(t, 1); });
-    const double reach_b = facets_b_.reach(pair.b, version_, [&](const Triangle& t) { return slab.end(t, -1); });
+    const Slab slab = line_.slab;
+    const double reach_a = a_.facets.reach(pair.a, line_.version, [&](const Triangle& t) { return slab.end(t, 1); });
+    const double reach_b = b_.facets.reach(pair.b, line_.version, [&](const Triangle& t) { return slab.end(t, -1); });
     ++answer_.sphere_tests;
     if (-reach_b - reach_a > slab.width(answer_.upper)) return;
-    keep_near(facets_a_, pair.a, spheres_b_(pair.b), reach_b, slab, near_a_);
-    keep_near(facets_b_, pair.b, spheres_a_(pair.a), reach_a, slab, near_b_);
-    for (const std::uint32_t j : near_b_)
-      for (const std::uint32_t i : near_a_) {
-        if (-facets_b_[j].reach - facets_a_[i].reach > slab.width(answer_.upper)) continue;
+    keep_near(a_, pair.a, b_.spheres(pair.b), reach_b, slab);
+    keep_near(b_, pair.b, a_.spheres(pair.a), reach_a, slab);
+    for (const std::uint32_t j : b_.near)
+      for (const std::uint32_t i : a_.near) {
+        if (-b_.facets[j].reach - a_.facets[i].reach > slab.width(answer_.upper)) continue;
         if (!has_budget()) {
           waiting_.push_back(pair);
           std::push_heap(waiting_.begin(), waiting_.end(), comes_later);
           return;
         }
         ++answer_.sphere_tests;
-        const double bound = gap_below(facets_a_[i].sphere, facets_b_[j].sphere);
+        const double bound = gap_below(a_.facets[i].sphere, b_.facets[j].sphere);
         if (bound > answer_.upper) continue;
-        if (was_just_looked_at(facets_a_[i].facet, facets_b_[j].facet)) continue;
-        const double found = try_facets(facets_a_[i], facets_b_[j]);
+        if (was_just_looked_at(a_.facets[i].facet, b_.facets[j].facet)) continue;
+        const double found = try_facets(a_.facets[i], b_.facets[j]);
         looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
         if (answer_.upper <= options_.stop_below) {
           // The rest of this pair is left.
@@ -190,14 +221,13 @@ class Search {
   }
 
   // Facets that may be as near to the other leaf as the best so far.
-  void keep_near(WorldFacets& facets, std::uint32_t leaf, const Sphere& other, double reach, const Slab& slab,
-                 std::vector<std::uint32_t>& kept) {
-    kept.clear();
-    const auto range = facets.of_leaf(leaf);
+  void keep_near(SearchedBody& body, std::uint32_t leaf, const Sphere& other, double reach, const Slab& slab) {
+    body.near.clear();
+    const auto range = body.facets.of_leaf(leaf);
     for (std::size_t i = range.begin; i < range.end; ++i) {
-      if (-facets[i].reach - reach > slab.width(answer_.upper)) continue;
+      if (-body.facets[i].reach - reach > slab.width(answer_.upper)) continue;
       ++answer_.sphere_tests;
-      if (gap_below(facets[i].sphere, other) <= answer_.upper) kept.push_back(static_cast<std::uint32_t>(i));
+      if (gap_below(body.facets[i].sphere, other) <= answer_.upper) body.near.push_back(static_cast<std::uint32_t>(i));
     }
   }
 
@@ -216,15 +246,13 @@ class Search {
     const NearestPair found = nearest_pair(facet_a.corners, facet_b.corners);
     const bool is_first =
         facet_a.facet != answer_.a.facet ? facet_a.facet < answer_.a.facet : facet_b.facet < answer_.b.facet;
-    if (found.upper < answer_.upper || (found.upper == answer_.upper && (!is_of_facets_ || is_first))) {
-      is_of_facets_ = true;
+    if (found.upper < answer_.upper || (found.upper == answer_.upper && (!line_.is_of_facets || is_first))) {
       answer_.upper = found.upper;
       // mutant distance-crossing-forgotten: `answer_.crossing = found.crossing` -> ``
       answer_.crossing = found.crossing;
       answer_.a = {facet_a.facet, found.a, found.point_a};
       answer_.b = {facet_b.facet, found.b, found.point_b};
-      slab_ = Slab(found.point_a, found.point_b - found.point_a);
-      ++version_;
+      line_.move_to(found.point_a, found.point_b, true);
     }
     return found.lower;
   }
@@ -232,17 +260,17 @@ class Search {
   // A good upper bound to begin with: always to the nearest child, down to one pair of facets.
   void descend() {
     std::uint32_t node_a = 0, node_b = 0;
-    Sphere sphere_a = spheres_a_(0), sphere_b = spheres_b_(0);
-    while (!tree_a_.is_leaf(node_a) || !tree_b_.is_leaf(node_b)) {
+    Sphere sphere_a = a_.spheres(0), sphere_b = b_.spheres(0);
+    while (!a_.is_leaf(node_a) || !b_.is_leaf(node_b)) {
       if (splits_a(node_a, sphere_a, node_b, sphere_b))
-        to_nearest_child(tree_a_, spheres_a_, node_a, sphere_a, sphere_b);
+        to_nearest_child(a_, node_a, sphere_a, sphere_b);
       else
-        to_nearest_child(tree_b_, spheres_b_, node_b, sphere_b, sphere_a);
+        to_nearest_child(b_, node_b, sphere_b, sphere_a);
       if (!has_budget()) return;
     }
-    const std::size_t i = nearest_facet(facets_a_, facets_a_.of_leaf(node_a), sphere_b);
-    const std::size_t j = nearest_facet(facets_b_, facets_b_.of_leaf(node_b), facets_a_[i].sphere);
-    try_facets(facets_a_[i], facets_b_[j]);
+    const std::size_t i = nearest_facet(a_.facets, a_.facets.of_leaf(node_a), sphere_b);
+    const std::size_t j = nearest_facet(b_.facets, b_.facets.of_leaf(node_b), a_.facets[i].sphere);
+    try_facets(a_.facets[i], b_.facets[j]);
   }
 
   std::size_t nearest_facet(const WorldFacets& facets, WorldFacets::Range range, const Sphere& other) {
@@ -256,40 +284,26 @@ class Search {
     return nearest;
   }
 
-  void to_nearest_child(const SphereTree& tree, const PlacedSpheres& spheres, std::uint32_t& node, Sphere& sphere,
-                        const Sphere& other) {
+  void to_nearest_child(const SearchedBody& body, std::uint32_t& node, Sphere& sphere, const Sphere& other) {
     double least = infinity;
-    const std::uint32_t first = tree.first_child[node], end = first + tree.child_count[node];
+    const std::uint32_t first = body.tree.first_child[node], end = first + body.tree.child_count[node];
     for (std::uint32_t child = first; child < end; ++child) {
       ++answer_.sphere_tests;
-      const Sphere s = spheres(child);
+      const Sphere s = body.spheres(child);
       const double bound = gap_below(s, other);
       if (bound < least) least = bound, node = child, sphere = s;
     }
   }
 
-  const Collider& a_;
-  const Collider& b_;
-  const SphereTree& tree_a_;
-  const SphereTree& tree_b_;
-  PlacedSpheres spheres_a_, spheres_b_;
+  SearchedBody a_, b_;
   const DistanceOptions& options_;
-  std::vector<WaitingPair>& waiting_;
-  WorldFacets& facets_a_;
-  WorldFacets& facets_b_;
-  std::vector<std::uint32_t>& near_a_;
-  std::vector<std::uint32_t>& near_b_;
+  TimeLimit time_{options_};
+  std::vector<WaitingPair>& waiting_;  // a heap, the nearest on top
   std::array<std::uint64_t, 512>& recent_;
   DistanceBounds answer_;
+  WitnessLine line_;
   double looked_at_ = infinity;  // least lower bound among pairs that will not be looked at again
-  Slab slab_{{}, {}};
-  std::uint32_t version_ = 0;  // of slab_
-  bool is_of_facets_ = true;   // the witnesses are the nearest points of two facets that were tried
   bool is_settled_ = false;
-  // Of a budget of time: when it began, after how many tests the clock is looked at again, and that it has run out.
-  std::chrono::nanoseconds start_{options_.budget.is_time() ? now(options_.clock) : std::chrono::nanoseconds{}};
-  std::size_t next_look_ = 0;
-  bool late_ = false;
 };
 
 }  // namespace

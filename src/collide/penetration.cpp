@@ -31,6 +31,62 @@ struct Cell {
   bool in_a, in_b;
 };
 
+/// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside, as a share.
+struct Share {
+  double inside = 0, outside = 0, guess = 0.5;
+};
+
+/// The cells that all others are parts of: start() fills it, and the query leaves it as it is.
+struct FirstCells {
+  Vec3 half;          // of their sides
+  double pad = 0;     // what a distance may be off by
+  double volume = 0;  // of one of them
+  double all = 0;     // volume of all
+
+  double volume_of(std::uint32_t level) const { return std::ldexp(volume, -3 * static_cast<int>(level)); }
+};
+
+/// Undecided cells of one level, each with its share: start() fills in the first, divide_next() their parts.
+struct OpenCells {
+  std::vector<Cell> cells;
+  std::vector<Share> shares;
+
+  std::size_t size() const { return cells.size(); }
+  void clear() noexcept { cells.clear(), shares.clear(); }
+  void add(const Cell& cell, const Share& share) {
+    cells.push_back(cell);
+    shares.push_back(share);
+  }
+  void swap(OpenCells& other) noexcept { cells.swap(other.cells), shares.swap(other.shares); }
+};
+
+/// Sums over cells: each enters when it is found to be inside or left open, and what is open leaves when it is divided.
+struct CellSums {
+  double sure = 0;                       // volume of cells inside both
+  Vec3 sure_moment;                      // times their centers
+  double open_inside = 0, open_all = 0;  // of those not divided: what is in them for sure, and may be
+
+  void add_inside(const Cell& cell, double volume) { sure += volume, sure_moment += cell.center * volume; }
+  void add_open(const Share& share, double volume) {
+    open_inside += share.inside;
+    open_all += volume - share.outside;
+  }
+  void remove_open(const Share& share, double volume) {
+    open_inside -= share.inside;
+    open_all -= volume - share.outside;
+  }
+};
+
+/// Bounds of the volume, the best so far: balls of a cell may tell more than those of its parts.
+struct VolumeBounds {
+  double lower = 0, upper = 0;
+
+  void narrow(const CellSums& sums) {
+    lower = std::max(lower, sums.sure + sums.open_inside);
+    upper = std::min(upper, sums.sure + sums.open_all);
+  }
+};
+
 /// Volume that is neither inside nor outside, as a share of a cell, if the nearer surface is a plane.
 double share_inside(double distance, double half_side) {
   return std::clamp(0.5 - 0.5 * distance / half_side, 0.0, 1.0);
@@ -72,24 +128,11 @@ struct PenetrationQuery::State {
   PairAsRead read{};  // by the present call
   bool is_started = false;
 
-  Vec3 half;                       // of the first cells
-  double pad = 0;                  // what a distance may be off by
-  double volume = 0;               // of a first cell
-  double first_volume = 0;         // of all of them
-  double sure = 0;                 // of cells inside both
-  Vec3 sure_moment;                // times their centers
-  std::vector<Cell> cells, parts;  // undecided ones of this level, those before `next` divided already, and of the next
-  std::size_t next = 0;
-  /// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside.
-  struct Share {
-    double inside = 0, outside = 0, guess = 0.5;
-  };
-  std::vector<Share> shares, part_shares;  // of each of `cells` and of `parts`
-  double open_inside = 0, open_all = 0;    // of those not divided: what is in them for sure, and may be
-  // The best so far: balls of a cell may tell more than those of its parts.
-  double lower = 0, upper = 0;
-
-  double volume_of(std::uint32_t level) const { return std::ldexp(volume, -3 * static_cast<int>(level)); }
+  FirstCells first{};
+  OpenCells open, parts;  // undecided cells of this level and of the next
+  std::size_t next = 0;   // of `open`: those before it are divided already
+  CellSums sums{};
+  VolumeBounds best{};
 
   Status usable(const PenetrationOptions& options) const {
     if (!(options.tolerance >= 0) || !std::isfinite(options.tolerance) || !(options.volume_tolerance >= 0) ||
@@ -110,12 +153,12 @@ struct PenetrationQuery::State {
 
   void forget() noexcept {
     is_started = false;
-    cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
+    open.clear(), parts.clear();
   }
   void start() {
     is_started = true;
-    cells.clear(), parts.clear(), shares.clear(), part_shares.clear();
-    next = 0, sure = 0, sure_moment = {}, open_inside = open_all = 0, volume = 0, lower = upper = first_volume = 0;
+    open.clear(), parts.clear();
+    first = {}, sums = {}, best = {}, next = 0;
     for (std::size_t i = 0; i < 2; ++i) frames[i] = frame_of(*body[i]);
     const Box a = box_of(*body[0]), b = box_of(*body[1]);
     Box both{max(a.lower, b.lower), min(a.upper, b.upper)};
@@ -125,25 +168,26 @@ struct PenetrationQuery::State {
     const double room = 0x1p-40 * largest;
     both.lower -= Vec3{room, room, room}, both.upper += Vec3{room, room, room};
     // Centers of cells, distances to facets and corners are off by less than 2^-46 of the coordinates.
-    pad = 0x1p-44 * largest;
+    first.pad = 0x1p-44 * largest;
     const Vec3 extent = both.extent();
     const double side = std::max({extent.x, extent.y, extent.z}) / first_cells;
     if (!(side > 0)) return;
     std::array<int, 3> count{};
     for (int k = 0; k < 3; ++k) {
       count[static_cast<std::size_t>(k)] = std::max(1, static_cast<int>(std::ceil(extent[k] / side * (1 - 0x1p-40))));
-      half[k] = 0.5 * extent[k] / count[static_cast<std::size_t>(k)];
+      first.half[k] = 0.5 * extent[k] / count[static_cast<std::size_t>(k)];
     }
-    volume = 8 * half.x * half.y * half.z;
+    const Vec3& half = first.half;
+    first.volume = 8 * half.x * half.y * half.z;
     for (int x = 0; x < count[0]; ++x)
       for (int y = 0; y < count[1]; ++y)
         for (int z = 0; z < count[2]; ++z) {
-          cells.push_back(
-              {both.lower + Vec3{(2 * x + 1) * half.x, (2 * y + 1) * half.y, (2 * z + 1) * half.z}, 0, false, false});
-          shares.emplace_back();
-          open_all += volume;
+          open.add(
+              {both.lower + Vec3{(2 * x + 1) * half.x, (2 * y + 1) * half.y, (2 * z + 1) * half.z}, 0, false, false},
+              {});
+          sums.add_open({}, first.volume);
         }
-    upper = first_volume = open_all;
+    best.upper = first.all = sums.open_all;
   }
 
   struct Verdict {
@@ -155,10 +199,11 @@ struct PenetrationQuery::State {
   /// Asks the bodies that are not known to hold all of the cell.
   Verdict visit(Cell& cell) {
     Verdict verdict;
+    const Vec3& half = first.half;
     const double scale = std::ldexp(1.0, -static_cast<int>(cell.level));
     // mutant penetration-cell-by-its-middle: `length` -> `0 * length`
-    const double reach = length(half) * scale * (1 + 0x1p-40) + pad;
-    const double half_side = std::cbrt(volume_of(cell.level)) * 0.5;
+    const double reach = length(half) * scale * (1 + 0x1p-40) + first.pad;
+    const double half_side = std::cbrt(first.volume_of(cell.level)) * 0.5;
     verdict.share.guess = 1;
     double radius_inside = std::numeric_limits<double>::infinity(), radius_outside = 0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -177,8 +222,8 @@ struct PenetrationQuery::State {
       }
       in = probe.distance < -reach;
       verdict.share.guess = std::min(verdict.share.guess, share_inside(probe.distance, half_side));
-      radius_inside = std::min(radius_inside, -probe.distance - pad);
-      radius_outside = std::max(radius_outside, probe.distance - pad);
+      radius_inside = std::min(radius_inside, -probe.distance - first.pad);
+      radius_outside = std::max(radius_outside, probe.distance - first.pad);
     }
     // Of the largest cube about the center that is in the cell.
     const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
@@ -190,10 +235,10 @@ struct PenetrationQuery::State {
 
   /// Puts its undecided parts in the place of the next cell.
   Status divide_next(std::size_t& probes) {
-    const Cell cell = cells[next];
+    const Cell cell = open.cells[next];
     const std::uint32_t level = cell.level + 1;
-    const Vec3 quarter = half * std::ldexp(1.0, -static_cast<int>(level));
-    const double part_volume = volume_of(level);
+    const Vec3 quarter = first.half * std::ldexp(1.0, -static_cast<int>(level));
+    const double part_volume = first.volume_of(level);
     std::array<Cell, 8> below;
     std::array<Verdict, 8> verdicts;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -204,38 +249,35 @@ struct PenetrationQuery::State {
       probes += verdicts[k].probes;
       if (!verdicts[k].status) return verdicts[k].status;
     }
-    open_inside -= shares[next].inside;
-    open_all -= volume_of(cell.level) - shares[next].outside;
+    sums.remove_open(open.shares[next], first.volume_of(cell.level));
     ++next;
     for (std::size_t k = 0; k < 8; ++k) {
-      if (verdicts[k].what == Verdict::inside) sure += part_volume, sure_moment += below[k].center * part_volume;
+      if (verdicts[k].what == Verdict::inside) sums.add_inside(below[k], part_volume);
       if (verdicts[k].what != Verdict::undecided) continue;
-      parts.push_back(below[k]);
-      part_shares.push_back(verdicts[k].share);
-      open_inside += verdicts[k].share.inside;
-      open_all += part_volume - verdicts[k].share.outside;
+      parts.add(below[k], verdicts[k].share);
+      sums.add_open(verdicts[k].share, part_volume);
     }
     return {};
   }
 
   /// Bounds and center, as far as is known.
   void sum_up(Penetration& result) const {
-    double guess = sure;
-    Vec3 moment = sure_moment;
+    double guess = sums.sure;
+    Vec3 moment = sums.sure_moment;
     const auto add = [&](const Cell& cell, const Share& share) {
-      const double part = volume_of(cell.level);
+      const double part = first.volume_of(cell.level);
       guess += part * share.guess;
       moment += cell.center * (part * share.guess);
     };
-    for (std::size_t i = next; i < cells.size(); ++i) add(cells[i], shares[i]);
-    for (std::size_t i = 0; i < parts.size(); ++i) add(parts[i], part_shares[i]);
+    for (std::size_t i = next; i < open.size(); ++i) add(open.cells[i], open.shares[i]);
+    for (std::size_t i = 0; i < parts.size(); ++i) add(parts.cells[i], parts.shares[i]);
     if (guess > 0) result.center = moment / guess;
     // Sums and differences of a million volumes are off by 2^-30 of the largest, and each volume by 2^-1074: those of
     // bodies below 10^-107 vanish.
-    const double rounding = 0x1p-30 * first_volume + 0x1p-1050;
-    const bool is_empty = cells.size() == next && parts.empty() && sure == 0;
-    result.lower = std::max(0.0, lower - rounding);
-    result.upper = is_empty ? 0.0 : upper + rounding;
+    const double rounding = 0x1p-30 * first.all + 0x1p-1050;
+    const bool is_empty = open.size() == next && parts.size() == 0 && sums.sure == 0;
+    result.lower = std::max(0.0, best.lower - rounding);
+    result.upper = is_empty ? 0.0 : best.upper + rounding;
     result.estimate = std::clamp(guess, result.lower, result.upper);
     result.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
   }
@@ -251,15 +293,14 @@ struct PenetrationQuery::State {
       return options.budget.is_time() && now(options.clock) - begin >= options.budget.time();
     };
     const auto is_narrow = [&] {
-      lower = std::max(lower, sure + open_inside);
-      upper = std::min(upper, sure + open_all);
-      return upper - lower <= std::max(options.tolerance * upper, options.volume_tolerance);
+      best.narrow(sums);
+      return best.upper - best.lower <= std::max(options.tolerance * best.upper, options.volume_tolerance);
     };
     while (!(result.finished = is_narrow()) && !is_spent()) {
-      if (next == cells.size()) {
-        if (parts.empty() || parts.front().level >= most_levels) break;
-        cells.swap(parts), shares.swap(part_shares);
-        parts.clear(), part_shares.clear();
+      if (next == open.size()) {
+        if (parts.size() == 0 || parts.cells.front().level >= most_levels) break;
+        open.swap(parts);
+        parts.clear();
         next = 0;
         continue;
       }

@@ -35,10 +35,10 @@ Body::Body(const Body& other) : state_(std::make_shared<State>(*other.state_)) {
   State& s = *state_;
   s.posed.shared = state_;
   s.show();
-  const std::vector<Vec3>& others = other.state_->moved_positions;
+  const std::vector<Vec3>& others = other.state_->models.moved_positions;
   const bool formed_there = s.posed.positions && !others.empty() &&
                             s.posed.positions->address(0) == reinterpret_cast<const std::byte*>(others.data());
-  if (formed_there) s.posed.positions = PositionView(s.moved_positions);
+  if (formed_there) s.posed.positions = PositionView(s.models.moved_positions);
 }
 Body& Body::operator=(const Body& other) {
   return *this = Body(other);
@@ -97,20 +97,20 @@ std::size_t Body::refresh_children(std::uint32_t node) noexcept {
 }
 
 bool Body::is_fresh(std::uint32_t node) const {
-  return !state_->lazy || state_->reached[node] != 0;
+  return state_->lazy.has(node);
 }
 
 bool Body::is_complete() const {
-  return !state_->lazy;
+  return state_->lazy.is_complete();
 }
 
 Sphere Body::modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept {
   const StandardFloats standard;
   const State& s = *state_;
   std::size_t bad = 0;
-  if (s.follows == RuleTraits::Follows::modes && coordinates.size() == s.modal->mode_count() &&
-      s.modal->accepts(coordinates, bad)) {
-    const ModalPose pose = s.modal->pose(coordinates);
+  if (s.models.follows == RuleTraits::Follows::modes && coordinates.size() == s.models.modal->mode_count() &&
+      s.models.modal->accepts(coordinates, bad)) {
+    const ModalPose pose = s.models.modal->pose(coordinates);
     for (const auto& engine : s.engines)
       if (const auto sphere = engine->sphere_alone(node, {.origin = pose.origin, .modes = &pose}))
         return {pose.origin + Vec3(sphere->center), static_cast<double>(sphere->radius)};
@@ -170,15 +170,15 @@ const SphereState& Body::sphere_state() const {
 }
 
 std::uint64_t Body::frame() const {
-  return state_->frames;
+  return state_->posed.frame;
 }
 
 bool Body::is_current() const {
-  return state_->current;
+  return state_->posed.current;
 }
 
 std::uint64_t Body::cover_id() const {
-  return state_->cover_id;
+  return state_->posed.cover_id;
 }
 
 const SphereTree& Body::rest_tree() const {

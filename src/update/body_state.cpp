@@ -10,9 +10,9 @@ namespace morula {
 using namespace detail;
 
 UpdateStatus Body::State::counted(const UpdateStatus& status) noexcept {
-  current = static_cast<bool>(status);
-  frames += current;
-  if (current) lazy = false;
+  posed.current = static_cast<bool>(status);
+  posed.frame += posed.current;
+  if (posed.current) lazy.complete();
   return status;
 }
 
@@ -20,10 +20,7 @@ void Body::State::show() noexcept {
   posed.tree = &model->tree;
   posed.spheres = spheres;
   posed.origin = origin;
-  posed.cover_id = cover_id;
-  posed.frame = frames;
-  posed.current = current;
-  posed.complete = !lazy;
+  posed.complete = lazy.is_complete();
 }
 
 UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* positions) noexcept {
@@ -32,8 +29,8 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   posed.positions.reset();
   if (positions != nullptr)
     posed.positions = *positions;
-  else if (!moved_positions.empty())
-    posed.positions = PositionView(moved_positions);
+  else if (!models.moved_positions.empty())
+    posed.positions = PositionView(models.moved_positions);
   return status;
 }
 
@@ -47,7 +44,7 @@ void Body::State::fit_leaves(Workers& workers) {
 void Body::State::write_spheres(const RuleFrame& frame, Workers& workers) noexcept {
   for (const auto& engine : engines) engine->update(frame, spheres.size(), spheres, workers);
   write_levels(frame, workers);
-  if (raised) raise(frame.rounding, workers);
+  if (raising) raise(frame.rounding, workers);
   origin = frame.origin;
 }
 
@@ -57,16 +54,17 @@ void Body::State::write_levels(const RuleFrame& frame, Workers& workers) noexcep
 }
 
 void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
-  raised->measure(local.points(), spheres, workers);
+  CornerWalk& walk = raising->walk;
+  walk.measure(local.points(), spheres, workers);
   const SphereTree& tree = model->tree;
   // Children come behind their parents: those of a wrapped node have been raised before it.
-  for (std::size_t k = raised->nodes().size(); k-- > 0;) {
-    const std::uint32_t node = raised->nodes()[k];
+  for (std::size_t k = walk.nodes().size(); k-- > 0;) {
+    const std::uint32_t node = walk.nodes()[k];
     Spheref& sphere = spheres[node];
     // mutant raised-to-less: `rounding.covering_radius` -> `0.9f * rounding.covering_radius`
-    float radius = std::max(sphere.radius, rounding.covering_radius(raised->squared_reach(k), sphere.center));
-    // mutant raised-children-stick-out: `wraps[node] != 0` -> `false`
-    if (wraps[node] != 0) {
+    float radius = std::max(sphere.radius, rounding.covering_radius(walk.squared_reach(k), sphere.center));
+    // mutant raised-children-stick-out: `raising->wraps[node] != 0` -> `false`
+    if (raising->wraps[node] != 0) {
       const auto children = std::span(spheres).subspan(tree.first_child[node], tree.child_count[node]);
       radius = std::max(radius, rounding.wrapping_radius(children, sphere.center));
     }
@@ -89,24 +87,24 @@ static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
 
 // Good input gives a good status, here and below.
 UpdateStatus Body::State::refused_positions(const PositionView& positions) const noexcept {
-  if (const UpdateStatus fault = refusal(follows); !fault) return fault;
+  if (const UpdateStatus fault = refusal(models.follows); !fault) return fault;
   if (positions.size() != model->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
   return {};
 }
 
 UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
-  if (!modal) return refused(Status::Code::no_modes);
-  if (follows == RuleTraits::Follows::bones) return refusal(follows);
-  if (coordinates.size() != modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
-  if (std::size_t bad = 0; !modal->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
+  if (!models.modal) return refused(Status::Code::no_modes);
+  if (models.follows == RuleTraits::Follows::bones) return refusal(models.follows);
+  if (coordinates.size() != models.modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
+  if (std::size_t bad = 0; !models.modal->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
   return {};
 }
 
 UpdateStatus Body::State::refused_transforms(std::span<const AffineTransform> transforms) const noexcept {
-  if (!skin) return refused(Status::Code::no_skin);
-  if (follows == RuleTraits::Follows::modes) return refusal(follows);
+  if (!models.skin) return refused(Status::Code::no_skin);
+  if (models.follows == RuleTraits::Follows::modes) return refusal(models.follows);
   if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
-  if (std::size_t bad = 0; !skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
+  if (std::size_t bad = 0; !models.skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
   return {};
 }
 
@@ -124,8 +122,8 @@ UpdateStatus Body::State::follow(const PositionView& positions, std::span<const 
   if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   for (const VertexRange& range : changed)
     if (range.begin > range.end || range.end > positions.size()) return refused(Status::Code::bad_range);
-  const bool all_local = !raised && std::all_of(engines.begin(), engines.end(),
-                                                [](const auto& engine) { return engine->follows_changes(); });
+  const bool all_local = !raising && std::all_of(engines.begin(), engines.end(),
+                                                 [](const auto& engine) { return engine->follows_changes(); });
   if (!all_local || !followed || !local.keeps_origin(positions)) return follow(positions, workers);
 
   const LocalPoints::Frame at = local.move_changed(positions, changed);
@@ -145,9 +143,9 @@ UpdateStatus Body::State::follow(const PositionView& positions, std::span<const 
 template <class MovePositions>
 UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& move_positions,
                                        Workers& workers) noexcept {
-  if (!moved_positions.empty()) {
+  if (!models.moved_positions.empty()) {
     move_positions();
-    const LocalPoints::Frame at = local.move(moved_positions, workers);
+    const LocalPoints::Frame at = local.move(models.moved_positions, workers);
     followed = at.finite;
     if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
     frame.origin = at.origin;
@@ -160,15 +158,19 @@ UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& mov
 
 UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
   if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
-  const ModalPose pose = modal->pose(coordinates);
-  const auto move = [&] { move_by_modes(options.modes, rest_positions, coordinates, moved_positions, workers); };
+  const ModalPose pose = models.modal->pose(coordinates);
+  const auto move = [&] {
+    move_by_modes(options.modes, models.rest_positions, coordinates, models.moved_positions, workers);
+  };
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
 }
 
 UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
   if (const UpdateStatus fault = refused_transforms(transforms); !fault) return fault;
-  const BonePose pose = skin->pose(options.skin, transforms);
-  const auto move = [&] { move_by_skin(options.skin, rest_positions, transforms, moved_positions, workers); };
+  const BonePose pose = models.skin->pose(options.skin, transforms);
+  const auto move = [&] {
+    move_by_skin(options.skin, models.rest_positions, transforms, models.moved_positions, workers);
+  };
   return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
 }
 
@@ -178,7 +180,7 @@ std::size_t Body::State::nodes_to_level(std::size_t level) const noexcept {
 }
 
 bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
-  return follows == wanted && !raised && engines.size() == 1 && engines[0].is_lazy();
+  return models.follows == wanted && !raising && engines.size() == 1 && engines[0].is_lazy();
 }
 
 UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept {
@@ -193,8 +195,8 @@ UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size
 
 UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept {
   if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
-  std::copy(coordinates.begin(), coordinates.end(), coordinates_reached.begin());
-  const ModalPose pose = modal->pose(coordinates_reached);
+  lazy.keep(coordinates);
+  const ModalPose pose = models.modal->pose(lazy.coordinates());
   engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());
   origin = pose.origin;
   return work;
@@ -202,11 +204,8 @@ UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std
 
 UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes) noexcept {
   status = counted(status);
-  if (!status || nodes == reached.size()) return status;
-  lazy = true;
-  unreached = reached.size() - nodes;
-  std::fill(reached.begin(), reached.end(), std::uint8_t{0});
-  std::fill_n(reached.begin(), nodes, std::uint8_t{1});
+  if (!status || nodes == spheres.size()) return status;
+  lazy.begin(nodes);
   status.nodes_updated = nodes;
   status.points_tested = engines[0].tested_points(nodes);
   return status;
@@ -214,23 +213,21 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
 
 std::size_t Body::State::refresh_children(std::uint32_t node) noexcept {
   // The points are lost when an update was refused since.
-  if (!lazy || !current || model->tree.is_leaf(node)) return 0;
+  if (lazy.is_complete() || !posed.current || model->tree.is_leaf(node)) return 0;
   std::size_t brought = 0;
   ModalPose pose;
   RuleFrame frame{.origin = origin, .points = local.points()};
-  if (follows == RuleTraits::Follows::modes) {
-    pose = modal->pose(coordinates_reached);
+  if (models.follows == RuleTraits::Follows::modes) {
+    pose = models.modal->pose(lazy.coordinates());
     frame.modes = &pose;
   }
   const std::uint32_t first = model->tree.first_child[node];
   for (std::uint32_t child = first; child < first + model->tree.child_count[node]; ++child) {
-    if (reached[child] != 0) continue;
+    if (lazy.has(child)) continue;
     engines[0].update_one(child, frame, spheres);
-    reached[child] = 1;
+    lazy.add(child);
     ++brought;
   }
-  unreached -= brought;
-  lazy = unreached > 0;
   return brought;
 }
 

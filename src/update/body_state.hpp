@@ -3,8 +3,11 @@
 // Body state: a body's parts, and how they follow its frames.
 #pragma once
 
+#include <algorithm>
 #include <morula/update/body.hpp>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "update/points/local_points.hpp"
 #include "update/rules/corner_walk.hpp"
@@ -14,35 +17,74 @@
 
 namespace morula {
 namespace detail {
-struct BodyPlan;
-}
 
+struct BodyPlan;
+
+/// The frame of the last lazy update, which nodes reach one by one: Body::update_lazily begins it, refresh_children
+/// adds to it, and it is complete when all are reached or a good update has moved all at once.
+class LazyFrame {
+ public:
+  LazyFrame() = default;
+  LazyFrame(std::size_t node_count, std::size_t mode_count) : reached_(node_count), coordinates_(mode_count) {}
+
+  bool is_complete() const noexcept { return unreached_ == 0; }
+  bool has(std::uint32_t node) const noexcept { return is_complete() || reached_[node] != 0; }
+  /// With the first `nodes` nodes.
+  void begin(std::size_t nodes) noexcept {
+    unreached_ = reached_.size() - nodes;
+    std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
+    std::fill_n(reached_.begin(), nodes, std::uint8_t{1});
+  }
+  /// One that it does not have yet.
+  void add(std::uint32_t node) noexcept {
+    reached_[node] = 1;
+    --unreached_;
+  }
+  void complete() noexcept { unreached_ = 0; }
+
+  /// Of a lazy update by modes, one for each.
+  void keep(std::span<const double> coordinates) noexcept {
+    std::copy(coordinates.begin(), coordinates.end(), coordinates_.begin());
+  }
+  std::span<const double> coordinates() const noexcept { return coordinates_; }
+
+ private:
+  std::vector<std::uint8_t> reached_;  // of an incomplete frame: one flag per node
+  std::size_t unreached_ = 0;
+  std::vector<double> coordinates_;
+};
+
+}  // namespace detail
+
+// made() fills the members from the first to the last; `work` and `posed` gather what each of its steps adds.
 struct Body::State {
+  // What moves the body besides positions: made() settles what it follows, bind() makes the rest.
+  struct Models {
+    RuleTraits::Follows follows{};              // what some level asks for; positions where none asks for anything else
+    std::optional<detail::ModalPoser> modal{};  // of a body with modes
+    std::optional<detail::SkinPoser> skin{};    // of a body with a skin
+    // Empty unless some level needs vertices as well; each update by modes or bones writes the moved ones.
+    std::vector<Vec3> rest_positions{}, moved_positions{};
+  };
+  // Of a conservative body, its nodes whose rules do not cover by themselves: raise_at_rest() makes it.
+  struct Raising {
+    detail::CornerWalk walk;
+    std::vector<std::uint8_t> wraps;  // per node of the tree, 1 where it has the rule `wrapped`
+  };
+
   std::shared_ptr<const CoveredTree> model;
   UpdateOptions options;
-  detail::LocalPoints local;
-  std::vector<Spheref> spheres{};
-  Vec3 origin{};
+  detail::LocalPoints local;  // each update by positions moves them
+  Vec3 origin{};              // of the spheres; each good update writes both
+  Models models{};
+  std::vector<Spheref> spheres{};  // the tree's until bind()
+  detail::EngineList engines{};    // bind() makes them of all of the above, and lets them write spheres and report
   BindReport report{};
-  UpdateStatus work{};  // of a good update: the same every time
-  detail::EngineList engines{};
-  std::optional<detail::CornerWalk> raised{};  // conservative: the nodes of rules that do not cover by themselves
-  std::vector<std::uint8_t> wraps{};           // of such a body: one flag per node of the rule `wrapped`
-  std::optional<detail::ModalPoser> modal{};   // of a body with modes
-  std::optional<detail::SkinPoser> skin{};     // of a body with a skin
-  RuleTraits::Follows follows{};               // what some level asks for; positions where none asks for anything else
-  std::vector<Vec3> rest_positions{}, moved_positions{};  // of a body with modes or a skin that also needs vertices
-  std::uint64_t cover_id = 0;
-  SphereState posed{};       // what queries read; show() brings it up to date
-  std::uint64_t frames = 0;  // good updates
-  bool current = true;       // the last update was good
-  bool followed = true;      // all spheres are those of the points: the last update was good, and not lazy
-  // After a lazy update, until all is reached: one flag per node that belongs to its frame, how many do not, and the
-  // coordinates if it was by modes.
-  bool lazy = false;
-  std::size_t unreached = 0;
-  std::vector<std::uint8_t> reached{};
-  std::vector<double> coordinates_reached{};
+  std::optional<Raising> raising{};
+  detail::LazyFrame lazy{};
+  bool followed = true;  // all spheres are those of the points: the last update was good, and not lazy
+  UpdateStatus work{};   // of a good update: the same every time
+  SphereState posed{};   // what queries read; counted() writes frame and current, show() the spheres
 
   // At rest; throws like Body's constructors.
   static std::shared_ptr<State> made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model,

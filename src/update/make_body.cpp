@@ -61,6 +61,13 @@ std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> r
   return rules;
 }
 
+// Of every level, and of every node.
+TreeRules rules_of_tree(const SphereTree& tree, const UpdateOptions& options) {
+  TreeRules rules{.of_level = rules_of_levels(options, tree.level_count())};
+  rules.of_node = rules_of_nodes(tree, rules.of_level);
+  return rules;
+}
+
 // Nodes whose radii are raised to what they own.
 std::vector<std::uint8_t> raised_nodes(std::span<const Rule> rule_of_node) {
   std::vector<std::uint8_t> flags;
@@ -86,7 +93,7 @@ std::vector<std::uint8_t> leaves_measured(const SphereTree& tree, const LeafOrde
 void bind_engines(const Binding& binding, EngineList& engines) {
   std::vector<BindEngine*> bound;
   for (const EngineRow& row : engine_table) {
-    const auto& rules = binding.rule_of_node;
+    const auto& rules = binding.rules.of_node;
     if (std::find(rules.begin(), rules.end(), row.rule) == rules.end()) continue;
     if (std::find(bound.begin(), bound.end(), row.bind) != bound.end()) continue;
     bound.push_back(row.bind);
@@ -111,20 +118,19 @@ std::uint64_t cover_id_of(const CoveredTree& model) {
 struct detail::BodyPlan {
   BodyPlan(const MeshView& mesh_, const CoveredTree& model, const UpdateOptions& options)
       : mesh(mesh_),
-        rule_of_level(rules_of_levels(options, model.tree.level_count())),
-        rule_of_node(rules_of_nodes(model.tree, rule_of_level)),
+        rules(rules_of_tree(model.tree, options)),
         order(depth_first_leaves(model.tree)),
         raises(options.conservative && some_node([](Rule rule) { return !covers_alone(rule); })),
         reads_points(raises || some_node([](Rule rule) { return traits(rule).reads != RuleTraits::Reads::nothing; })),
         reads_links(some_node([](Rule rule) { return traits(rule).reads == RuleTraits::Reads::links; })) {
-    const std::vector<std::uint8_t> measured = leaves_measured(model.tree, order, rule_of_node, options.conservative);
+    const std::vector<std::uint8_t> measured = leaves_measured(model.tree, order, rules.of_node, options.conservative);
     ownership = share_points(mesh, model.cover, order, measured, hull_tolerance);
     share_levels(mesh, model.tree, model.cover, order, hull_tolerance, ownership);
     assert(ownership_faults(mesh, model.tree, model.cover, order, ownership, measured, hull_tolerance).empty());
   }
 
   MeshView mesh;
-  std::vector<Rule> rule_of_level, rule_of_node;
+  TreeRules rules;
   LeafOrder order;
   bool raises, reads_points, reads_links;
   Ownership ownership;
@@ -132,7 +138,7 @@ struct detail::BodyPlan {
  private:
   template <class Predicate>
   bool some_node(const Predicate& is_so) const {
-    return std::any_of(rule_of_node.begin(), rule_of_node.end(), is_so);
+    return std::any_of(rules.of_node.begin(), rules.of_node.end(), is_so);
   }
 };
 
@@ -151,7 +157,7 @@ std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared
         " is too far from the center for an update, or all are too far from the origin: scale "
         "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   state->origin = rest.origin;
-  state->follows = followed_by(plan.rule_of_level, state->options);
+  state->models.follows = followed_by(plan.rules.of_level, state->options);
   narrow_spheres(state->model->tree.spheres, rest.origin, state->spheres);
   state->bind(plan, rest, workers);
   if (plan.raises) state->raise_at_rest(plan, rest.rounding, workers);
@@ -168,55 +174,54 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
   if (plan.reads_links) bvh.emplace(mesh, workers);
   if (!options.modes.empty()) {
     require_modes(options.modes, mesh);
-    modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
+    models.modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
   }
   if (!options.skin.empty()) {
     require_skin(options.skin, mesh);
-    skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
+    models.skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
   }
-  if (plan.reads_points && (modal || skin)) rest_positions = moved_positions = mesh.positions.to_vector();
+  if (plan.reads_points && (models.modal || models.skin))
+    models.rest_positions = models.moved_positions = mesh.positions.to_vector();
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};
-  const Binding binding{.mesh = mesh,
-                        .model = *model,
-                        .options = options,
-                        .rule_of_level = plan.rule_of_level,
-                        .rule_of_node = plan.rule_of_node,
-                        .order = plan.order,
-                        .ownership = plan.ownership,
-                        .bvh = bvh ? &*bvh : nullptr,
-                        .local = local,
-                        .rest = frame,
-                        .modal_poser = modal ? &*modal : nullptr,
-                        .skin_poser = skin ? &*skin : nullptr,
-                        .tree_spheres = of_tree,
-                        .spheres = spheres,
-                        .report = report,
-                        .workers = workers};
+  const Binding binding{
+      .mesh = mesh,
+      .model = *model,
+      .options = options,
+      .rules = plan.rules,
+      .order = plan.order,
+      .ownership = plan.ownership,
+      .bvh = bvh ? &*bvh : nullptr,
+      .local = local,
+      .rest = frame,
+      .posers = {.modal = models.modal ? &*models.modal : nullptr, .skin = models.skin ? &*models.skin : nullptr},
+      .tree_spheres = of_tree,
+      .spheres = spheres,
+      .report = report,
+      .workers = workers};
   bind_engines(binding, engines);
   for (const auto& engine : engines) work.points_tested += engine->tested_points();
 }
 
 void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, Workers& workers) {
-  raised.emplace(model->tree, plan.order, plan.ownership, raised_nodes(plan.rule_of_node));
-  for (const Rule rule : plan.rule_of_node) wraps.push_back(rule == Rule::wrapped ? 1 : 0);
-  work.points_tested += raised->tested_points();
+  raising.emplace(Raising{CornerWalk(model->tree, plan.order, plan.ownership, raised_nodes(plan.rules.of_node)), {}});
+  for (const Rule rule : plan.rules.of_node) raising->wraps.push_back(rule == Rule::wrapped ? 1 : 0);
+  work.points_tested += raising->walk.tested_points();
   raise(rounding, workers);
 }
 
 // What the spheres promise, and what a good update does.
 void Body::State::note_promises(const BodyPlan& plan) {
   const SphereTree& tree = model->tree;
-  cover_id = cover_id_of(*model);
-  reached.resize(tree.node_count());
-  coordinates_reached.resize(options.modes.mode_count);
-  posed.covers = options.conservative || std::all_of(plan.rule_of_level.begin(), plan.rule_of_level.end(),
+  lazy = LazyFrame(tree.node_count(), options.modes.mode_count);
+  posed.cover_id = cover_id_of(*model);
+  posed.covers = options.conservative || std::all_of(plan.rules.of_level.begin(), plan.rules.of_level.end(),
                                                      [](Rule rule) { return traits(rule).covers; });
   // A node of one that reads children contains their spheres; raised radii see to that, too.
   posed.nested = true;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
-    posed.nested = posed.nested && (tree.is_leaf(node) || plan.rule_of_node[node] == Rule::wrapped);
+    posed.nested = posed.nested && (tree.is_leaf(node) || plan.rules.of_node[node] == Rule::wrapped);
   work.nodes_updated = tree.node_count();
   if (plan.reads_points) {
     work.vertices_read = local.vertex_count();

@@ -41,21 +41,21 @@ OutsideGrid::ZeroSteps::ZeroSteps(std::size_t count) {
 }
 
 OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width) : lines_(lines) {
-  stride_ = std::max(1, static_cast<int>(std::lround(cell_width / lines.cell())));
-  cell_ = stride_ * lines.cell();
+  place_.stride = std::max(1, static_cast<int>(std::lround(cell_width / lines.cell())));
+  place_.cell = place_.stride * lines.cell();
   const Vec3 lower = lines.to_lattice(box.lower), upper = lines.to_lattice(box.upper);
   for (int k = 0; k < 3; ++k) {
-    first_[at(k)] = static_cast<int>(std::floor(lower[k]));
-    lower_[k] = first_[at(k)] + 0.5 - 0.5 * stride_;
-    count_[at(k)] = std::max(1, static_cast<int>(std::ceil((upper[k] - lower_[k]) / stride_)));
+    place_.first[at(k)] = static_cast<int>(std::floor(lower[k]));
+    place_.lower[k] = place_.first[at(k)] + 0.5 - 0.5 * place_.stride;
+    count_[at(k)] = std::max(1, static_cast<int>(std::ceil((upper[k] - place_.lower[k]) / place_.stride)));
   }
   step_ = {1, at(count_[0]), at(count_[0]) * at(count_[1])};
   const std::size_t cells = step_[2] * at(count_[2]);
   // Eight at a time are changed.
   balls_over_.assign(cells + sizeof(std::uint64_t), 0);
   full_along_.assign(cells + sizeof(std::uint64_t), 0);
-  turned_in_plane_.assign(step_[1] + sizeof(std::uint64_t), 0);
-  turned_in_rows_.assign(step_[2] + sizeof(std::uint64_t), 0);
+  turned_.in_plane.assign(step_[1] + sizeof(std::uint64_t), 0);
+  turned_.in_rows.assign(step_[2] + sizeof(std::uint64_t), 0);
   for (std::size_t a = 0; a < 3; ++a) {
     // Lines past the last one are read, and count for nothing, where they are taken by fours.
     const std::size_t n = at(count_[a]), line_count = cells / n;
@@ -67,12 +67,12 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
 }
 
 Vec3f OutsideGrid::to_grid(const Vec3& p) const {
-  const Vec3 q = (lines_.to_lattice(p) - lower_) / stride_;
+  const Vec3 q = (lines_.to_lattice(p) - place_.lower) / place_.stride;
   return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z)};
 }
 
 Vec3 OutsideGrid::from_grid(const Vec3f& p) const {
-  return lines_.from_lattice(lower_ + Vec3{p.x, p.y, p.z} * static_cast<double>(stride_));
+  return lines_.from_lattice(place_.lower + Vec3{p.x, p.y, p.z} * static_cast<double>(place_.stride));
 }
 
 // Rows of an axis's lines that pass within `radius` of `center`: row v has lines [begin, end), and in_row is the square
@@ -156,19 +156,19 @@ void OutsideGrid::change(const Spheref& ball, int by) {
         // mutant steps-kept-along-x: `full` -> `(full >> 1)`
         along_x |= turned & ~full;
         along_others |= along_y | along_z;
-        store(load(&turned_in_plane_[x]) | along_y, &turned_in_plane_[x]);
-        store(load(&turned_in_rows_[at(y) * nx + x]) | along_z, &turned_in_rows_[at(y) * nx + x]);
+        store(load(&turned_.in_plane[x]) | along_y, &turned_.in_plane[x]);
+        store(load(&turned_.in_rows[at(y) * nx + x]) | along_z, &turned_.in_rows[at(y) * nx + x]);
       }
       if (along_x != 0) axes_[0].current[at(z) * ny + at(y)] = {};
       if (along_others == 0) continue;
       any_in_plane = true;
       turned_rows = {std::min(turned_rows.begin, y), std::max(turned_rows.end, y + 1)};
     }
-    if (any_in_plane) each_x(turned_in_plane_.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
+    if (any_in_plane) each_x(turned_.in_plane.data(), [&](std::size_t x) { axes_[1].current[x * nz + at(z)] = {}; });
   }
   // The last eight bytes of a row may reach into the next one, whose lines are numbered on from there.
   for (int y = turned_rows.begin; y < turned_rows.end; ++y)
-    each_x(&turned_in_rows_[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
+    each_x(&turned_.in_rows[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
 }
 
 // Where the object leaves space on the middle line of each cell.
@@ -177,9 +177,10 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   const int n = count_[axis];
   OutsideCell* const cells = &axes_[axis].outside[line * at(n)];
   for (int w = 0; w < n; ++w) cells[w] = {0, 1, 1};
-  const auto crossings = lines_.line(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
+  const int lattice_u = place_.lattice_line(ua, u), lattice_v = place_.lattice_line(va, v);
+  const auto crossings = lines_.line(static_cast<int>(axis), lattice_u, lattice_v);
   const auto in_cells = [&](float position) {
-    return std::clamp(static_cast<float>((position - lower_[static_cast<int>(axis)]) / stride_), 0.0F,
+    return std::clamp(static_cast<float>((position - place_.lower[static_cast<int>(axis)]) / place_.stride), 0.0F,
                       static_cast<float>(n));
   };
   // A cell that is entered and left again, with empty space on both sides, counts evenly: slope −1 marks it.
@@ -204,9 +205,8 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
       }
     }
   }
-  const ObjectLines::WeightsAlong weights =
-      lines_.weights_along(static_cast<int>(axis), first_[ua] + u * stride_, first_[va] + v * stride_);
-  for (int w = 0, lattice = first_[axis]; w < n; ++w, lattice += stride_) {
+  const ObjectLines::WeightsAlong weights = lines_.weights_along(static_cast<int>(axis), lattice_u, lattice_v);
+  for (int w = 0, lattice = place_.first[axis]; w < n; ++w, lattice += place_.stride) {
     OutsideCell& cell = cells[w];
     if (!(cell.total > 0)) {
       cell = {0, 0, 0};
@@ -225,12 +225,12 @@ void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
 }
 
 void OutsideGrid::prepare(const Vec3f& center, float reach, float overlap_weight) {
-  if (overlap_weight != overlap_weight_) {
+  if (overlap_weight != prepared_.overlap_weight) {
     for (Axis& a : axes_) std::fill(a.current.begin(), a.current.end(), Extent{});
-    overlap_weight_ = overlap_weight;
+    prepared_.overlap_weight = overlap_weight;
   }
-  prepared_center_ = center;
-  prepared_reach_ = reach;
+  prepared_.center = center;
+  prepared_.reach = reach;
   for (std::size_t a = 0; a < 3; ++a) {
     // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more. A bit
     // more of it than asked for: what is asked for next is seldom far, and a part that begins earlier is made anew.
@@ -276,8 +276,8 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float overlap_weight
 }
 
 bool OutsideGrid::is_prepared(const Vec3f& center, float radius) const {
-  const Vec3f off = center - prepared_center_;
-  const float slack = prepared_reach_ - radius;
+  const Vec3f off = center - prepared_.center;
+  const float slack = prepared_.reach - radius;
   return slack >= 0 && off.x * off.x + off.y * off.y + off.z * off.z <= slack * slack;
 }
 
@@ -337,9 +337,9 @@ double OutsideGrid::outside_together(std::span<const Spheref> balls) {
     const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
     const std::size_t row_length = at(count_[ua]);
     const int n = count_[a];
-    first_chord_.resize(std::max(first_chord_.size(), row_length * at(count_[va])), -1);
-    chords_.clear();
-    lines_met_.clear();
+    chords_.first.resize(std::max(chords_.first.size(), row_length * at(count_[va])), -1);
+    chords_.all.clear();
+    chords_.lines_met.clear();
     for (const Spheref& ball : balls) {
       const float cu = ball.center[static_cast<int>(ua)], middle = ball.center[static_cast<int>(a)];
       each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float in_row) {
@@ -347,20 +347,20 @@ double OutsideGrid::outside_together(std::span<const Spheref> balls) {
           const float du = static_cast<float>(u) + 0.5F - cu, square = in_row - du * du;
           if (!(square > 0)) continue;
           const float half = std::sqrt(square);
-          std::int32_t& first = first_chord_[at(v) * row_length + at(u)];
-          if (first < 0) lines_met_.push_back({u, v});
-          chords_.push_back({std::clamp(middle - half, 0.0F, static_cast<float>(n)),
-                             std::clamp(middle + half, 0.0F, static_cast<float>(n)), first});
-          first = static_cast<std::int32_t>(chords_.size() - 1);
+          std::int32_t& first = chords_.first[at(v) * row_length + at(u)];
+          if (first < 0) chords_.lines_met.push_back({u, v});
+          chords_.all.push_back({std::clamp(middle - half, 0.0F, static_cast<float>(n)),
+                                 std::clamp(middle + half, 0.0F, static_cast<float>(n)), first});
+          first = static_cast<std::int32_t>(chords_.all.size() - 1);
         }
       });
     }
-    for (const auto& [u, v] : lines_met_) {
+    for (const auto& [u, v] : chords_.lines_met) {
       const std::size_t line = at(v) * row_length + at(u);
       on_line.clear();
-      for (std::int32_t c = first_chord_[line]; c >= 0; c = chords_[at(c)].next)
-        on_line.push_back({chords_[at(c)].from, chords_[at(c)].to});
-      first_chord_[line] = -1;
+      for (std::int32_t c = chords_.first[line]; c >= 0; c = chords_.all[at(c)].next)
+        on_line.push_back({chords_.all[at(c)].from, chords_.all[at(c)].to});
+      chords_.first[line] = -1;
       std::sort(on_line.begin(), on_line.end());
       if (axes_[a].traced[line] == 0) trace(a, u, v, line);
       const OutsideCell* const cells = &axes_[a].outside[line * at(n)];

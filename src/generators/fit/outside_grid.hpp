@@ -29,8 +29,8 @@ class OutsideGrid {
   /// box: where balls may be, mesh coordinates. cell_width: wanted, mesh units. lines: borrowed.
   OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width);
 
-  double cell() const { return cell_; }
-  double cell_volume() const { return cell_ * cell_ * cell_; }
+  double cell() const { return place_.cell; }
+  double cell_volume() const { return cell() * cell() * cell(); }
   Vec3f to_grid(const Vec3& p) const;
   Vec3 from_grid(const Vec3f& p) const;
 
@@ -54,9 +54,35 @@ class OutsideGrid {
   double outside_together(std::span<const Spheref> balls);
 
  private:
+  // Where the cells lie among those of the object's lines; the constructor settles it.
+  struct Place {
+    int stride = 1;              // lattice cells to a cell
+    double cell = 0;             // width of a cell, mesh units
+    std::array<int, 3> first{};  // lattice lines through the middles of the first cells
+    Vec3 lower;                  // lattice coordinates of the grid's lower corner
+
+    int lattice_line(std::size_t axis, int line) const { return first[axis] + line * stride; }
+  };
+  // Cells that a ball's change turns from no ball to some or back, where lines have space: change() fills it and leaves
+  // it 0.
+  struct Turned {
+    std::vector<std::uint8_t> in_plane, in_rows;  // per x, per (y, x)
+  };
   struct Chord {
     float from, to;
     std::int32_t next;  // on the same line
+  };
+  // Chords of balls on the lines of one axis: outside_together() fills it for one axis after the other.
+  struct Chords {
+    std::vector<Chord> all;
+    std::vector<std::int32_t> first;            // per line; −1 but while it looks
+    std::vector<std::array<int, 2>> lines_met;  // that have some
+  };
+  // What steps are made for: prepare() writes it.
+  struct Prepared {
+    float overlap_weight = -1;
+    Vec3f center{};
+    float reach = -1;
   };
   struct Extent {
     std::uint16_t begin = 0, end = 0;
@@ -92,22 +118,16 @@ class OutsideGrid {
   void each_line(std::size_t axis, const Vec3f& center, float radius, const Visit& visit) const;
 
   const ObjectLines& lines_;
-  double cell_;
-  int stride_;                  // lattice cells to a cell
-  std::array<int, 3> first_{};  // lattice lines through the middles of the first cells
-  Vec3 lower_;                  // lattice coordinates of the grid's lower corner
+  Place place_;
   std::array<int, 3> count_{};
   std::array<std::size_t, 3> step_{};     // of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
   std::vector<std::uint8_t> full_along_;  // per cell: bit k where the line of axis k is known to leave no space
   std::array<Axis, 3> axes_;
-  std::vector<std::uint8_t> turned_in_plane_, turned_in_rows_;  // scratch of change: per x, per (y, x); 0 elsewhere
-  std::vector<Chord> chords_;                                   // scratch of outside_together
-  std::vector<std::int32_t> first_chord_;                       // per line; −1 but while it looks
-  std::vector<std::array<int, 2>> lines_met_;
-  float overlap_weight_ = -1;
-  Vec3f prepared_center_{};
-  float prepared_reach_ = -1;
+  Prepared prepared_;
+  // Scratch.
+  Turned turned_;
+  Chords chords_;
 };
 
 }  // namespace morula::detail

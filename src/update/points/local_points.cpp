@@ -23,19 +23,43 @@ bool is_ascending_from_zero(std::span<const std::uint32_t> items) {
 
 }  // namespace
 
+VertexNumbers::VertexNumbers(std::size_t mesh_vertex_count, std::span<const std::uint32_t> vertices)
+    : count_(vertices.size()) {
+  if (is_ascending_from_zero(vertices)) return;
+  point_of_.assign(mesh_vertex_count, no_point);
+  for (std::uint32_t i = 0; i < count_; ++i) point_of_[vertices[i]] = i;
+}
+
+Vec3 OriginGuide::origin_of(const PositionView& positions) const noexcept {
+  return origin_near(rest_origin + (positions[vertex] - vertex_rest), size);
+}
+
 LocalPoints::LocalPoints(const MeshView& rest, const Cover& cover, const Ownership& ownership)
-    : vertex_count_(ownership.vertices.size()), mesh_order_(is_ascending_from_zero(ownership.vertices)) {
-  if (!mesh_order_) {
-    point_of_.assign(rest.vertex_count(), no_point);
-    for (std::uint32_t i = 0; i < vertex_count_; ++i) point_of_[ownership.vertices[i]] = i;
-  }
-  for (std::uint32_t v = 0; v < rest.vertex_count(); ++v) {
-    if (!is_used(v)) continue;
+    : numbers_(rest.vertex_count(), ownership.vertices) {
+  add_stretches(rest.vertex_count());
+  add_cuts(cover, ownership);
+  points_.resize(vertex_count() + cut_point_count());
+  changed_ = {.stretches = Marks(stretches_.size()), .blocks = Marks(block_count()), .cuts = Marks(cut_point_count())};
+  list_cuts_of_blocks();
+  const Box box = bounding_box(rest);
+  guide_.rest_origin = box.center();
+  guide_.size = max_norm(box.extent());
+  guide_.vertex = *std::min_element(ownership.vertices.begin(), ownership.vertices.end());
+  guide_.vertex_rest = rest.positions[guide_.vertex];
+}
+
+void LocalPoints::add_stretches(std::size_t mesh_vertex_count) {
+  for (std::uint32_t v = 0; v < mesh_vertex_count; ++v) {
+    if (!numbers_.is_used(v)) continue;
     // mutant local-gap: `stretches_.back().end ... || v - stretches_.back().begin =` -> `v - stretches_.back().begin >`
     if (stretches_.empty() || stretches_.back().end != v || v - stretches_.back().begin == vertices_per_stretch)
       stretches_.push_back({v, v});
     stretches_.back().end = v + 1;
   }
+  stretch_largest_.resize(stretches_.size());
+}
+
+void LocalPoints::add_cuts(const Cover& cover, const Ownership& ownership) {
   for (const std::uint32_t k : ownership.cut_points) {
     const CutPoint& c = cover.cut_points[k];
     // Heaviest first, then in order; weights 0 last.
@@ -45,38 +69,27 @@ LocalPoints::LocalPoints(const MeshView& rest, const Cover& cover, const Ownersh
     const auto weight = [&](int rank) { return static_cast<float>(c.weight[by_weight[rank]]); };
     // A vertex without weight may be anything, even one that no facet uses.
     if (is_on_edge(c))
-      edge_cuts_.push_back({{point(0), point(c.weight[by_weight[1]] == 0 ? 0 : 1)}, weight(1)});
+      cuts_.on_edges.push_back({{point(0), point(c.weight[by_weight[1]] == 0 ? 0 : 1)}, weight(1)});
     else
-      inner_cuts_.push_back({{point(0), point(1), point(2)}, weight(1), weight(2)});
+      cuts_.in_facets.push_back({{point(0), point(1), point(2)}, weight(1), weight(2)});
   }
   // Over all cut points: a certificate looks at those that no leaf has to test as well.
   for (const CutPoint& c : cover.cut_points)
     // mutant local-weight-slack-one-way: `std::abs( ... - 1)` -> `c.weight[0] + c.weight[1] + c.weight[2] - 1`
-    weight_slack_ = std::max(weight_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
-  points_.resize(vertex_count_ + cut_point_count());
-  stretch_largest_.resize(stretches_.size());
-  changed_stretches_ = Marks(stretches_.size());
-  changed_blocks_ = Marks(block_count());
-  changed_cuts_ = Marks(cut_point_count());
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
-  for (std::uint32_t cut = 0; cut < cut_point_count(); ++cut)
-    each_block(static_cast<std::uint32_t>(vertex_count_) + cut,
-               [&](std::uint32_t block) { cuts.emplace_back(block, cut); });
-  cuts_of_block_ = BlockLists(std::move(cuts), block_count());
-  const Box box = bounding_box(rest);
-  rest_origin_ = box.center();
-  size_ = max_norm(box.extent());
-  guide_ = *std::min_element(ownership.vertices.begin(), ownership.vertices.end());
-  guide_rest_ = rest.positions[guide_];
+    cuts_.weight_slack = std::max(cuts_.weight_slack, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
 }
 
-Vec3 LocalPoints::origin_of(const PositionView& positions) const noexcept {
-  return origin_near(rest_origin_ + (positions[guide_] - guide_rest_), size_);
+void LocalPoints::list_cuts_of_blocks() {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> cuts;
+  for (std::uint32_t cut = 0; cut < cut_point_count(); ++cut)
+    each_block(static_cast<std::uint32_t>(vertex_count()) + cut,
+               [&](std::uint32_t block) { cuts.emplace_back(block, cut); });
+  cuts_.of_block = BlockLists(std::move(cuts), block_count());
 }
 
 LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
   const Uninterrupted whole;
-  origin_ = origin_of(positions);
+  origin_ = guide_.origin_of(positions);
   parallel_for(workers, stretch_largest_.size(), stretches_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t stretch = begin; stretch < end; ++stretch) narrow_stretch(positions, stretch);
   });
@@ -87,22 +100,21 @@ LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& wor
 
 LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
                                              std::span<const VertexRange> changed) noexcept {
-  changed_stretches_.clear(), changed_blocks_.clear(), changed_cuts_.clear();
-  changed_vertices_ = changed_cut_points_ = 0;
+  changed_.clear();
   for (const VertexRange& range : changed) mark(range);
-  changed_stretches_.each([&](std::uint32_t stretch) {
-    changed_vertices_ += stretches_[stretch].end - stretches_[stretch].begin;
+  changed_.stretches.each([&](std::uint32_t stretch) {
+    changed_.vertices += stretches_[stretch].end - stretches_[stretch].begin;
     narrow_stretch(positions, stretch);
   });
-  changed_blocks_.each([&](std::uint32_t block) {
-    for (const std::uint32_t cut : cuts_of_block_.of(block)) changed_cuts_.add(cut);
+  changed_.blocks.each([&](std::uint32_t block) {
+    for (const std::uint32_t cut : cuts_.of_block.of(block)) changed_.cuts.add(cut);
   });
   const Frame frame = finished_frame(positions);
   if (!frame.finite) return frame;
   // Those that follow each other at once.
   std::uint32_t begin = 0, end = 0;
-  changed_cuts_.each([&](std::uint32_t cut) {
-    ++changed_cut_points_;
+  changed_.cuts.each([&](std::uint32_t cut) {
+    ++changed_.cut_points;
     if (cut != end) move_cuts(begin, end), begin = cut;
     end = cut + 1;
   });
@@ -117,19 +129,19 @@ void LocalPoints::mark(const VertexRange& range) noexcept {
                                           [&](const VertexRange& s) { return s.end <= range.begin; });
   // mutant local-stretch: `begin <` -> `begin + 1 <`
   for (auto s = first; s != stretches_.end() && s->begin < range.end; ++s) {
-    changed_stretches_.add(static_cast<std::uint32_t>(s - stretches_.begin()));
+    changed_.stretches.add(static_cast<std::uint32_t>(s - stretches_.begin()));
     const std::uint32_t begin = std::max(s->begin, range.begin), end = std::min(s->end, range.end);
     // Vertices in the mesh's order share blocks with their neighbors.
-    for (std::uint32_t v = begin; v < end; v = mesh_order_ ? (v / per_block + 1) * per_block : v + 1)
-      changed_blocks_.add(point_of(v) / per_block);
+    for (std::uint32_t v = begin; v < end; v = numbers_.is_mesh_order() ? (v / per_block + 1) * per_block : v + 1)
+      changed_.blocks.add(point_of(v) / per_block);
   }
 }
 
 void LocalPoints::narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept {
   const auto [begin, end] = stretches_[stretch];
-  stretch_largest_[stretch] =
-      mesh_order_ ? narrow(positions, begin, end - begin, origin_, &points_[begin])
-                  : narrow_scattered(positions, begin, end - begin, origin_, &point_of_[begin], points_.data());
+  stretch_largest_[stretch] = numbers_.is_mesh_order() ? narrow(positions, begin, end - begin, origin_, &points_[begin])
+                                                       : narrow_scattered(positions, begin, end - begin, origin_,
+                                                                          numbers_.points_from(begin), points_.data());
 }
 
 // What is to be said of the points when all vertices are narrowed.
@@ -143,9 +155,9 @@ LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) co
     frame.first_bad_vertex = first_bad_vertex(positions, origin_);
     return frame;
   }
-  // mutant local-weight-slack: `weight_slack_` -> `0`
+  // mutant local-weight-slack: `cuts_.weight_slack` -> `0`
   // mutant local-origin: `max_norm(origin_)` -> `0`
-  frame.rounding = {static_cast<double>(largest), max_norm(origin_), weight_slack_};
+  frame.rounding = {static_cast<double>(largest), max_norm(origin_), cuts_.weight_slack};
   return frame;
 }
 
@@ -156,20 +168,21 @@ void LocalPoints::move_cut_points(Workers& workers) noexcept {
 
 // Those on edges come first.
 void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
-  const std::size_t on_edges = edge_cuts_.size(), edge_end = std::min(end, on_edges);
+  const std::size_t on_edges = cuts_.on_edges.size(), edge_end = std::min(end, on_edges);
   if (begin < edge_end)
-    kernels().move_edge_cuts(points_.data(), &edge_cuts_[begin], edge_end - begin, &points_[vertex_count_ + begin]);
+    kernels().move_edge_cuts(points_.data(), &cuts_.on_edges[begin], edge_end - begin,
+                             &points_[vertex_count() + begin]);
   const std::size_t inner_begin = std::max(begin, on_edges);
   if (inner_begin < end)
-    kernels().move_inner_cuts(points_.data(), &inner_cuts_[inner_begin - on_edges], end - inner_begin,
-                              &points_[vertex_count_ + inner_begin]);
+    kernels().move_inner_cuts(points_.data(), &cuts_.in_facets[inner_begin - on_edges], end - inner_begin,
+                              &points_[vertex_count() + inner_begin]);
 }
 
 // The rare way out, so on one thread: the answer cannot depend on chunks.
 std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept {
   const bool far = !(max_norm(origin) <= largest_origin_coordinate);
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    if (!is_used(v)) continue;
+    if (!numbers_.is_used(v)) continue;
     const Vec3f p(positions[v] - origin);
     const bool good = std::abs(p.x) <= largest_local_coordinate && std::abs(p.y) <= largest_local_coordinate &&
                       std::abs(p.z) <= largest_local_coordinate;

@@ -17,6 +17,60 @@
 
 namespace morula::detail {
 
+/// Which point is which vertex of the mesh: the ownership's numbers, and their inverse where it is not the identity.
+class VertexNumbers {
+ public:
+  /// vertices: the mesh vertex of each point, as Ownership has them.
+  VertexNumbers(std::size_t mesh_vertex_count, std::span<const std::uint32_t> vertices);
+
+  std::size_t count() const { return count_; }
+  /// Point i is mesh vertex i.
+  bool is_mesh_order() const { return point_of_.empty(); }
+  /// Do facets use the vertex?
+  bool is_used(std::size_t vertex) const { return is_mesh_order() ? vertex < count_ : point_of_[vertex] != no_point; }
+  /// Of a vertex that facets use.
+  std::uint32_t point_of(std::uint32_t vertex) const { return is_mesh_order() ? vertex : point_of_[vertex]; }
+  /// Where it is not the mesh's order: the points of the vertices from this one on.
+  const std::uint32_t* points_from(std::uint32_t vertex) const { return &point_of_[vertex]; }
+
+ private:
+  static constexpr std::uint32_t no_point = 0xffffffffu;
+  std::size_t count_;
+  std::vector<std::uint32_t> point_of_;  // empty in the mesh's order; no_point where no facet uses the vertex
+};
+
+/// What the origin of every frame is worked out from; the constructor of LocalPoints fills it, at rest.
+struct OriginGuide {
+  std::uint32_t vertex = 0;  ///< the one that the origin moves with
+  Vec3 vertex_rest;
+  Vec3 rest_origin;  ///< where origin_near() puts the origin at rest from: the center of the rest box
+  double size = 0;   ///< that it is given: the largest side of the rest box
+
+  Vec3 origin_of(const PositionView& positions) const noexcept;
+};
+
+/// How cut points hang on vertices; the constructor of LocalPoints fills it. The first point of each has the largest
+/// weight; each other one is `weight` of the way from it.
+struct LocalCuts {
+  std::vector<EdgeCut> on_edges;    ///< the points behind the vertices …
+  std::vector<InnerCut> in_facets;  ///< … and those behind these
+  BlockLists of_block;              ///< the cuts that depend on a block of vertices
+  double weight_slack = 0;          ///< Rounding::weight_slack, of the whole cover
+
+  std::size_t size() const { return on_edges.size() + in_facets.size(); }
+};
+
+/// What a partial update touches: each LocalPoints::move_changed() begins it anew.
+struct ChangedPoints {
+  Marks stretches, blocks, cuts;
+  std::size_t vertices = 0, cut_points = 0;  ///< read and moved
+
+  void clear() noexcept {
+    stretches.clear(), blocks.clear(), cuts.clear();
+    vertices = cut_points = 0;
+  }
+};
+
 class LocalPoints {
  public:
   LocalPoints(const MeshView& rest, const Cover& cover, const Ownership& ownership);
@@ -31,73 +85,62 @@ class LocalPoints {
   Frame move(const PositionView& positions, Workers& workers) noexcept;
 
   /// Would these positions have the origin of the frame before? Then what did not move need not be read again.
-  bool keeps_origin(const PositionView& positions) const noexcept { return origin_of(positions) == origin_; }
+  bool keeps_origin(const PositionView& positions) const noexcept { return guide_.origin_of(positions) == origin_; }
   /// The same frame as move() where only vertices in these ranges differ from the frame before, which was finite and
   /// had this origin. Cost: what is in the ranges, and a few operations per block of the rest.
   Frame move_changed(const PositionView& positions, std::span<const VertexRange> changed) noexcept;
   /// Blocks of vertices that the last move_changed was told of, how many vertices it read and cut points it moved.
-  const Marks& changed_blocks() const { return changed_blocks_; }
-  std::size_t changed_vertices() const { return changed_vertices_; }
-  std::size_t changed_cut_points() const { return changed_cut_points_; }
-  std::size_t block_count() const { return (vertex_count_ + vertices_per_block - 1) / vertices_per_block; }
+  const Marks& changed_blocks() const { return changed_.blocks; }
+  std::size_t changed_vertices() const { return changed_.vertices; }
+  std::size_t changed_cut_points() const { return changed_.cut_points; }
+  std::size_t block_count() const { return (vertex_count() + vertices_per_block - 1) / vertices_per_block; }
   /// visit(block) for each that a point depends on: its own, or those of a cut point's vertices.
   template <class Visit>
   void each_block(std::uint32_t point, const Visit& visit) const {
     constexpr auto block = static_cast<std::uint32_t>(vertices_per_block);
-    if (point < vertex_count_) return visit(point / block);
-    const std::size_t cut = point - vertex_count_;
-    if (cut < edge_cuts_.size()) {
-      for (const std::uint32_t p : edge_cuts_[cut].point) visit(p / block);
+    if (point < vertex_count()) return visit(point / block);
+    const std::size_t cut = point - vertex_count();
+    if (cut < cuts_.on_edges.size()) {
+      for (const std::uint32_t p : cuts_.on_edges[cut].point) visit(p / block);
     } else {
-      for (const std::uint32_t p : inner_cuts_[cut - edge_cuts_.size()].point) visit(p / block);
+      for (const std::uint32_t p : cuts_.in_facets[cut - cuts_.on_edges.size()].point) visit(p / block);
     }
   }
 
   /// Where origin_near() puts the origin at rest from, and the size it is given.
-  const Vec3& rest_origin() const { return rest_origin_; }
-  double size() const { return size_; }
+  const Vec3& rest_origin() const { return guide_.rest_origin; }
+  double size() const { return guide_.size; }
 
   /// Vertices in the ownership's order, then cut points.
   std::span<const LocalPoint> points() const { return points_; }
-  std::size_t vertex_count() const { return vertex_count_; }
-  std::size_t cut_point_count() const { return edge_cuts_.size() + inner_cuts_.size(); }
+  std::size_t vertex_count() const { return numbers_.count(); }
+  std::size_t cut_point_count() const { return cuts_.size(); }
   /// Point of a mesh vertex that facets use.
-  std::uint32_t point_of(std::uint32_t vertex) const { return mesh_order_ ? vertex : point_of_[vertex]; }
+  std::uint32_t point_of(std::uint32_t vertex) const { return numbers_.point_of(vertex); }
 
  private:
-  static constexpr std::uint32_t no_point = 0xffffffffu;
-  /// Do facets use the vertex?
-  bool is_used(std::size_t vertex) const {
-    return mesh_order_ ? vertex < vertex_count_ : point_of_[vertex] != no_point;
-  }
+  // The constructor's, in this order: blocks are listed of cuts and numbers.
+  void add_stretches(std::size_t mesh_vertex_count);
+  void add_cuts(const Cover& cover, const Ownership& ownership);
+  void list_cuts_of_blocks();
   std::size_t first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept;
-  Vec3 origin_of(const PositionView& positions) const noexcept;
   void mark(const VertexRange& range) noexcept;
   void narrow_stretch(const PositionView& positions, std::size_t stretch) noexcept;
   Frame finished_frame(const PositionView& positions) const noexcept;
   void move_cut_points(Workers& workers) noexcept;
   void move_cuts(std::size_t begin, std::size_t end) noexcept;
 
-  std::size_t vertex_count_;
-  bool mesh_order_;                      // point i is mesh vertex i; the next is empty then
-  std::vector<std::uint32_t> point_of_;  // of each vertex of the mesh; no_point where no facet uses it
-  // The first point has the largest weight; each other one is `weight` of the way from it.
-  std::vector<EdgeCut> edge_cuts_;    // points vertex_count_ …
-  std::vector<InnerCut> inner_cuts_;  // … and after those
-  std::vector<LocalPoint> points_;
+  VertexNumbers numbers_;
+  LocalCuts cuts_;
+  OriginGuide guide_;
   // Vertices that are narrowed at once: those of the mesh that facets use, in its order. Of each stretch the largest
   // |coordinate|; infinity when something in it is not finite.
   std::vector<VertexRange> stretches_;
   std::vector<float> stretch_largest_;
-  BlockLists cuts_of_block_;
-  Marks changed_stretches_, changed_blocks_, changed_cuts_;
-  std::size_t changed_vertices_ = 0, changed_cut_points_ = 0;
-  Vec3 origin_;       // of the last frame
-  Vec3 rest_origin_;  // the center of the rest box
-  Vec3 guide_rest_;   // the vertex that the origin moves with
-  std::uint32_t guide_ = 0;
-  double weight_slack_ = 0;
-  double size_ = 0;  // of the rest box, its largest side
+  // Of the last frame.
+  std::vector<LocalPoint> points_;
+  Vec3 origin_;
+  ChangedPoints changed_;
 };
 
 }  // namespace morula::detail

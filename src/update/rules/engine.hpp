@@ -31,20 +31,30 @@ struct RuleFrame {
   const BonePose* bones = nullptr;       ///< of an update by transforms
 };
 
-/// What a body is made from, while it is being made.
+/// Rules of a tree; the body's plan settles them before anything is bound.
+struct TreeRules {
+  std::vector<Rule> of_level{};
+  std::vector<Rule> of_node{};  ///< what each node follows: that of its level, but where a leaf has nothing to read
+};
+
+/// What poses the nodes of some rules; the body makes it before any engine. Null where it has no such model.
+struct Posers {
+  ModalPoser* modal;  ///< the engine of `modal` adds the rows of its nodes
+  const SkinPoser* skin;
+};
+
+/// What a body is made from, while it is being made; the body fills it once, before its first engine.
 struct Binding {
   MeshView mesh;
   const CoveredTree& model;
   const UpdateOptions& options;
-  std::span<const Rule> rule_of_level;
-  std::span<const Rule> rule_of_node;
+  const TreeRules& rules;
   const LeafOrder& order;
   const Ownership& ownership;
-  const TriangleBvh* bvh;                 ///< of the mesh; none where no node follows a link
-  const LocalPoints& local;               ///< at rest
-  const RuleFrame& rest;                  ///< without modes and bones
-  ModalPoser* modal_poser;                ///< of a body with modes
-  const SkinPoser* skin_poser;            ///< of a body with a skin
+  const TriangleBvh* bvh;    ///< of the mesh; none where no node follows a link
+  const LocalPoints& local;  ///< at rest
+  const RuleFrame& rest;     ///< without modes and bones
+  Posers posers;
   std::span<const Spheref> tree_spheres;  ///< the tree's, about the rest origin
   std::span<Spheref> spheres;  ///< at rest: engines write those of their nodes; nobody has written the tree's
   BindReport& report;

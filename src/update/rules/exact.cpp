@@ -186,7 +186,7 @@ void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& 
 }  // namespace
 
 ExactRule::ExactRule(const Binding& binding)
-    : walk_(binding.model.tree, binding.order, binding.ownership, nodes_with(binding.rule_of_node, Rule::exact)) {
+    : walk_(binding.model.tree, binding.order, binding.ownership, nodes_with(binding.rules.of_node, Rule::exact)) {
   // Nodes are independent, so they are looked at side by side; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   std::vector<std::uint32_t> cores(core_size * node_count), levels;

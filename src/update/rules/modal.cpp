@@ -133,7 +133,7 @@ ModalRule::ModalRule(const Binding& binding)
   const SphereTree& tree = model.tree;
   const UpdateOptions& options = binding.options;
   for (std::size_t level = 0; level < tree.level_count(); ++level)
-    if (binding.rule_of_level[level] == Rule::modal)
+    if (binding.rules.of_level[level] == Rule::modal)
       for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
         slot_[node] = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back({node});
@@ -158,7 +158,7 @@ ModalRule::ModalRule(const Binding& binding)
     double steepest = 0;
     for (const Vec3& column : row.gradient) steepest = std::max(steepest, max_norm(column));
     const double across = 3 * steepest * nodes_[i / mode_count_].rest.radius;
-    binding.modal_poser->add_row(i % mode_count_, std::max(max_norm(row.shift), across));
+    binding.posers.modal->add_row(i % mode_count_, std::max(max_norm(row.shift), across));
   }
 }
 
@@ -237,7 +237,7 @@ Sphere ModalRule::by_gradients(std::size_t slot, std::span<const double> coordin
 std::unique_ptr<RuleEngine> bind_modal(const Binding& binding) {
   auto engine = std::make_unique<ModalRule>(binding);
   const std::vector<double> at_rest(binding.options.modes.mode_count, 0.0);
-  const ModalPose pose = binding.modal_poser->pose(at_rest);
+  const ModalPose pose = binding.posers.modal->pose(at_rest);
   engine->update({.origin = pose.origin, .modes = &pose}, binding.spheres.size(), binding.spheres, binding.workers);
   return engine;
 }

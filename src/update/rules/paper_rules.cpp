@@ -172,8 +172,8 @@ PaperRules::PaperRules(const Binding& binding)
   level_begin_.push_back(0);
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
     for (std::uint32_t node = tree.level_begin[level]; node < tree.level_begin[level + 1]; ++node) {
-      if (!is_paper_rule(binding.rule_of_node[node])) continue;
-      Node n{.node = node, .rule = binding.rule_of_node[node]};
+      if (!is_paper_rule(binding.rules.of_node[node])) continue;
+      Node n{.node = node, .rule = binding.rules.of_node[node]};
       n.first_child = tree.first_child[node];
       n.child_count = tree.child_count[node];
       n.rest = binding.tree_spheres[node];

@@ -73,8 +73,8 @@ class SkinnedRule final : public RuleEngine {
  public:
   explicit SkinnedRule(const Binding& binding) {
     ShareSum sum(binding.options.skin, binding.model.cover);
-    for (std::uint32_t node = 0; node < binding.rule_of_node.size(); ++node) {
-      if (binding.rule_of_node[node] != Rule::skinned) continue;
+    for (std::uint32_t node = 0; node < binding.rules.of_node.size(); ++node) {
+      if (binding.rules.of_node[node] != Rule::skinned) continue;
       const std::vector<Share> shares = sum.shares_of(node);
       const auto begin = static_cast<std::uint32_t>(shares_.size());
       shares_.insert(shares_.end(), shares.begin(), shares.end());
@@ -126,7 +126,7 @@ class SkinnedRule final : public RuleEngine {
 std::unique_ptr<RuleEngine> bind_skinned(const Binding& binding) {
   auto engine = std::make_unique<SkinnedRule>(binding);
   const std::vector<AffineTransform> at_rest(binding.options.skin.bone_count);
-  const BonePose pose = binding.skin_poser->pose(binding.options.skin, at_rest);
+  const BonePose pose = binding.posers.skin->pose(binding.options.skin, at_rest);
   engine->update({.origin = pose.origin, .bones = &pose}, binding.spheres.size(), binding.spheres, binding.workers);
   return engine;
 }
