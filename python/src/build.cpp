@@ -85,7 +85,7 @@ void bind_build(nb::module_& m) {
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> CoveredTree"),
       (with_arguments(doc::build,
-                      {{"method", "octree, grid, hubbard, spawn, medial, combined or morula: all_methods()"},
+                      {{"method", "octree, grid, hubbard, spawn, medial, combined or optimized: all_methods()"},
                        {"branching", doc::BuildOptions_branching},
                        {"depth", doc::BuildOptions_depth},
                        {"spheres", doc::BuildOptions_spheres},

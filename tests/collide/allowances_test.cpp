@@ -16,6 +16,7 @@
 #include "collide/pairs/pair_kernels.hpp"
 #include "collide/pairs/placed_pair.hpp"
 #include "collide/pairs/tree_pair.hpp"
+#include "one_facet.hpp"
 #include "specimens.hpp"
 #include "update/points/rounding.hpp"
 
@@ -124,21 +125,8 @@ TEST(PairAllowance, pays_for_squares_that_underflow) {
 struct OneFacet {
   explicit OneFacet(const Triangle& corners, UpdateOptions options = {})
       : mesh{{corners.begin(), corners.end()}, {{0, 1, 2}}},
-        body(mesh, make(mesh), std::move(options)),
+        body(mesh, test::one_facet_model(), std::move(options)),
         collider(mesh, body) {}
-  static CoveredTree make(const Mesh& mesh) {
-    CoveredTree model;
-    model.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
-    model.cover.vertex_count = 3;
-    model.cover.facet_count = 1;
-    model.cover.patch_facet = {0};
-    model.cover.corner_begin = {0, 3};
-    model.cover.corners = {0, 1, 2};
-    model.cover.region_begin = {0};
-    model.cover.region_end = {1};
-    (void)mesh;
-    return model;
-  }
   Mesh mesh;
   Body body;
   Collider collider;

@@ -17,6 +17,7 @@
 #include "collide/pairs/placed_spheres.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "geometry/slab.hpp"
+#include "one_facet.hpp"
 #include "placed_bodies.hpp"
 
 namespace morula {
@@ -206,23 +207,13 @@ TEST(DistanceAllowance, of_the_first_witnesses_is_rounded_up) {
 // A modal body, whose radii are as good as double allows, of a triangle that reaches its sphere but for a little.
 struct OneFacet {
   explicit OneFacet(const Triangle& corners, bool modal)
-      : mesh{{corners.begin(), corners.end()}, {{0, 1, 2}}}, body(mesh, make(), options(modal)), collider(mesh, body) {}
+      : mesh{{corners.begin(), corners.end()}, {{0, 1, 2}}},
+        body(mesh, test::one_facet_model(), options(modal)),
+        collider(mesh, body) {}
   static UpdateOptions options(bool modal) {
     if (!modal) return {};
     return {.rules = {Rule::modal},
             .modes = {.vertex_count = 3, .mode_count = 1, .displacements = std::vector<Vec3>(3)}};
-  }
-  static CoveredTree make() {
-    CoveredTree model;
-    model.tree.append_level({}, std::vector<Sphere>{{{}, 1}});
-    model.cover.vertex_count = 3;
-    model.cover.facet_count = 1;
-    model.cover.patch_facet = {0};
-    model.cover.corner_begin = {0, 3};
-    model.cover.corners = {0, 1, 2};
-    model.cover.region_begin = {0};
-    model.cover.region_end = {1};
-    return model;
   }
   void expect_inside() const {
     const Sphere sphere = PlacedSpheres(collider)(0);

@@ -120,7 +120,7 @@ await claim('a_scene_shows_all_bodies_and_where_they_touch', async () => {
   morula('sample capsule -o tool.obj --resolution 10');
   writeFileSync(at('room.json'), JSON.stringify({ bodies: [
     { name: 'limb', mesh: 'limb.obj', tree: 'limb.morula', motion: 'bend' },
-    { name: 'tool', mesh: 'tool.obj', place: [0, 0.9, 0] },
+    { name: 'tool', mesh: 'tool.obj', translate: [0, 0.9, 0] },
     { name: 'far', mesh: 'tool.obj', path: [[5, 0, 0], [4, 0, 0], [3, 0, 0]] },
   ] }));
   morula('collide --scene room.json --page room.html -o room.csv');

@@ -14,8 +14,8 @@ export const colorings = [
 ];
 const measures = [
   ['looseness', 'Looseness'],
-  ['uncovered_area', 'Uncovered area'],
-  ['uncovered_distance', 'Uncovered distance'],
+  ['uncovered_area', 'Uncovered'],
+  ['uncovered_distance', 'Distance'],
   ['growth', 'Growth'],
 ];
 
@@ -151,7 +151,7 @@ export class Panel {
     }
     const frame = state.get('frame');
     const measured = scene.entry.measured !== null;
-    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Uncovered area', 'Uncovered distance'] : ['Largest growth'])];
+    const head = ['Level', 'Spheres', ...(measured ? ['Looseness', 'Uncovered', 'Distance'] : ['Largest growth'])];
     const rows = scene.levelSets.map((nodes, level) => {
       const cells = measured
         ? [

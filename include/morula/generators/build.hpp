@@ -88,7 +88,7 @@ struct BuildOptions {
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,
   /// merge and expand. Every one adds to the time; the best is taken for each node.
   std::vector<Reduction> reducers{};
-  Optimizer optimizer = Optimizer::none;  ///< for all methods but octree and morula
+  Optimizer optimizer = Optimizer::none;  ///< for all methods but octree and optimized
   double balance_excess = 0;              ///< for balance: share by which the worst sphere may stick out further
   Quality quality = Quality::standard;    ///< for method optimized
   /// Not negative. When it is over, nodes not yet divided stay leaves: the tree covers as ever, report.notes says what
