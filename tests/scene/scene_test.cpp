@@ -421,8 +421,7 @@ TEST(Scene, allocates_nothing_once_it_has_seen_the_motion) {
         }
         good = good && scene.update();
         for (const ScenePair& pair : scene.pairs()) contacts += pair.contacts.size(), began += pair.began;
-        scene.touch(Sphere{{2, 2, 0}, 1});
-        scene.first_hit({{-9, 1, 0.1}, {1, 0, 0}});
+        good = good && scene.touch(Sphere{{2, 2, 0}, 1}) && scene.first_hit({{-9, 1, 0.1}, {1, 0, 0}}).status;
       }
     };
     go();
