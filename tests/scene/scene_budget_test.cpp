@@ -108,7 +108,7 @@ TEST(Scene, a_long_wait_does_not_keep_pairs_from_being_begun_later) {
     // In the first updates of all, and in later ones.
     for (int waits = 1; waits < 5; ++waits) {
       wait_at = at;
-      for (int k = 0; k < waits; ++k) update();
+      for (int k = 0; k < waits; ++k) ASSERT_TRUE(update());
       wait_at = 0;
       int updates = 0;
       while (!update().finished && updates < 1000) ++updates;
