@@ -130,7 +130,9 @@ TEST(Scene, goes_on_where_it_ended_while_bodies_rest) {
     ASSERT_LT(updates, 1000u);
   }
   EXPECT_GT(updates, 2u);
-  EXPECT_EQ(scene.update().pair_tests, 0u);
+  const SceneStatus at_rest = scene.update();
+  ASSERT_TRUE(at_rest) << message(at_rest);
+  EXPECT_EQ(at_rest.pair_tests, 0u);
   EXPECT_TRUE(scene.ended().empty());
   for (const ScenePair& pair : scene.pairs()) EXPECT_FALSE(pair.began);
 }

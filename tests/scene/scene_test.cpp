@@ -251,7 +251,9 @@ TEST(Scene, the_last_move_before_sleep_counts) {
   ASSERT_EQ(touches(), 1u);
   scene.sleep(id_b);
   EXPECT_TRUE(scene.first_hit({{9, 0, 0}, {-1, 0, 0}}).first);
-  EXPECT_EQ(scene.update().pair_tests, 0u);
+  const SceneStatus at_rest = scene.update();
+  ASSERT_TRUE(at_rest) << message(at_rest);
+  EXPECT_EQ(at_rest.pair_tests, 0u);
   EXPECT_EQ(scene.pairs().size(), 1u);
 }
 
