@@ -41,7 +41,7 @@ struct Actor {
     follow();
   }
   void follow() {
-    body.update(positions);
+    require(body.update(positions));
     collider.set_positions(positions);
   }
   const Mesh& mesh;
@@ -96,7 +96,7 @@ void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tall
   };
   const auto see = [&] {
     crossings = brute_force::crossings(a.collider, b.collider);
-    exact.run(a.collider, b.collider);
+    tally.refused += !exact.run(a.collider, b.collider);
     tally.other_pairs += !std::equal(crossings.begin(), crossings.end(), exact.pairs().begin(), exact.pairs().end());
     tally.crossings += crossings.size();
     tally.poses_crossing += !crossings.empty();

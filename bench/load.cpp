@@ -139,8 +139,8 @@ std::vector<Stage> stages() {
          Body body(mesh, build(mesh, octree));
          std::vector<Vec3f> positions;
          for (const Vec3& p : mesh.positions) positions.emplace_back(1.2 * p.x, 0.8 * p.y + 0.1 * p.x * p.x, p.z);
-         body.update(positions);
-         const double seconds = processor_seconds_of([&] { body.update(positions); });
+         require(body.update(positions));
+         const double seconds = processor_seconds_of([&] { require(body.update(positions)); });
          std::vector<Sphere> spheres;
          body.copy_spheres(spheres);
          result.expect(certify(body.cover(), positions, spheres).covered, "surface outside the spheres");

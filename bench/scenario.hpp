@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/status.hpp>
 #include <morula/parallel/workers.hpp>
 #include <optional>
 #include <scenes/median.hpp>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,6 +88,12 @@ std::vector<Result> run_proximity(const Input& input, const Settings& settings);
 std::vector<Result> run_swept(const Input& input, const Settings& settings);
 std::vector<Result> run_filters(const Input& input, const Settings& settings);
 std::vector<Result> run_scene(const Input& input, const Settings& settings);
+
+/// For calls that the rest of a scenario depends on. Throws std::runtime_error with the message of a refused one. It is
+/// one comparison otherwise, so it may stand inside what is timed.
+inline void require(const Status& status) {
+  if (!status) throw std::runtime_error(message(status));
+}
 
 /// Wall-clock seconds of one call.
 template <class F>

@@ -58,14 +58,6 @@ function(morula_configure_msvc target)
   endif()
 endfunction()
 
-# morula_may_ignore_results(TARGET): a test or a timed loop may leave a status and judge what came of the call. After
-# morula_configure: a later -Wall would ask for the warning again.
-function(morula_may_ignore_results target)
-  if(MORULA_GNU_LIKE)
-    target_compile_options(${target} PRIVATE -Wno-unused-result)
-  endif()
-endfunction()
-
 # morula_compile_together(TARGET): its sources are compiled eight at once where MORULA_UNITY says so, so that headers are read
 # and templates made once for all of them: most of a build's time where text, JSON and the command line are handled. The core is
 # compiled source by source everywhere, so that what is measured is what everybody compiles; the preset dev and the test

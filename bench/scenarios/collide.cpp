@@ -95,14 +95,14 @@ Result overrun(const Input& input, const Collider& a, const Collider& b, const K
   };
   ContactQuery query(options);
   query.add(a, b);
-  query.run();  // its memory
+  require(query.run());  // its memory
   const Contacts& contacts = query.contacts();
   bool inside = true;
   std::size_t interrupted = 0;
   for (int i = 0; i < 5000; ++i) {
     first_look = 0;
     const double start = thread_seconds();
-    query.run();
+    require(query.run());
     result.seconds.push_back(thread_seconds() - start);
     over.push_back(1e-9 * static_cast<double>(last_look - first_look - budget.count()));
     interrupted += !contacts.finished;
@@ -125,7 +125,7 @@ Result stopped(const Input& input, const Collider& a, const Collider& b, const K
   Result result = result_of("stopped with surfaces", input);
   ContactQuery query({.surfaces = true});
   query.add(a, b);
-  const auto cost = [&] { return median(timed_calls(settings, [&] { query.run(); })); };
+  const auto cost = [&] { return median(timed_calls(settings, [&] { require(query.run()); })); };
   const double whole = cost();
   const auto tests = static_cast<std::int64_t>(query.contacts().pair_tests);
   double largest = 0;
@@ -150,11 +150,11 @@ Result first_calls(const Input& input, const Collider& a, const Collider& b, con
     for (std::vector<double>* times : {&cold, &warm}) {
       ContactQuery query({.surfaces = true});
       query.add(a, b);
-      if (times == &warm) query.warm_up();
+      if (times == &warm) require(query.warm_up());
       const double start = thread_seconds();
-      query.start();
+      require(query.start());
       const double first = thread_seconds();
-      query.start();
+      require(query.start());
       later.push_back(thread_seconds() - first);
       times->push_back(first - start);
       result.expect(keys(query.contacts()) == all, "other contacts");
@@ -174,8 +174,8 @@ Result carried(std::string item, const Input& input, Body& body, Collider& a, co
   const double size = bounding_box(input.mesh).diagonal();
   Random random(1);
   std::vector<Vec3> positions = input.mesh.positions;
-  body.update(positions);
-  query.start();
+  require(body.update(positions));
+  require(query.start());
   std::size_t tests = 0, fresh_tests = 0;
   bool same = true;
   std::vector<double> fresh_seconds;
@@ -185,18 +185,18 @@ Result carried(std::string item, const Input& input, Body& body, Collider& a, co
         for (std::size_t i = 0; i < positions.size(); ++i)
           for (int axis = 0; axis < 3; ++axis)
             positions[i][axis] = input.mesh.positions[i][axis] + shake * size * random.uniform(-1, 1);
-      body.update(positions);
+      require(body.update(positions));
       double start = thread_seconds();
-      query.carry();
+      require(query.carry());
       result.seconds.push_back(thread_seconds() - start);
       start = thread_seconds();
-      fresh.start();
+      require(fresh.start());
       fresh_seconds.push_back(thread_seconds() - start);
       tests += query.contacts().pair_tests, fresh_tests += fresh.contacts().pair_tests;
       same = same && keys(query.contacts()) == keys(fresh.contacts());
     }
   });
-  body.update(input.mesh.positions);
+  require(body.update(input.mesh.positions));
   result.expect(same, "other contacts than those of a fresh query");
   result.figures = {{"fresh tests per carried one", static_cast<double>(fresh_tests) / static_cast<double>(tests)},
                     {"fresh us", 1e6 * median(fresh_seconds)},
@@ -224,13 +224,13 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   const double deep = 0.35;
   double moderate = deep;
   for (shift(moderate); moderate < 2; shift(moderate += 0.01)) {
-    query.run();
+    require(query.run());
     if (contacts.contacts.size() <= model.tree.leaf_count()) break;
   }
 
   const auto all_leaves = [&](std::string item) {
     Result leaves = result_of(std::move(item), input);
-    leaves.seconds = timed_calls(settings, [&] { query.run(); });
+    leaves.seconds = timed_calls(settings, [&] { require(query.run()); });
     leaves.expect(agrees_with_doubles(a, b, keys(contacts), 1e-5 * box.diagonal()), "other pairs than in double");
     leaves.figures = {{"us", 1e6 * median(leaves.seconds)},
                       {"contacts", static_cast<double>(contacts.contacts.size())},
@@ -247,7 +247,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
 
   Result surfaces = result_of("all leaf contacts with surfaces", input);
   query.set_options({.surfaces = true});
-  surfaces.seconds = timed_calls(settings, [&] { query.run(); });
+  surfaces.seconds = timed_calls(settings, [&] { require(query.run()); });
   surfaces.expect(keys(contacts) == all && contacts.surfaces.size() == contacts.contacts.size(), "other contacts");
   surfaces.figures = {{"us", 1e6 * median(surfaces.seconds)}};
   results.push_back(std::move(surfaces));
@@ -267,7 +267,7 @@ std::vector<Result> run_collide(const Input& input, const Settings& settings) {
   results.push_back(carried("carried, trembling by 1e-5", input, body_a, a, b, 1e-5, settings));
   results.push_back(carried("carried, trembling by 1e-3", input, body_a, a, b, 1e-3, settings));
   shift(deep);
-  query.run();
+  require(query.run());
   results.push_back(overrun(input, a, b, keys(contacts), whole_deep));
   results.push_back(sweep_poses(settings.questions, settings));
   return results;

@@ -127,8 +127,8 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
   bool equal = true, moved = true;
   std::vector<PairKeys> expected;
   for (std::size_t f = 0; f < a.frames.size(); ++f) {
-    moved = moved && move(f);
-    found.run(a.collider, b.collider);
+    moved = move(f) && moved;
+    require(found.run(a.collider, b.collider));
     expected.push_back(pairs_of(found));
     if (f < checks) {
       const std::vector<Crossing> all = brute_force::crossings(a.collider, b.collider);
@@ -139,26 +139,26 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
     read += static_cast<double>(found.facets_read());
     leaf_pairs += static_cast<double>(found.leaf_pairs());
   }
-  own.expect(moved, "an update was refused");
   own.expect(equal, "not the pairs of brute force");
 
   bool same = true;
   PairKeys theirs;
   timed(settings, [&] {
     for (std::size_t f = 0; f < a.frames.size(); ++f) {
-      const double moving = processor_seconds_of([&] { move(f); });
-      own.seconds.push_back(processor_seconds_of([&] { found.run(a.collider, b.collider); }));
+      const double moving = processor_seconds_of([&] { moved = move(f) && moved; });
+      own.seconds.push_back(processor_seconds_of([&] { require(found.run(a.collider, b.collider)); }));
       own_with_update.push_back(moving + own.seconds.back());
       same = same && pairs_of(found) == expected[f];
       const double following = processor_seconds_of([&] {
-        move(f);
+        moved = move(f) && moved;
         same_of_deep = same_of_deep && deep_a.follow(a.collider) && deep_b.follow(b.collider);
       });
-      deep.seconds.push_back(processor_seconds_of([&] { of_deep.run(deep_a, deep_b); }));
+      deep.seconds.push_back(processor_seconds_of([&] { require(of_deep.run(deep_a, deep_b)); }));
       deep_with_update.push_back(following + deep.seconds.back());
       same_of_deep = same_of_deep && pairs_of(of_deep) == expected[f];
-      const double updating = processor_seconds_of([&] { tree_a.update(a.frames[f]), tree_b.update(b.frames[f]); });
-      trees.seconds.push_back(processor_seconds_of([&] { of_trees.run(tree_a, tree_b); }));
+      const double updating =
+          processor_seconds_of([&] { require(tree_a.update(a.frames[f])), require(tree_b.update(b.frames[f])); });
+      trees.seconds.push_back(processor_seconds_of([&] { require(of_trees.run(tree_a, tree_b)); }));
       trees_with_update.push_back(updating + trees.seconds.back());
       same_of_trees = same_of_trees && pairs_of(of_trees) == expected[f];
       for (CrossingRival& rival : rivals) {
@@ -171,6 +171,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
       }
     }
   });
+  own.expect(moved, "an update was refused");
   own.expect(same, "other pairs in a repeated frame");
   trees.expect(same_of_trees, "not the pairs of the sphere trees");
   deep.expect(same_of_deep, "not the pairs of the sphere trees");

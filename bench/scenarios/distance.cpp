@@ -79,7 +79,7 @@ class Scene {
         a_(input.mesh, bent_),
         b_(input.mesh, rest_),
         size_(bounding_box(input.mesh).diagonal()) {
-    bent_.update(positions_);
+    require(bent_.update(positions_));
     a_.set_positions(positions_);
     count_ = std::clamp<std::size_t>(settings.questions / 100, 10, 200);
     checks_ = std::min(checked_distances, count_ / 4);
@@ -124,7 +124,7 @@ class Scene {
       std::size_t asked = 0, crossing = 0, unsound = 0, loose = 0;
       for (const RigidTransform& start : transforms) {
         b_.set_transform(start);
-        query.run(a_, b_, options);  // memory, and where frames are coherent the last answer
+        require(query.run(a_, b_, options).status);  // memory, and where frames are coherent the last answer
         for (int step = 0; step <= warm_steps; ++step) {
           RigidTransform moved = start;
           moved.translation += Vec3{1, 0.5, -0.3} * (0.002 * size_ * step);

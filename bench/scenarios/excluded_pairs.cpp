@@ -100,8 +100,9 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
   move(tree);
   Query plain(plain_options);
   std::vector<Result> results{{.scenario = "filters", .item = kind, .mesh = input.name}};
-  timed(settings,
-        [&] { results[0].seconds.push_back(processor_seconds_of([&] { plain.run(tree, *settings.workers); })); });
+  timed(settings, [&] {
+    results[0].seconds.push_back(processor_seconds_of([&] { require(plain.run(tree, *settings.workers)); }));
+  });
   const std::vector<FeaturePair> all = pairs_of(plain);
   results[0].figures = {{"pairs", static_cast<double>(all.size())}};
   results[0].expect(!all.empty(), "nothing is near: take a body that can be poked through itself");
@@ -110,9 +111,10 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
     Options options = plain_options;
     options.filter = filter;
     Query query(options);
-    const double first = processor_seconds_of([&] { query.run(tree, *settings.workers); });
-    timed(settings,
-          [&] { result.seconds.push_back(processor_seconds_of([&] { query.run(tree, *settings.workers); })); });
+    const double first = processor_seconds_of([&] { require(query.run(tree, *settings.workers)); });
+    timed(settings, [&] {
+      result.seconds.push_back(processor_seconds_of([&] { require(query.run(tree, *settings.workers)); }));
+    });
     Judge judge(input.mesh, tree, filter);
     std::vector<FeaturePair> expected;
     for (const FeaturePair& pair : all)
@@ -144,12 +146,12 @@ std::vector<Result> run_filters(const Input& input, const Settings& settings) {
   const auto add = [&](std::vector<Result>&& more) {
     for (Result& result : more) results.push_back(std::move(result));
   };
-  const auto to_deepest = [&](SurfaceTree& tree) { tree.update(deepest); };
+  const auto to_deepest = [&](SurfaceTree& tree) { require(tree.update(deepest)); };
   add(with_filters<SurfaceCrossingQuery>("crossings", input, settings, filters, SurfaceCrossingOptions{}, to_deepest));
   add(with_filters<ProximityQuery>("proximity", input, settings, filters,
                                    ProximityOptions{.distance = 0.004 * diagonal}, to_deepest));
   add(with_filters<SweptQuery>("swept", input, settings, filters, SweptOptions{},
-                               [&](SurfaceTree& tree) { tree.update(before, deepest); }));
+                               [&](SurfaceTree& tree) { require(tree.update(before, deepest)); }));
   return results;
 }
 

@@ -138,7 +138,8 @@ std::vector<Result> crossings_with_itself(const Input& input, const Settings& se
   std::vector<std::uint64_t> theirs, ours;
   timed(settings, [&] {
     for (const Frame& frame : frames) {
-      own.seconds.push_back(processor_seconds_of([&] { tree.update(frame), query.run(tree, *settings.workers); }));
+      own.seconds.push_back(
+          processor_seconds_of([&] { require(tree.update(frame)), require(query.run(tree, *settings.workers)); }));
       pairs += static_cast<double>(query.pairs().size());
       if (!peer) continue;
       theirs.clear();
@@ -171,15 +172,15 @@ std::vector<Result> updates_of_everything(const Input& input, const Settings& se
   bool same = true, contained = true;
   timed(settings, [&] {
     for (std::size_t f = 0; f < frames.size(); ++f) {
-      own.seconds.push_back(processor_seconds_of([&] { tree.update(frames[f]); }));
-      file_seconds.push_back(processor_seconds_of([&] { file.update(file_frames[f]); }));
+      own.seconds.push_back(processor_seconds_of([&] { require(tree.update(frames[f])); }));
+      file_seconds.push_back(processor_seconds_of([&] { require(file.update(file_frames[f])); }));
       if (peer) {
         peer->take(file_frames[f]);
         embree.seconds.push_back(processor_seconds_of([&] { peer->refit(); }));
       }
       if (f % 8 != 0) continue;
-      again.update(frames[frames.size() - 1 - f]);
-      again.update(frames[f]);
+      require(again.update(frames[frames.size() - 1 - f]));
+      require(again.update(frames[f]));
       same = same && again.hash() == tree.hash();
       contained = contained && (!peer || peer->contains_facets());
     }
@@ -221,15 +222,17 @@ std::vector<Result> run_proximity(const Input& input, const Settings& settings) 
   timed(settings, [&] {
     for (const Frame& frame : frames) {
       own.seconds.push_back(processor_seconds_of([&] {
-        tree.update(frame);
-        candidates += static_cast<double>(query.run(tree, *settings.workers).candidates);
+        require(tree.update(frame));
+        const SurfaceQueryStatus status = query.run(tree, *settings.workers);
+        require(status);
+        candidates += static_cast<double>(status.candidates);
       }));
       pairs += static_cast<double>(query.pairs().size());
     }
   });
   if (input.mesh.facet_count() <= most_facets_by_force) {
-    tree.update(frames[12]);
-    all.run(tree);
+    require(tree.update(frames[12]));
+    require(all.run(tree));
     // Slabs between nearest points bound the distance from below by other arithmetic.
     const std::vector<FeaturePair> expected = by_force(tree, [&](const FeaturePair& pair) {
       const bool edges = pair.kind == PairKind::edge_edge;
@@ -255,16 +258,17 @@ std::vector<Result> run_swept(const Input& input, const Settings& settings) {
   double near = 0, pairs = 0;
   timed(settings, [&] {
     for (std::size_t f = 0; f + 1 < frames.size(); ++f) {
-      const double updating = processor_seconds_of([&] { tree.update(frames[f], frames[f + 1]); });
-      boxes.seconds.push_back(updating + processor_seconds_of([&] { candidates.run(tree, *settings.workers); }));
-      impacts.seconds.push_back(updating + processor_seconds_of([&] { query.run(tree, *settings.workers); }));
+      const double updating = processor_seconds_of([&] { require(tree.update(frames[f], frames[f + 1])); });
+      boxes.seconds.push_back(updating +
+                              processor_seconds_of([&] { require(candidates.run(tree, *settings.workers)); }));
+      impacts.seconds.push_back(updating + processor_seconds_of([&] { require(query.run(tree, *settings.workers)); }));
       near += static_cast<double>(candidates.candidates().size());
       pairs += static_cast<double>(query.pairs().size());
     }
   });
   if (input.mesh.facet_count() <= most_facets_by_force) {
-    tree.update(frames[11], frames[12]);
-    query.run(tree);
+    require(tree.update(frames[11], frames[12]));
+    require(query.run(tree));
     const std::vector<FeaturePair> expected = by_force(tree, [&](const FeaturePair& pair) {
       const bool edges = pair.kind == PairKind::edge_edge;
       const Corners a(tree, !edges, edges, pair.a), b(tree, false, edges, pair.b);

@@ -103,7 +103,7 @@ std::vector<Result> run_measure(const Input& input, const Settings& settings) {
   Mesh bent = input.mesh;
   bent.positions = deform(input.mesh, {Bend{90}}, 1.0);
   Body body(input.mesh, model, {.rules = {Rule::approach2}}, *settings.workers);
-  body.update(bent.positions, *settings.workers);
+  require(body.update(bent.positions, *settings.workers));
   const std::vector<Sphere> moved = level_set_spheres(body.current_tree(), leaf_level);
   results.push_back(time_coverage("coverage bent, approach2", input, bent, moved, false, settings));
 

@@ -78,7 +78,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
   bool same = true;
   timed(settings, [&] {
     for (std::size_t f = 0; f < frames.size(); ++f) {
-      result.seconds.push_back(seconds_of([&] { body.update_modal(frames[f], *settings.workers); }));
+      result.seconds.push_back(seconds_of([&] { require(body.update_modal(frames[f], *settings.workers)); }));
       same = same && body.hash() == hashes[f];
     }
   });

@@ -86,7 +86,8 @@ std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered,
 
   // All in turn, so that a machine that is busy for a while is busy for all of them.
   timed(settings, [&] {
-    for (const Frame& frame : frames) exact.seconds.push_back(processor_seconds_of([&] { body.update(frame); }));
+    for (const Frame& frame : frames)
+      exact.seconds.push_back(processor_seconds_of([&] { require(body.update(frame)); }));
     for (Rival& rival : others)
       for (const Frame& frame : frames) {
         if (!rival.peer) break;
@@ -105,10 +106,12 @@ std::vector<Result> compare(const std::string& mesh_name, const Mesh& unordered,
                             {"times exact", theirs / own},
                             {"leaves", static_cast<double>(mesh.facet_count())}};
   }
+  const UpdateStatus work = body.update(frames.front());
+  require(work);
   exact.figures = {{"ns/vertex", nanoseconds_per_vertex(exact.seconds, mesh)},
                    {"spheres", static_cast<double>(model.tree.node_count())},
                    {"leaves", static_cast<double>(model.tree.leaf_count())},
-                   {"cut points", static_cast<double>(body.update(frames.front()).cut_points_moved)}};
+                   {"cut points", static_cast<double>(work.cut_points_moved)}};
   if (best) exact.figures.push_back({"times faster than the best peer", *best / own});
 
   std::vector<Result> results{std::move(exact)};

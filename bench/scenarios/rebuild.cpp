@@ -104,7 +104,7 @@ class Comparison {
 
   Figures measured(const RebuiltFrame& frame) {
     const Mesh mesh = mesh_at(input_.mesh, frame.positions);
-    paper_.update(frame.positions, workers_);
+    require(paper_.update(frame.positions, workers_));
     const SphereTree paper = paper_.current_tree();
     return {leaf_looseness(mesh, frame.tree), leaf_looseness(mesh, build(mesh, build_, workers_).tree),
             leaf_looseness(mesh, paper),
@@ -133,11 +133,11 @@ std::vector<double> least_times(RebuiltBody& body, const Input& input, const Nam
                                 const Settings& settings) {
   std::vector<double> least(frame_count, INFINITY);
   for (int round = 0; round < 5; ++round) {
-    body.update(frame_at(input.mesh, motion.deformation, 0), *settings.workers);
+    require(body.update(frame_at(input.mesh, motion.deformation, 0), *settings.workers).update);
     for (std::size_t frame = 1; frame <= frame_count; ++frame) {
       const std::vector<Vec3f> positions = frame_at(input.mesh, motion.deformation, frame);
       const double before = thread_seconds();
-      body.update(positions, *settings.workers);
+      require(body.update(positions, *settings.workers).update);
       least[frame - 1] = std::min(least[frame - 1], thread_seconds() - before);
     }
   }
@@ -165,7 +165,7 @@ Result rebuilt_over(const NamedMotion& motion, const Setting& setting, RebuildEf
   };
   RebuiltBody body(input.mesh, home, options, *settings.workers);
   const std::vector<Vec3f> rest = frame_at(input.mesh, motion.deformation, 0);
-  body.update(rest, *settings.workers);
+  require(body.update(rest, *settings.workers).update);
   const std::uint64_t rest_hash = body.body().hash();
 
   bool covered = true;
@@ -185,7 +185,7 @@ Result rebuilt_over(const NamedMotion& motion, const Setting& setting, RebuildEf
       compared.push_back({positions, body.body().current_tree(), body.report().looseness.back()});
   }
   result.expect(covered, "surface outside the spheres");
-  body.update(rest, *settings.workers);
+  require(body.update(rest, *settings.workers).update);
   result.expect(body.body().hash() == rest_hash, "back at rest the spheres are not those of rest");
 
   if (options.thread == RebuildThread::none) result.seconds = least_times(body, input, motion, settings);

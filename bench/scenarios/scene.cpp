@@ -99,7 +99,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
     for (std::size_t f = 0; f < frames.size(); ++f, ++frame) {
       for (std::size_t i = 0; i < members.size(); ++i) {
         Member& m = *members[i];
-        m.body.update(frames[(f + 7 * i) % frames.size()], *settings.workers);
+        require(m.body.update(frames[(f + 7 * i) % frames.size()], *settings.workers));
         const double t = 2 * 3.14159265358979 * static_cast<double>(f) / static_cast<double>(frames.size()) + m.phase;
         const Vec3 sway{std::sin(t), std::cos(t), std::sin(2 * t)};
         m.collider.set_transform(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
@@ -173,7 +173,7 @@ class OwnBoxes final : public BoxPeer {
   OwnBoxes(std::span<const Box> boxes, std::size_t moving_count) {
     for (std::size_t i = 0; i < boxes.size(); ++i) broad_.add(boxes[i], i >= moving_count);
   }
-  void move(std::size_t box, const Box& to) override { broad_.move(static_cast<std::uint32_t>(box), to); }
+  void move(std::size_t box, const Box& to) override { require(broad_.move(static_cast<std::uint32_t>(box), to)); }
   void find(std::vector<std::uint64_t>& pairs) override {
     broad_.update();
     for (const BoxPair& pair : broad_.pairs()) pairs.push_back(std::uint64_t{pair.a} << 32 | pair.b);

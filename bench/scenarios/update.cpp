@@ -78,7 +78,7 @@ Result update_by(Rule rule, const Input& input, const CoveredTree& model, const 
 
   bool same = true;
   result.seconds = timed_frames(settings, frames.size(), [&](std::size_t f) {
-    const double seconds = seconds_of([&] { body.update(frames[f], *settings.workers); });
+    const double seconds = seconds_of([&] { require(body.update(frames[f], *settings.workers)); });
     same = same && body.hash() == hashes[f];
     return seconds;
   });
@@ -107,7 +107,7 @@ Result twenty_bodies(const Input& input, const CoveredTree& model, const std::ve
   const auto frame_of = [&](std::size_t body) -> const Frame& { return frames[body % frames.size()]; };
   const auto update_all = [&](Workers& workers) {
     parallel_for(workers, count, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) bodies[i].update(frame_of(i));
+      for (std::size_t i = begin; i < end; ++i) require(bodies[i].update(frame_of(i)));
     });
   };
   std::vector<std::uint64_t> alone;
@@ -152,12 +152,12 @@ struct Runner {
 
   Runner(const Mesh& its_mesh, const CoveredTree& model, Rule rule)
       : mesh(its_mesh), frames(bend_and_back(mesh)), body(mesh, model, {.rules = {rule}}) {
-    for (const Frame& frame : frames) body.update(frame), hashes.push_back(body.hash());
+    for (const Frame& frame : frames) require(body.update(frame)), hashes.push_back(body.hash());
   }
   bool run_all() {
     bool same = true;
     for (std::size_t f = 0; f < frames.size(); ++f) {
-      seconds.push_back(processor_seconds_of([&] { body.update(frames[f]); }));
+      seconds.push_back(processor_seconds_of([&] { require(body.update(frames[f])); }));
       same = same && body.hash() == hashes[f];
     }
     return same;
@@ -180,7 +180,7 @@ Result side_by_side(const Input& input, const CoveredTree& model, const Settings
   Body changing(in_order, built_in_order), whole(in_order, built_in_order);
   Frame moving = leaf.frames[leaf.frames.size() / 2];
   const auto count = static_cast<std::uint32_t>(std::max<std::size_t>(moving.size() / 100, 1));
-  changing.update(moving);
+  require(changing.update(moving));
   std::vector<double> changed_seconds, one_thread, all_threads, reading_alone, reading_by_all;
   std::uint32_t first = 0;
   bool same = true;
@@ -189,10 +189,10 @@ Result side_by_side(const Input& input, const CoveredTree& model, const Settings
     for (std::size_t k = 0; k < leaf.frames.size(); ++k) {
       const VertexRange range{first, first + count};
       for (std::uint32_t v = range.begin; v < range.end; ++v) moving[v].x += k % 2 == 0 ? 1e-3f : -1e-3f;
-      const double seconds = processor_seconds_of([&] { changing.update(moving, std::span(&range, 1)); });
+      const double seconds = processor_seconds_of([&] { require(changing.update(moving, std::span(&range, 1))); });
       if (is_timed) changed_seconds.push_back(seconds);
       if (!is_timed || k + 1 == leaf.frames.size()) {
-        whole.update(moving);
+        require(whole.update(moving));
         same = same && whole.hash() == changing.hash();
       }
       first = (first + 7 * count) % (static_cast<std::uint32_t>(moving.size()) - count + 1);
@@ -203,8 +203,8 @@ Result side_by_side(const Input& input, const CoveredTree& model, const Settings
     change_some(false);
     change_some(true);
     for (std::size_t f = 0; f < leaf.frames.size(); ++f) {
-      one_thread.push_back(seconds_of([&] { whole.update(leaf.frames[f]); }));
-      all_threads.push_back(seconds_of([&] { leaf.body.update(leaf.frames[f], *settings.workers); }));
+      one_thread.push_back(seconds_of([&] { require(whole.update(leaf.frames[f])); }));
+      all_threads.push_back(seconds_of([&] { require(leaf.body.update(leaf.frames[f], *settings.workers)); }));
       std::uint32_t alone = 0, by_all = 0;
       reading_alone.push_back(seconds_of([&] { alone = xor_of_coordinates(leaf.frames[f], serial_workers()); }));
       reading_by_all.push_back(seconds_of([&] { by_all = xor_of_coordinates(leaf.frames[f], *settings.workers); }));

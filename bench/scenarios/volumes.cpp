@@ -44,7 +44,7 @@ Poses make_poses(const Frame& frame, const Input& input, const CoveredTree& mode
   // The tightest of all decide.
   const std::unique_ptr<Volumes> here = volume_kinds().back().make(input.mesh, model);
   const std::unique_ptr<Volumes> there = volume_kinds().back().make(input.mesh, model);
-  here->update(frame, serial_workers());
+  require(here->update(frame, serial_workers()));
   const std::size_t few = model.tree.leaf_count() / 50;
 
   Poses poses;
@@ -58,7 +58,7 @@ Poses make_poses(const Frame& frame, const Input& input, const CoveredTree& mode
     double inside = 0, apart = 4;
     for (int step = 0; step < 12; ++step) {
       const double middle = 0.5 * (inside + apart);
-      there->update(at(middle), serial_workers());
+      require(there->update(at(middle), serial_workers()));
       (here->traverse(*there).touching_leaves > few ? inside : apart) = middle;
     }
     poses.touching.push_back(at(inside));
@@ -84,6 +84,7 @@ Contender contender(const VolumeKind& kind, const Input& input, const CoveredTre
   bool updated = true;
   for (const Frame& frame : frames) {
     c.work = c.volumes->update(frame, serial_workers());
+    require(c.work);
     updated = updated && c.work;
     c.hashes.push_back(c.volumes->hash());
     c.covers = c.covers && c.volumes->covers(frame);
@@ -100,13 +101,14 @@ void time_frames(std::vector<Contender>& contenders, const std::vector<Frame>& f
   timed(settings, [&] {
     for (Contender& c : contenders)
       for (std::size_t f = 0; f < frames.size(); ++f) {
-        c.result.seconds.push_back(processor_seconds_of([&] { c.volumes->update(frames[f], serial_workers()); }));
+        c.result.seconds.push_back(
+            processor_seconds_of([&] { require(c.volumes->update(frames[f], serial_workers())); }));
         c.same = c.same && c.volumes->hash() == c.hashes[f];
       }
   });
   for (Contender& c : contenders)
     for (std::size_t f = 0; f < frames.size(); ++f) {
-      c.volumes->update(frames[f], *settings.workers);
+      require(c.volumes->update(frames[f], *settings.workers));
       c.same = c.same && c.volumes->hash() == c.hashes[f];
     }
 }
@@ -143,7 +145,7 @@ void count_pairs(Contender& c, const Volumes& here, Volumes& there, const std::v
   double seconds = 0;
   bool same = true;
   for (const Frame& pose : poses) {
-    there.update(pose, serial_workers());
+    require(there.update(pose, serial_workers()));
     Pairs pairs;
     seconds += processor_seconds_of([&] { pairs = here.traverse(there); });
     sum.tests += pairs.tests, sum.touching_leaves += pairs.touching_leaves;
@@ -179,7 +181,7 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
                         {"cut points", static_cast<double>(c.work.cut_points_moved)},
                         {"bytes/node", static_cast<double>(c.volumes->bytes_per_node())},
                         {"covers all frames", c.covers ? 1.0 : 0.0}};
-    c.volumes->update(bent, serial_workers());
+    require(c.volumes->update(bent, serial_workers()));
   }
   if (inspect(input.mesh).has_volume()) {
     measure_looseness(contenders, model.tree, {bent, input.mesh.facets}, settings);
@@ -188,7 +190,7 @@ std::vector<Result> run_volumes(const Input& unordered, const Settings& settings
   std::vector<Result> results;
   for (Contender& c : contenders) {
     const std::unique_ptr<Volumes> there = c.kind->make(input.mesh, model);
-    c.volumes->update(bent, serial_workers());
+    require(c.volumes->update(bent, serial_workers()));
     count_pairs(c, *c.volumes, *there, poses.deep, "deep");
     count_pairs(c, *c.volumes, *there, poses.touching, "touching");
     results.push_back(std::move(c.result));

@@ -361,9 +361,10 @@ TEST(Coverage, has_the_same_bits_for_any_number_of_workers) {
 TEST(Coverage, refuses_bad_spheres_by_name) {
   const Mesh mesh = grid_plate(1);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(coverage(mesh, {}), std::invalid_argument);
-  EXPECT_THROW(coverage(mesh, std::vector<Sphere>{{{0, 0, 0}, 1}, {{0, nan, 0}, 1}}), std::invalid_argument);
-  EXPECT_THROW(coverage(mesh, std::vector<Sphere>{{{0, 0, 0}, -1}}), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(coverage(mesh, {})), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(coverage(mesh, std::vector<Sphere>{{{0, 0, 0}, 1}, {{0, nan, 0}, 1}})),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(coverage(mesh, std::vector<Sphere>{{{0, 0, 0}, -1}})), std::invalid_argument);
 }
 
 }  // namespace

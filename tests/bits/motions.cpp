@@ -58,15 +58,15 @@ std::uint64_t hash_of_motion(Body body, const Poses& poses, Workers& workers) {
 std::uint64_t hash_of_parts(Body body, const Poses& poses, Workers& workers) {
   Sum sum;
   std::vector<Vec3> now = poses[1];
-  body.update(now, workers);
+  require(body.update(now, workers));
   const auto count = static_cast<std::uint32_t>(now.size());
   for (std::uint32_t k = 0; k < 6; ++k) {
     const VertexRange moved{count * k / 7, count * k / 7 + count / 9};
     for (std::uint32_t v = moved.begin; v < moved.end; ++v) now[v] += Vec3{0.03, -0.02 * k, 0.01};
-    body.update(now, std::span(&moved, 1), workers);
+    require(body.update(now, std::span(&moved, 1), workers));
     sum.add(body.hash());
   }
-  body.update_lazily(poses[4], 1, workers);
+  require(body.update_lazily(poses[4], 1, workers));
   for (std::uint32_t node = 0; node < body.spheres().size(); node += 3)
     if (body.is_fresh(node)) sum.add(body.refresh_children(node)).add(body.sphere(node));
   return sum.value();
@@ -93,7 +93,7 @@ std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& model, RuleOpti
   for (int frame = 0; frame < 8; ++frame) {
     std::vector<double> coordinates(5);
     for (double& q : coordinates) q = random.uniform(-2, 2);
-    body.update_modal(coordinates, workers);
+    require(body.update_modal(coordinates, workers));
     sum.add(body.hash()).add(body.modal_sphere(1, coordinates));
   }
   return sum.value();
@@ -129,7 +129,7 @@ void add_updates(Claims& claims, std::string_view name, Method method, Workers& 
   for (const int k : {6, 14, 18, 26}) {
     KDopTree tree(mesh, model, k, workers);
     Sum sum;
-    for (const std::vector<Vec3>& pose : poses) tree.update(pose, workers), sum.add(tree.hash());
+    for (const std::vector<Vec3>& pose : poses) require(tree.update(pose, workers)), sum.add(tree.hash());
     add(std::to_string(k) + "-DOPs", sum.value());
   }
   LoosenessEstimator estimator(mesh, 512);
@@ -137,7 +137,7 @@ void add_updates(Claims& claims, std::string_view name, Method method, Workers& 
   Sum estimates;
   for (std::size_t i = 0; i < 12; ++i) {
     std::vector<double> looseness(4);
-    body.update(poses[i], workers);
+    require(body.update(poses[i], workers));
     estimator.pose(poses[i]);
     estimator.estimate(body, looseness);
     estimates.add(looseness).add(estimator.volume());
@@ -170,14 +170,14 @@ class Pair {
       add(contacts, collide(a_.collider, b_.collider, {.level = 1, .margin = 0.1}));
       contacts.add(overlap(a_.collider, b_.collider));
       query.set_options({.budget = 40 + 10 * step, .priority = Priority::overlap});
-      (is_first ? query.start(*workers_) : query.carry(*workers_));
+      require(is_first ? query.start(*workers_) : query.carry(*workers_));
       is_first = false;
       add(carried, query.contacts());
       query.set_options({});
-      query.resume(*workers_);
+      require(query.resume(*workers_));
       add(carried, query.contacts());
 
-      pairs.run(a_.collider, b_.collider);
+      require(pairs.run(a_.collider, b_.collider));
       for (const Crossing& x : pairs.pairs())
         crossing.add(x.facet_a).add(x.facet_b).add(x.segment.from).add(x.segment.to);
       crossing.add(pairs.pairs_tested());
@@ -213,7 +213,7 @@ class Pair {
           collider(mesh, body) {}
     void deform(const Deformation& deformation) {
       positions = morula::deform(mesh, {deformation}, 1);
-      body.update(positions);
+      require(body.update(positions));
       collider.set_positions(positions);
     }
     std::string name;

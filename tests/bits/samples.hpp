@@ -4,9 +4,11 @@
 #pragma once
 
 #include <concepts>
+#include <morula/geometry/status.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <morula/tree/cover.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
 
@@ -57,6 +59,11 @@ class Sum {
  private:
   detail::Hasher hasher_;
 };
+
+/// Throws std::runtime_error with the message of a refused call: what is hashed after it would be of another frame.
+inline void require(const Status& status) {
+  if (!status) throw std::runtime_error(message(status));
+}
 
 /// A sample body, or one with every seventh facet missing: "open limb".
 Mesh sample(std::string_view name, int resolution);

@@ -86,7 +86,7 @@ TEST(CInterface, gives_the_bits_of_the_other_one) {
 
   Body a(mesh, model), b(mesh, model);
   const std::vector<Vec3> positions = bent(mesh);
-  a.update(positions);
+  ASSERT_TRUE(a.update(positions));
   ASSERT_EQ(morula_body_update_double(c.a, &positions[0].x, positions.size(), 0), MORULA_OK) << morula_message();
   std::vector<Sphere> spheres(nodes);
   ASSERT_EQ(morula_body_spheres(c.a, reinterpret_cast<morula_sphere*>(spheres.data())), MORULA_OK);
@@ -292,7 +292,7 @@ TEST(CInterface, takes_floats_and_strides) {
   ASSERT_EQ(morula_body_update_float(c.a, nodes[0].position, nodes.size(), sizeof(Node)), MORULA_OK);
   ASSERT_EQ(morula_body_update_float(c.b, &packed[0].x, packed.size(), 0), MORULA_OK);
   Body body(mesh, build(mesh, {.method = Method::octree}));
-  body.update(packed);
+  ASSERT_TRUE(body.update(packed));
   std::vector<morula_sphere> a(morula_body_node_count(c.a)), b(a.size());
   ASSERT_EQ(morula_body_spheres(c.a, a.data()), MORULA_OK);
   ASSERT_EQ(morula_body_spheres(c.b, b.data()), MORULA_OK);

@@ -226,15 +226,15 @@ TEST_F(TwoBodies, carried_front_forgets_the_pads_of_a_vertex_that_came_back) {
     b.set_transform(test::random_transform(random, 2));
     std::vector<Vec3> positions = b.mesh.positions;
     positions[first].x += 1e6;
-    b.body->update(positions);
+    ASSERT_TRUE(b.body->update(positions));
     b.collider->set_positions(positions);
     ContactQuery query;
     query.add(*a.collider, *b.collider);
-    query.start();
+    ASSERT_TRUE(query.start());
     ASSERT_TRUE(query.contacts().finished);
-    b.body->update(b.mesh.positions);
+    ASSERT_TRUE(b.body->update(b.mesh.positions));
     b.collider->set_positions(b.mesh.positions);
-    query.carry();
+    ASSERT_TRUE(query.carry());
     EXPECT_EQ(finished_nodes(query.contacts()), finished_nodes(collide(*a.collider, *b.collider))) << pose;
   }
 }

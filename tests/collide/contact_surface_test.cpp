@@ -197,8 +197,8 @@ TEST(ContactSurface, depth_lies_between_nothing_and_that_of_the_spheres_and_is_0
       }
     // Pairs of depth 0 can be left out, and nothing is lost.
     CrossingQuery all, kept;
-    all.run(one.collider, two.collider);
-    kept.run(one.collider, two.collider, close);
+    ASSERT_TRUE(all.run(one.collider, two.collider));
+    ASSERT_TRUE(kept.run(one.collider, two.collider, close));
     ASSERT_EQ(kept.pairs().size(), all.pairs().size());
   }
   EXPECT_GT(contacts, 100u);

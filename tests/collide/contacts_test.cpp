@@ -271,7 +271,7 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   ASSERT_FALSE(contacts.contacts.empty());
   const std::size_t count = contacts.contacts.size(), tests = contacts.pair_tests;
   const auto refused = [&](const CollideOptions& options) {
-    EXPECT_THROW(collide(*a.collider, *b.collider, options), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(collide(*a.collider, *b.collider, options)), std::invalid_argument);
     try {
       query.set_options(options);
       EXPECT_FALSE(query.run());
@@ -288,10 +288,10 @@ TEST(Collide, refuses_bad_options_and_bodies_and_changes_nothing) {
   refused({.budget = std::chrono::microseconds(-5)});
   std::vector<Vec3> bad = a.positions;
   bad[a.mesh.facets[0][0]].x = std::numeric_limits<double>::infinity();
-  EXPECT_NO_THROW(collide(*a.collider, *b.collider, {.surfaces = true}));
+  EXPECT_NO_THROW(static_cast<void>(collide(*a.collider, *b.collider, {.surfaces = true})));
   test::StalePose late(a.mesh, a.model.cover, a.body->sphere_state());
-  EXPECT_NO_THROW(collide(late.collider, *b.collider));
-  EXPECT_THROW(collide(late.collider, *b.collider, {.surfaces = true}), std::invalid_argument);
+  EXPECT_NO_THROW(static_cast<void>(collide(late.collider, *b.collider)));
+  EXPECT_THROW(static_cast<void>(collide(late.collider, *b.collider, {.surfaces = true})), std::invalid_argument);
   ASSERT_FALSE(a.body->update(bad));
   refused({});
   EXPECT_THROW(overlap(*a.collider, *b.collider), std::invalid_argument);

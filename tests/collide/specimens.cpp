@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "specimens.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <morula/geometry/sample_bodies.hpp>
 
@@ -50,7 +52,7 @@ void Specimen::deform(Random& random, double amplitude) {
     for (int axis = 0; axis < 3; ++axis)
       positions[i][axis] = middle[axis] + stretch[axis] * (mesh.positions[i][axis] - middle[axis]) +
                            random.uniform(-1, 1) * amplitude * 0.2 * size;
-  body->update(positions);
+  EXPECT_TRUE(body->update(positions));
   collider->set_positions(positions);
 }
 

@@ -26,7 +26,7 @@ TEST(SurfaceAllocation, warm_queries_allocate_nothing) {
   std::size_t sum = 0;
   const auto ask = [&](double shift) {
     a.set_transform({.translation = {shift, 0.3, 0.1}});
-    found.run(a, b);
+    ASSERT_TRUE(found.run(a, b));
     sum += found.pairs().size();
     scratch.start(a, b);
     for (std::uint32_t node = 0; node < body_a.spheres().size(); node += 7) {

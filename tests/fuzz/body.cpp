@@ -268,7 +268,7 @@ void ask(Bytes& in, const Side& a, const Side& b) {
   const bool covers = a.covers && b.covers;
   const bool overlaps = overlap(*a.collider, *b.collider);
   CrossingQuery found_pairs;
-  found_pairs.run(*a.collider, *b.collider);
+  require(static_cast<bool>(found_pairs.run(*a.collider, *b.collider)), "a query was refused");
   CollideOptions options;
   options.find_crossings = in.flag();
   options.surfaces = in.flag();

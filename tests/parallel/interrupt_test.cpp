@@ -146,7 +146,7 @@ TEST(Interrupt, leaves_calls_that_cannot_throw_alone) {
       Body body(mesh, model, {.rules = {rule}}, *workers), same = body;
       KDopTree boxes(mesh, model, 18, *workers);
       SurfaceTree surface(mesh);
-      same.update(moved);
+      ASSERT_TRUE(same.update(moved));
       const Interrupt interrupt([] { throw Cancelled(); });
       EXPECT_TRUE(body.update(moved, *workers));
       EXPECT_EQ(body.hash(), same.hash());

@@ -151,8 +151,9 @@ UpdateStatus Actor::feed(const Pose& pose, bool whole_only, Dice& dice, Record& 
       Body whole = *body_;
       status = body_->update(given, moved);
       if (status) accept();
-      whole.update(given);
-      record.expect(whole.hash() == body_->hash(), "partial-bits", "an update of ranges is not the full one");
+      const UpdateStatus at_once = whole.update(given);
+      record.expect(at_once.code == status.code && whole.hash() == body_->hash(), "partial-bits",
+                    "an update of ranges is not the full one");
       break;
     }
     case 2: {
@@ -162,8 +163,8 @@ UpdateStatus Actor::feed(const Pose& pose, bool whole_only, Dice& dice, Record& 
       if (status) {
         accept();
         reach_all(dice, record);
-        whole.update(given);
-        record.expect(whole.hash() == body_->hash(), "lazy-bits", "a lazy update, completed, is not the full one");
+        record.expect(whole.update(given) && whole.hash() == body_->hash(), "lazy-bits",
+                      "a lazy update, completed, is not the full one");
       }
       break;
     }
@@ -206,14 +207,14 @@ void Actor::move(Dice& dice, Record& record, bool on_lattice) {
     bad[mesh_.facets[dice.below(mesh_.facet_count())][0]].y = std::numeric_limits<double>::infinity();
     const std::uint64_t before = body_->hash();
     record.expect(!body_->update(bad) && body_->hash() == before, "refused", "an infinite position changed spheres");
-    body_->update(positions_);
-    record.expect(body_->hash() == before, "refused", "the same positions after a refusal gave other spheres");
+    record.expect(body_->update(positions_) && body_->hash() == before, "refused",
+                  "the same positions after a refusal gave other spheres");
   }
 }
 
 void Actor::return_to_rest(Record& record) {
   record.place.frame = "back at rest";
-  body_->update(mesh_.positions);
+  record.expect(static_cast<bool>(body_->update(mesh_.positions)), "refused", "the positions at rest");
   positions_ = mesh_.positions;
   points_ = points_of(positions_);
   record.expect(body_->hash() == rest_hash_, "rest-bits", "back at rest, the spheres are others than at the start");
@@ -245,8 +246,8 @@ void Actor::move_by_modes(Dice& dice, Record& record) {
     status = body_->update_modal_lazily(q, dice.below(built_->tree.level_count()));
     if (status) {
       reach_all(dice, record);
-      whole.update_modal(q);
-      record.expect(whole.hash() == body_->hash(), "lazy-bits", "a lazy modal update, completed, is not the full one");
+      record.expect(whole.update_modal(q) && whole.hash() == body_->hash(), "lazy-bits",
+                    "a lazy modal update, completed, is not the full one");
     }
   } else {
     status = body_->update_modal(q);

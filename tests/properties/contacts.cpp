@@ -179,7 +179,8 @@ void PairJudge::judge_facets(Record& record) const {
                 "the lower bound is " + std::to_string(bounds.lower) + ", two points are " +
                     std::to_string(static_cast<double>(nearest)) + " apart");
   CrossingQuery found;
-  found.run(a_, b_);
+  const Status asked = found.run(a_, b_);
+  record.expect(static_cast<bool>(asked), "refused-crossings", message(asked));
   judge_list(found.pairs(), record, "missed-crossing");
   judge_surfaces(record);
 }
@@ -215,8 +216,8 @@ void PairJudge::judge_surfaces(Record& record) const {
   for (const NearPair& n : near_) distance = std::min(distance, n.distance);
   ProximityQuery near({.distance = static_cast<double>(distance)}),
       expected({.distance = static_cast<double>(distance)});
-  near.run(following[0], following[1]);
-  expected.run(updated[0], updated[1]);
+  record.expect(near.run(following[0], following[1]) && expected.run(updated[0], updated[1]), "refused-surfaces",
+                "pairs of features within " + std::to_string(static_cast<double>(distance)));
   record.expect(std::equal(near.pairs().begin(), near.pairs().end(), expected.pairs().begin(), expected.pairs().end(),
                            [](const FeaturePair& p, const FeaturePair& q) { return p == q; }),
                 "missed-surface-pair",

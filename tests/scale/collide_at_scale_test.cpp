@@ -74,7 +74,7 @@ TEST(CollideAtScale, crossings_contacts_and_insides_are_found) {
     EXPECT_TRUE(distance(a.collider, b.collider).crossing) << size;
     EXPECT_TRUE(overlap(a.collider, b.collider)) << size;
     CrossingQuery pairs;
-    pairs.run(a.collider, b.collider);
+    ASSERT_TRUE(pairs.run(a.collider, b.collider));
     EXPECT_EQ(pairs.pairs().size(), brute_force::crossings(a.collider, b.collider).size()) << size;
     EXPECT_FALSE(pairs.pairs().empty()) << size;
     const Contacts found = collide(a.collider, b.collider, {.surfaces = true});

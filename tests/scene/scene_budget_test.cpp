@@ -108,7 +108,7 @@ TEST(Scene, a_long_wait_does_not_keep_pairs_from_being_begun_later) {
     // In the first updates of all, and in later ones.
     for (int waits = 1; waits < 5; ++waits) {
       wait_at = at;
-      for (int k = 0; k < waits; ++k) update();
+      for (int k = 0; k < waits; ++k) ASSERT_TRUE(update());
       wait_at = 0;
       int updates = 0;
       while (!update().finished && updates < 1000) ++updates;
@@ -130,7 +130,9 @@ TEST(Scene, goes_on_where_it_ended_while_bodies_rest) {
     ASSERT_LT(updates, 1000u);
   }
   EXPECT_GT(updates, 2u);
-  EXPECT_EQ(scene.update().pair_tests, 0u);
+  const SceneStatus at_rest = scene.update();
+  ASSERT_TRUE(at_rest) << message(at_rest);
+  EXPECT_EQ(at_rest.pair_tests, 0u);
   EXPECT_TRUE(scene.ended().empty());
   for (const ScenePair& pair : scene.pairs()) EXPECT_FALSE(pair.began);
 }

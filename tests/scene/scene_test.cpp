@@ -251,7 +251,9 @@ TEST(Scene, the_last_move_before_sleep_counts) {
   ASSERT_EQ(touches(), 1u);
   scene.sleep(id_b);
   EXPECT_TRUE(scene.first_hit({{9, 0, 0}, {-1, 0, 0}}).first);
-  EXPECT_EQ(scene.update().pair_tests, 0u);
+  const SceneStatus at_rest = scene.update();
+  ASSERT_TRUE(at_rest) << message(at_rest);
+  EXPECT_EQ(at_rest.pair_tests, 0u);
   EXPECT_EQ(scene.pairs().size(), 1u);
 }
 
@@ -421,8 +423,7 @@ TEST(Scene, allocates_nothing_once_it_has_seen_the_motion) {
         }
         good = good && scene.update();
         for (const ScenePair& pair : scene.pairs()) contacts += pair.contacts.size(), began += pair.began;
-        scene.touch(Sphere{{2, 2, 0}, 1});
-        scene.first_hit({{-9, 1, 0.1}, {1, 0, 0}});
+        good = good && scene.touch(Sphere{{2, 2, 0}, 1}) && scene.first_hit({{-9, 1, 0.1}, {1, 0, 0}}).status;
       }
     };
     go();

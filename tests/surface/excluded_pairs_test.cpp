@@ -423,7 +423,7 @@ TEST(ExcludedPairs, serve_queries_of_several_threads) {
   for (std::size_t i = 0; i < found.size(); ++i)
     threads.emplace_back([&, i] {
       SurfaceCrossingQuery query({.filter = filters[i % filters.size()]});
-      for (int round = 0; round < 3; ++round) query.run(tree);
+      for (int round = 0; round < 3; ++round) EXPECT_TRUE(query.run(tree));
       found[i].assign(query.pairs().begin(), query.pairs().end());
     });
   for (std::thread& thread : threads) thread.join();

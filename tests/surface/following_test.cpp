@@ -228,7 +228,7 @@ TEST(Following, is_the_same_for_any_number_of_workers_and_after_every_interrupti
   // Several queries may ask the same surfaces at the same time.
   std::vector<ProximityQuery> together;
   for (int i = 0; i < 6; ++i) together.emplace_back(ProximityOptions{.distance = 0.05});
-  three.run(together.size(), [&](std::size_t i) { together[i].run(a.surface, b.surface); });
+  three.run(together.size(), [&](std::size_t i) { EXPECT_TRUE(together[i].run(a.surface, b.surface)); });
   for (const ProximityQuery& query : together) EXPECT_TRUE(are_same(whole.pairs(), query.pairs()));
 }
 

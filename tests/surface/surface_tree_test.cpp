@@ -254,7 +254,10 @@ TEST(SurfaceQueries, of_obstacles_outlive_surfaces_that_end_or_become_others) {
     EXPECT_EQ(open_now(), open);
     EXPECT_EQ(query.resume().code, Status::Code::other_frame);
     EXPECT_EQ(query.contacts().size(), found);
-    EXPECT_EQ(query.run(*surface, floor).finished, fresh.run(*surface, floor).finished);
+    const SurfaceQueryStatus again = query.run(*surface, floor), first = fresh.run(*surface, floor);
+    ASSERT_TRUE(again) << message(again);
+    ASSERT_TRUE(first) << message(first);
+    EXPECT_EQ(again.finished, first.finished);
     EXPECT_EQ(query.contacts().size(), fresh.contacts().size());
     EXPECT_TRUE(left.expired()) << "nobody asks about it any more";
   }

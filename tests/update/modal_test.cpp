@@ -143,8 +143,8 @@ TEST(Modal, gradients_are_never_looser_and_follow_turning) {
       Body gradient(b.mesh, b.model, modal_options(m.modes, Bound::gradient));
       for (int k = 0; k < 4; ++k) {
         const Coordinates q = random_coordinates(m.modes.mode_count, 0.7, 90 + static_cast<std::uint64_t>(k));
-        shift.update_modal(q);
-        gradient.update_modal(q);
+        ASSERT_TRUE(shift.update_modal(q));
+        ASSERT_TRUE(gradient.update_modal(q));
         for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node)
           EXPECT_LE(gradient.sphere(node).radius, shift.sphere(node).radius * (1 + 1e-6) + 1e-9)
               << b.name << ' ' << node;

@@ -135,8 +135,8 @@ TEST(Rules, robust_distances_keep_enclosed_vertices_enclosed) {
   options.details.distance_floor = 0;
   Body paper(b.mesh, b.model, options);
   const std::vector<Vec3> positions = test::noisy(b.mesh.positions, 0.05, 11);
-  robust.update(positions);
-  paper.update(positions);
+  ASSERT_TRUE(robust.update(positions));
+  ASSERT_TRUE(paper.update(positions));
   std::size_t smaller = 0;
   for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
     if (!b.model.tree.is_leaf(node)) continue;
