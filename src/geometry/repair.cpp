@@ -357,7 +357,7 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
   return result;
 }
 
-UsedVertices used_vertices(const Mesh& mesh) {
+UsedVertices used_vertices(const MeshView& mesh) {
   std::vector<std::uint32_t> place(mesh.vertex_count(), 0);
   for (const Facet& facet : mesh.facets) {
     for (const std::uint32_t v : facet) place[v] = 1;

@@ -51,7 +51,7 @@ std::vector<std::uint32_t> leaf_order(const CoveredTree& model) {
 
 Mesh renumbered(const MeshView& mesh, std::span<const std::uint32_t> order) {
   const std::vector<std::uint32_t> number = inverse(order, mesh.vertex_count());
-  Mesh result = mesh;
+  Mesh result = to_mesh(mesh);
   for (std::size_t i = 0; i < order.size(); ++i) result.positions[i] = mesh.positions[order[i]];
   for (Facet& facet : result.facets)
     for (std::uint32_t& v : facet) v = number[v];
@@ -69,7 +69,7 @@ CoveredTree renumbered(const CoveredTree& model, const MeshView& mesh, std::span
   for (KnownPose& pose : result.poses) {
     const std::vector<Vec3> before = pose.positions;
     for (std::size_t i = 0; i < order.size(); ++i) pose.positions[i] = before[order[i]];
-    const Mesh posed{pose.positions, mesh.facets};
+    const MeshView posed(pose.positions, mesh.facets);
     pose.model = std::make_shared<const CoveredTree>(renumbered(*pose.model, posed, order));
   }
   return result;

@@ -112,7 +112,8 @@ class NearBalls {
     for (const std::uint32_t v : mesh.facets[facet]) {
       const Words& at_vertex = at_vertices_.of(v, [&] {
         Words words{};
-        std::ranges::copy(at_points({&mesh.positions[v], 1}), words.begin());
+        const Vec3 vertex = mesh.positions[v];
+        std::ranges::copy(at_points({&vertex, 1}), words.begin());
         return words;
       });
       for (std::size_t word = 0; word < most_words; ++word) all[word] |= at_vertex[word];

@@ -198,7 +198,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       now.spheres.push_back({center, rounded_up_radius(radius, std::max(input_.pad, max_norm(center)))});
       now.regions.push_back(std::move(divided.regions[i]));
     }
-    children_->take_in_grid(balls);
+    children_->start_from_grid(balls);
     if (rounds > 1 || wants_cost) now.cost = children_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);

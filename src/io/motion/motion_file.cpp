@@ -29,7 +29,7 @@ class ArrayFrames final : public FrameSource {
   ArrayFrames(ByteSource source, const MeshView& mesh)
       : source_(std::move(source)),
         array_(motion_array(source_, mesh.vertex_count())),
-        facets_(mesh.facets),
+        facets_(mesh.facets.begin(), mesh.facets.end()),
         vertex_count_(mesh.vertex_count()) {}
   std::size_t frame_count() const override { return array_.shape[0]; }
   std::vector<Vec3> frame(std::size_t i) const override { return motion_frame(source_, array_, vertex_count_, i); }
@@ -77,7 +77,7 @@ bool is_frame_of(const std::string& name, std::size_t frame_count, const std::st
 }  // namespace
 
 Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& options)
-    : vertex_count_(mesh.vertex_count()), facets_(mesh.facets) {
+    : vertex_count_(mesh.vertex_count()), facets_(mesh.facets.begin(), mesh.facets.end()) {
   std::error_code ignored;
   const std::string name = path.filename().string();
   if (fs::is_directory(path, ignored)) {

@@ -3,7 +3,9 @@
 #include "io/paraview/vtp.hpp"
 
 #include <morula/io/whole_output.hpp>
+#include <array>
 #include <stdexcept>
+#include <type_traits>
 
 #include "io/byte_reader.hpp"
 #include "io/number_text.hpp"
@@ -13,19 +15,18 @@ namespace morula {
 namespace detail {
 namespace {
 
-std::string base64(std::string_view bytes) {
+void append_base64(std::string& text, std::string_view bytes) {
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
     ask_now_and_then();
     unsigned bits = 0;
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
     for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[at + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? alphabet[bits >> (18 - 6 * k) & 63u] : '=';
+    std::array<char, 4> digits{};
+    for (std::size_t k = 0; k < 4; ++k) digits[k] = k <= count ? alphabet[bits >> (18 - 6 * k) & 63u] : '=';
+    text.append(digits.data(), digits.size());
   }
-  return text;
 }
 
 /// Text that may stand between quotes of an attribute.
@@ -45,38 +46,45 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
+/// The element <DataArray>: rows × components numbers of type Value; number i is get(i).
 template <class Value, class Get>
-std::string numbers(std::size_t count, const Get& get) {
+void append_array(std::string& text, std::string_view name, std::size_t components, std::size_t count, const Get& get) {
+  constexpr std::string_view type = std::is_same_v<Value, double>         ? "Float64"
+                                    : std::is_same_v<Value, std::int64_t> ? "Int64"
+                                                                          : "Int32";
   std::string bytes;
   bytes.reserve(8 + count * sizeof(Value));
   store(bytes, std::uint64_t{count * sizeof(Value)});
-  AskNowAndThen ask_now_and_then(1u << 16);
+  AskNowAndThen ask_now_and_then(1u << 14);
   for (std::size_t i = 0; i < count; ++i) {
     ask_now_and_then();
     store(bytes, static_cast<Value>(get(i)));
   }
-  return base64(bytes);
+  text += "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + escaped(name) +
+          "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"binary\">";
+  text.reserve(text.size() + bytes.size() / 3 * 4 + 100);
+  append_base64(text, bytes);
+  text += "</DataArray>\n";
 }
 
-std::string array(std::string_view type, std::string_view name, std::size_t components, const std::string& data) {
-  return "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +
-         std::to_string(components) + "\" format=\"binary\">" + data + "</DataArray>\n";
-}
-
-std::string arrays(std::string_view group, const std::vector<VtpArray>& list) {
-  std::string text = "      <" + std::string(group) + ">\n";
+void append_arrays(std::string& text, std::string_view group, const std::vector<VtpArray>& list) {
+  text += "      <" + std::string(group) + ">\n";
   for (const VtpArray& a : list) {
     const auto get = [&](std::size_t i) { return a.values[i]; };
-    text += a.whole ? array("Int32", a.name, a.components, numbers<std::int32_t>(a.values.size(), get))
-                    : array("Float64", a.name, a.components, numbers<double>(a.values.size(), get));
+    a.whole ? append_array<std::int32_t>(text, a.name, a.components, a.values.size(), get)
+            : append_array<double>(text, a.name, a.components, a.values.size(), get);
   }
-  return text + "      </" + std::string(group) + ">\n";
+  text += "      </" + std::string(group) + ">\n";
 }
 
-std::string cells(std::string_view group, std::size_t count, std::size_t corners, const std::string& connectivity) {
-  return "      <" + std::string(group) + ">\n" + array("Int32", "connectivity", 1, connectivity) +
-         array("Int64", "offsets", 1, numbers<std::int64_t>(count, [&](std::size_t i) { return (i + 1) * corners; })) +
-         "      </" + std::string(group) + ">\n";
+/// Cells with so many corners each; corner i is point_of(i).
+template <class Get>
+void append_cells(std::string& text, std::string_view group, std::size_t count, std::size_t corners,
+                  const Get& point_of) {
+  text += "      <" + std::string(group) + ">\n";
+  append_array<std::int32_t>(text, "connectivity", 1, count * corners, point_of);
+  append_array<std::int64_t>(text, "offsets", 1, count, [&](std::size_t i) { return (i + 1) * corners; });
+  text += "      </" + std::string(group) + ">\n";
 }
 
 }  // namespace
@@ -87,21 +95,21 @@ std::string vtp_text(const VtpData& data) {
   text += "header_type=\"UInt64\">\n  <PolyData>\n    <Piece NumberOfPoints=\"" + std::to_string(points) +
           "\" NumberOfVerts=\"" + std::to_string(vertices) +
           "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" + std::to_string(facets) + "\">\n";
-  text += arrays("PointData", data.point_arrays) + arrays("CellData", data.facet_arrays);
-  text +=
-      "      <Points>\n" +
-      array("Float64", "Points", 3,
-            numbers<double>(3 * points, [&](std::size_t i) { return data.points[i / 3][static_cast<int>(i % 3)]; })) +
-      "      </Points>\n";
-  text += cells("Verts", vertices, 1, numbers<std::int32_t>(vertices, [](std::size_t i) { return i; }));
-  text += cells("Polys", facets, 3,
-                numbers<std::int32_t>(3 * facets, [&](std::size_t i) { return data.facets[i / 3][i % 3]; }));
-  return text + "    </Piece>\n  </PolyData>\n</VTKFile>\n";
+  append_arrays(text, "PointData", data.point_arrays);
+  append_arrays(text, "CellData", data.facet_arrays);
+  text += "      <Points>\n";
+  append_array<double>(text, "Points", 3, 3 * points,
+                       [&](std::size_t i) { return data.points[i / 3][static_cast<int>(i % 3)]; });
+  text += "      </Points>\n";
+  append_cells(text, "Verts", vertices, 1, [](std::size_t i) { return i; });
+  append_cells(text, "Polys", facets, 3, [&](std::size_t i) { return data.facets[i / 3][i % 3]; });
+  text += "    </Piece>\n  </PolyData>\n</VTKFile>\n";
+  return text;
 }
 
 std::string vtp_mesh_text(const MeshView& mesh) {
   VtpData data;
-  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) data.points.push_back(mesh.positions[i]);
+  data.points = mesh.positions.to_vector();
   data.facets.assign(mesh.facets.begin(), mesh.facets.end());
   return vtp_text(data);
 }

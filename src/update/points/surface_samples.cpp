@@ -49,7 +49,7 @@ struct ReaderOf {
 };
 
 // Of each vertex, the first at the same place: pieces that share a seam without sharing vertices are one.
-std::vector<std::uint32_t> first_at_place(std::span<const Vec3> positions) {
+std::vector<std::uint32_t> first_at_place(const PositionView& positions) {
   std::vector<std::uint32_t> order(positions.size()), first(positions.size());
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t v) { return std::tuple(positions[v].x, positions[v].y, positions[v].z, v); };
@@ -76,7 +76,7 @@ struct SurfaceSamples::Pieces {
 
 SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
   const std::vector<std::uint32_t> first = first_at_place(rest.positions);
-  std::vector<Facet> facets = rest.facets;
+  std::vector<Facet> facets(rest.facets.begin(), rest.facets.end());
   for (Facet& f : facets)
     for (std::uint32_t& v : f) v = first[v];
   const Components components = components_by_vertices(MeshView{rest.positions, facets});
@@ -92,7 +92,7 @@ SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
   return pieces;
 }
 
-SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count) : facets_(rest.facets) {
+SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count) : facets_(rest.facets.begin(), rest.facets.end()) {
   const MeshReport report = inspect(rest);
   if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
   has_volume_ = report.has_volume() && report.volume != 0;

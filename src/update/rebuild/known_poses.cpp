@@ -157,7 +157,7 @@ KnownPosesReport add_known_poses(const MeshView& mesh, CoveredTree& model, std::
                                    .quality = options.quality,
                                    .stop = options.stop};
   Service service(mesh, model, poses, workers);
-  const auto posed = [&](std::size_t pose) { return Mesh{poses[pose].positions, mesh.facets}; };
+  const auto posed = [&](std::size_t pose) { return MeshView(poses[pose].positions, mesh.facets); };
   const auto tell = [&] {
     if (options.progress) options.progress(report.trees_built, report.worst);
   };

@@ -10,7 +10,7 @@ namespace morula::detail {
 namespace {
 
 // Three vertices far apart among those of the facets that a leaf has a share of: all directions within it are felt.
-std::array<std::uint32_t, 3> extremes(std::span<const Vec3> positions, std::span<const std::uint32_t> vertices) {
+std::array<std::uint32_t, 3> extremes(const PositionView& positions, std::span<const std::uint32_t> vertices) {
   const auto farthest = [&](const auto& measure) {
     return *std::max_element(vertices.begin(), vertices.end(),
                              [&](std::uint32_t a, std::uint32_t b) { return measure(a) < measure(b); });

@@ -43,7 +43,7 @@ TreeVersions::TreeVersions(const MeshView& mesh, const CoveredTree& model, const
   std::vector<PositionView> poses{mesh.positions};
   for (const KnownPose& pose : model.poses) {
     poses.emplace_back(pose.positions);
-    const Mesh posed{pose.positions, mesh.facets};
+    const MeshView posed(pose.positions, mesh.facets);
     known_.emplace_back(FittedBody::make(posed, pose.model, fits_leaves(options), workers), posed, estimator,
                         level_count());
   }
