@@ -23,7 +23,7 @@ VoxelGrid grid_of(int resolution, std::optional<double> voxel_edge) {
 
 /// The mesh of a call: at rest, or with other positions, which are not copied.
 struct Posture {
-  std::shared_ptr<const Mesh> mesh;
+  BorrowedMesh mesh;
   std::vector<Positions> positions;
 
   Posture(const MeshGiven& given, nb::handle at) : mesh(mesh_of(given)) {
@@ -31,7 +31,7 @@ struct Posture {
     positions.emplace_back(at, "positions");
     require_rows(positions[0].view().size(), mesh->vertex_count(), "positions", 3, "the mesh's vertices");
   }
-  MeshView view() const { return positions.empty() ? MeshView(*mesh) : MeshView(positions[0].view(), mesh->facets); }
+  MeshView view() const { return positions.empty() ? *mesh : MeshView(positions[0].view(), mesh->facets); }
 };
 
 constexpr const char* grid_text =

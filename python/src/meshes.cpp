@@ -32,7 +32,7 @@ void bind_mesh(nb::module_& m) {
           "counter-clockwise seen from outside. ValueError, naming the first offender, for indices out of range and "
           "used positions that are not finite.")
       .def_static(
-          "of", [](MeshGiven mesh) { return std::make_shared<Mesh>(*mesh_of(mesh)); }, nb::arg("mesh"),
+          "of", [](MeshGiven given) { return Mesh(*kept_mesh_of(given)); }, nb::arg("mesh"),
           "A mesh of anything that is one: with vertices and faces (trimesh), a meshio.Mesh of triangles, a tuple "
           "of arrays.")
       .def_prop_ro(

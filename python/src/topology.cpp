@@ -23,7 +23,7 @@ Triangle triangle_of(const ArrayGiven& given, const char* name) {
 }
 
 /// All indices of a mesh have to be in range, which mesh_of() sees to.
-Connectivity connectivity_of(const Mesh& mesh) {
+Connectivity connectivity_of(const MeshView& mesh) {
   return without_gil([&] { return connectivity(mesh); });
 }
 

@@ -41,9 +41,9 @@ void require_sense(const ClumpOptions& o) {
 
 /// What moves a sphere's surface when its numbers are rounded to float, and rotated before: three coordinates and a
 /// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the center of mass at most.
-double rounding_allowance(const Mesh& mesh) {
+double rounding_allowance(const MeshView& mesh) {
   double extent = 0;
-  for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) extent = std::max(extent, max_norm(mesh.positions[v]));
   // mutant clump-allowance: `16 * 0x1p-24` -> `0`
   return 16 * 0x1p-24 * extent;
 }
@@ -58,7 +58,7 @@ bool none_larger(const CoveredTree& model, double radius) {
 }
 
 /// A cover by at most so many spheres, or by as many as it takes for none to be too large.
-std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, double allowance, Clump& clump,
+std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o, double allowance, Clump& clump,
                                      Workers& workers) {
   BuildOptions options{
       .method = o.method, .seed = o.seed, .quality = o.quality, .stop = o.stop, .progress = o.progress};
@@ -89,7 +89,7 @@ std::vector<Sphere> covering_spheres(const Mesh& mesh, const ClumpOptions& o, do
   return spheres;
 }
 
-void measure(const Mesh& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
+void measure(const MeshView& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
   for (const Sphere& s : clump.spheres) {
     ask_to_go_on();
     clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
@@ -122,7 +122,7 @@ std::string_view name(ClumpKind kind) {
   return kind == ClumpKind::cover ? "cover" : "inner";
 }
 
-Clump fit_clump(const Mesh& mesh, const ClumpOptions& options, WorkersOrAll given) {
+Clump fit_clump(const MeshView& mesh, const ClumpOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   require_sense(options);
   Clump clump;

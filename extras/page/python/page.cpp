@@ -64,8 +64,8 @@ std::vector<std::vector<Sphere>> sphere_frames_of(nb::handle given, std::size_t 
   return all;
 }
 
-void require_rest(const PageMotion& motion, const Mesh& rest) {
-  if (motion.facets != rest.facets || motion.frames.front().size() != rest.vertex_count())
+void require_rest(const PageMotion& motion, const MeshView& rest) {
+  if (!std::ranges::equal(motion.facets, rest.facets) || motion.frames.front().size() != rest.vertex_count())
     throw std::invalid_argument("rest: another mesh than the motion's");
 }
 
@@ -342,9 +342,9 @@ void bind_page_extra(nb::module_& m) {
          const std::string& title, bool measured, Threads* workers) {
         const auto mesh = mesh_of(given);
         const std::vector<Rule> each = rules_of(rules);
-        PageMotion motion{"body", "rest", mesh->facets, {}, {}};
+        PageMotion motion{"body", "rest", {mesh->facets.begin(), mesh->facets.end()}, {}, {}};
         if (frames_given.is_none()) {
-          motion.frames.push_back(mesh->positions);
+          motion.frames.push_back(mesh->positions.to_vector());
           motion.frame_names.push_back("rest");
         } else {
           motion.name = "motion";

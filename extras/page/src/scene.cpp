@@ -26,15 +26,15 @@ std::vector<float> empty_shares(const SignedDistance& object, const std::vector<
 }
 
 /// One lattice for all frames and levels, so that their figures compare; the same as that of morula update --measure.
-MeasureOptions measure_options(const Mesh& rest) {
+MeasureOptions measure_options(const MeshView& rest) {
   MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
   options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;
   return options;
 }
 
-void measure_frame(PageScene& scene, const Mesh& rest, const std::vector<Vec3>& positions, const SphereTree& tree,
+void measure_frame(PageScene& scene, const MeshView& rest, const std::vector<Vec3>& positions, const SphereTree& tree,
                    Workers& workers) {
-  const Mesh mesh{positions, rest.facets};
+  const MeshView mesh{positions, rest.facets};
   scene.measured.push_back(measure(mesh, tree, measure_options(rest), workers));
   if (inspect(rest).has_volume())
     scene.empty_share.push_back(empty_shares(SignedDistance(mesh, workers), tree.spheres, workers));
@@ -42,7 +42,7 @@ void measure_frame(PageScene& scene, const Mesh& rest, const std::vector<Vec3>& 
 
 }  // namespace
 
-PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const CoveredTree& model, const std::string& tree,
+PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const CoveredTree& model, const std::string& tree,
                         const std::vector<Rule>& rules, bool measured, Workers& workers,
                         const std::function<void(double)>& progress) {
   Body body(rest, model, {.rules = rules, .details = {}, .modes = {}}, workers);
@@ -66,7 +66,7 @@ PageScene follow_motion(const PageMotion& motion, const Mesh& rest, const Covere
   return scene;
 }
 
-PageScene show_spheres(const PageMotion& motion, const Mesh& rest, const std::string& tree, const std::string& label,
+PageScene show_spheres(const PageMotion& motion, const MeshView& rest, const std::string& tree, const std::string& label,
                        const std::function<SphereTree(std::size_t)>& tree_of_frame, bool measured, Workers& workers,
                        const std::function<void(double)>& progress) {
   PageScene scene{

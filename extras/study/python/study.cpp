@@ -20,7 +20,7 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
   cli::StudyOptions options;
   for (auto [name, body] : bodies) {
     const auto text = value_of<std::string>(name, "bodies", "a dict of meshes by name");
-    options.bodies.push_back({text, *mesh_of(MeshGiven{{body}}, text.c_str())});
+    options.bodies.push_back({text, *kept_mesh_of(MeshGiven{{body}}, text.c_str())});
   }
   for (const auto& item : given) {
     const auto name = value_of<std::string>(item.first, "options", "a dict of options by name");

@@ -44,7 +44,7 @@ void bind_collider(nb::module_& m) {
           "__init__",
           [](Side* self, MeshGiven given, std::shared_ptr<CoveredTree> model, std::shared_ptr<PosedRows> spheres) {
             Side side;
-            side.mesh = mesh_of(given);
+            side.mesh = kept_mesh_of(given);
             side.model = model;
             side.collider = std::make_unique<Collider>(*side.mesh, model->cover, spheres->sphere_state());
             side.posed = std::move(spheres);

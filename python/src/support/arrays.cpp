@@ -3,6 +3,7 @@
 #include "arrays.hpp"
 
 #include <array>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -60,11 +61,24 @@ bool is_true(nb::handle object, const char* attribute) {
   return nb::hasattr(object, attribute) && object.attr(attribute).is(nb::bool_(true));
 }
 
+/// The same of an array of NumPy's, which is in memory, but not as numbers that can be read there.
+std::string way_in_of_numpy(nb::handle given, const std::string& name) {
+  const nb::object type = given.attr("dtype");
+  if (type.attr("isnative").is(nb::bool_(false)))
+    return " in this machine's byte order: " + name + ".astype(" + name + ".dtype.newbyteorder('='))";
+  const auto bytes = nb::cast<std::int64_t>(nb::object(type.attr("itemsize")));
+  for (nb::handle stride : nb::borrow<nb::object>(given.attr("strides")))
+    if (bytes > 0 && nb::cast<std::int64_t>(stride) % bytes != 0)
+      return ": numpy.ascontiguousarray(" + name + "), since its rows are not whole numbers apart";
+  return "";
+}
+
 /// The line to write for what is nearly an array; empty where there is none.
 std::string way_in(nb::handle given, const std::string& name) {
   if (PyList_Check(given.ptr()) || PyTuple_Check(given.ptr())) return ": numpy.asarray(" + name + ")";
   if (is_true(given, "requires_grad")) return ": " + name + ".detach(), since no gradient passes through here";
   if (is_true(given, "is_cuda")) return " in main memory: " + name + ".cpu()";
+  if (nb::hasattr(given, "dtype") && nb::hasattr(given.attr("dtype"), "isnative")) return way_in_of_numpy(given, name);
   if (nb::hasattr(given, "__dlpack_device__")) return " in main memory: copy it there first";
   return "";
 }
@@ -85,11 +99,23 @@ Any array_of(nb::handle given, const char* name, const std::string& wanted) {
                               ", but " + wanted + " is needed" + (remedy.empty() ? "" : ": " + remedy));
 }
 
+/// Is every number where the compiler expects one of its type? NumPy's arrays over records and buffers need not be so.
+bool is_aligned(const Any& array) {
+  return reinterpret_cast<std::uintptr_t>(array.data()) % (array.dtype().bits / 8) == 0;
+}
+
+/// One number, aligned or not. offset: in numbers.
+template <class Scalar>
+Scalar load(const Any& array, std::int64_t offset) {
+  Scalar value;
+  std::memcpy(&value, static_cast<const std::byte*>(array.data()) + offset * std::int64_t{sizeof value}, sizeof value);
+  return value;
+}
 template <class Scalar>
 double at(const Any& array, const std::size_t* index) {
   std::int64_t offset = 0;
   for (std::size_t i = 0; i < array.ndim(); ++i) offset += array.stride(i) * static_cast<std::int64_t>(index[i]);
-  return static_cast<double>(static_cast<const Scalar*>(array.data())[offset]);
+  return static_cast<double>(load<Scalar>(array, offset));
 }
 double number(const Any& array, std::size_t i, std::size_t j) {
   const std::size_t index[]{i, j};
@@ -167,7 +193,7 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
   const std::int64_t scalar = array_.dtype().bits / 8;
   const bool is_double = scalar == 8;
   if (axes == 3) frame_count_ = array_.shape(0);
-  if (array_.stride(axes - 1) == 1 && array_.stride(axes - 2) >= 0) {
+  if (array_.stride(axes - 1) == 1 && array_.stride(axes - 2) >= 0 && is_aligned(array_)) {
     const auto stride = static_cast<std::size_t>(array_.stride(axes - 2) * scalar);
     view_ = is_double ? PositionView::strided(static_cast<const double*>(array_.data()), count, stride)
                       : PositionView::strided(static_cast<const float*>(array_.data()), count, stride);
@@ -241,18 +267,23 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
 namespace {
 
 template <class Integer>
+void require_index(Integer value, std::size_t row, const char* name) {
+  if (!std::in_range<std::uint32_t>(value)) {
+    throw std::invalid_argument(std::string(name) + ": row " + std::to_string(row) + " holds " +
+                                std::to_string(value) + ", but indices are 0 to 4294967295");
+  }
+}
+
+template <class Integer>
 void read_integers(const Any& array, const char* name, std::uint32_t* to) {
   const std::size_t columns = array.ndim() == 2 ? array.shape(1) : 1;
   const std::int64_t across = array.ndim() == 2 ? array.stride(1) : 0;
   for (std::size_t i = 0; i < array.shape(0); ++i) {
     check_signals_at(i);
     for (std::size_t k = 0; k < columns; ++k) {
-      const Integer value = static_cast<const Integer*>(
-          array.data())[array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k)];
-      if (!std::in_range<std::uint32_t>(value)) {
-        throw std::invalid_argument(std::string(name) + ": row " + std::to_string(i) + " holds " +
-                                    std::to_string(value) + ", but indices are 0 to 4294967295");
-      }
+      const auto value = load<Integer>(
+          array, array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k));
+      require_index(value, i, name);
       *to++ = static_cast<std::uint32_t>(value);
     }
   }
@@ -288,9 +319,13 @@ std::vector<std::uint32_t> indices_of(nb::handle given, const char* name) {
   return indices;
 }
 
-std::vector<Facet> facets_of(nb::handle given, const char* name) {
-  const std::string wanted = "an array of integers, shape (facets, 3),";
-  const Any array = array_of(given, name, wanted);
+namespace {
+
+constexpr const char* wanted_facets = "an array of integers, shape (facets, 3),";
+
+Any facet_array_of(nb::handle given, const char* name) {
+  const std::string wanted = wanted_facets;
+  Any array = array_of(given, name, wanted);
   if (array.ndim() == 1 && array.shape(0) > 0 && array.shape(0) % 4 == 0) {
     refuse(name, array, wanted,
            "if these are PyVista's padded faces, give " + std::string(name) + ".reshape(-1, 4)[:, 1:]");
@@ -298,68 +333,113 @@ std::vector<Facet> facets_of(nb::handle given, const char* name) {
   if (array.ndim() != 2 || array.shape(1) != 3) {
     refuse(name, array, wanted, array.ndim() == 2 && array.shape(1) == 4 ? "divide quadrangles into triangles" : "");
   }
+  return array;
+}
+
+std::vector<Facet> copied_facets(const Any& array, const char* name) {
   std::vector<Facet> facets(array.shape(0));
-  read_integers(array, name, wanted, reinterpret_cast<std::uint32_t*>(facets.data()));
+  read_integers(array, name, wanted_facets, reinterpret_cast<std::uint32_t*>(facets.data()));
   return facets;
 }
 
-namespace {
-
-std::shared_ptr<const Mesh> mesh_of_arrays(nb::handle positions, nb::handle facets, const char* positions_name,
-                                           const char* facets_name) {
-  auto mesh = std::make_shared<Mesh>();
-  mesh->positions = points_of(positions, positions_name);
-  mesh->facets = facets_of(facets, facets_name);
-  for (std::size_t f = 0; f < mesh->facets.size(); ++f) {
-    check_signals_at(f);
-    for (const std::uint32_t vertex : mesh->facets[f]) {
-      if (vertex >= mesh->positions.size()) {
-        throw std::invalid_argument(std::string(facets_name) + ": row " + std::to_string(f) + " names vertex " +
-                                    std::to_string(vertex) + " of " + std::to_string(mesh->positions.size()));
-      }
-    }
-  }
-  return mesh;
-}
-
-/// Triangles of a meshio.Mesh: of all its blocks, one after the other.
-std::shared_ptr<const Mesh> mesh_of_cells(nb::handle given, const char* name) {
-  auto mesh = std::make_shared<Mesh>();
-  mesh->positions = points_of(nb::object(given.attr("points")), (std::string(name) + ".points").c_str());
-  for (nb::handle block : given.attr("cells")) {
-    const auto type = nb::cast<std::string>(nb::object(block.attr("type")));
-    if (type == "vertex" || type == "line") continue;
-    if (type != "triangle") {
-      throw std::invalid_argument(std::string(name) + ": a meshio.Mesh with cells of type '" + type +
-                                  "', but triangles are needed: take the triangles of its surface");
-    }
-    const std::vector<Facet> facets = facets_of(nb::object(block.attr("data")), (std::string(name) + ".cells").c_str());
-    mesh->facets.insert(mesh->facets.end(), facets.begin(), facets.end());
-  }
-  for (std::size_t f = 0; f < mesh->facets.size(); ++f) {
-    check_signals_at(f);
-    for (const std::uint32_t vertex : mesh->facets[f]) {
-      if (vertex >= mesh->positions.size()) {
-        throw std::invalid_argument(std::string(name) + ".cells: vertex " + std::to_string(vertex) + " of " +
-                                    std::to_string(mesh->positions.size()));
-      }
-    }
-  }
-  return mesh;
+/// Does the array have the bits of facets, should no index be negative?
+bool is_packed_facets(const Any& array) {
+  const bool is_signed = is_kind(array, nb::dlpack::dtype_code::Int);
+  return (is_signed || is_kind(array, nb::dlpack::dtype_code::UInt)) && array.dtype().bits == 32 &&
+         array.stride(1) == 1 && (array.stride(0) == 3 || array.shape(0) < 2) && is_aligned(array);
 }
 
 }  // namespace
 
-std::shared_ptr<const Mesh> mesh_of(const MeshGiven& given, const char* name) {
-  const nb::handle object = given.object;
-  if (nb::isinstance<Mesh>(object)) return nb::cast<std::shared_ptr<Mesh>>(object);
-  if (PyTuple_Check(object.ptr()) && PyTuple_Size(object.ptr()) == 2) {
-    return mesh_of_arrays(object[0], object[1], (std::string(name) + "[0]").c_str(),
-                          (std::string(name) + "[1]").c_str());
+std::vector<Facet> facets_of(nb::handle given, const char* name) {
+  return copied_facets(facet_array_of(given, name), name);
+}
+
+Facets::Facets(nb::handle given, const char* name) : array_(facet_array_of(given, name)) {
+  if (!is_packed_facets(array_)) {
+    own_ = copied_facets(array_, name);
+    view_ = own_;
+    return;
   }
+  view_ = {reinterpret_cast<const Facet*>(array_.data()), array_.shape(0)};
+  if (!is_kind(array_, nb::dlpack::dtype_code::Int)) return;
+  for (std::size_t f = 0; f < view_.size(); ++f) {
+    check_signals_at(f);
+    for (const std::uint32_t index : view_[f]) require_index(static_cast<std::int32_t>(index), f, name);
+  }
+}
+
+namespace {
+
+/// Throws ValueError for the first index that names no vertex: `where` its row is, as text.
+template <class Where>
+void require_vertices(std::span<const Facet> facets, std::size_t vertex_count, const Where& where) {
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    check_signals_at(f);
+    for (const std::uint32_t vertex : facets[f]) {
+      if (vertex >= vertex_count) {
+        throw std::invalid_argument(where(f) + " vertex " + std::to_string(vertex) + " of " +
+                                    std::to_string(vertex_count));
+      }
+    }
+  }
+}
+
+BorrowedMesh mesh_of_arrays(nb::handle given_positions, nb::handle given_facets, const std::string& positions_name,
+                            const std::string& facets_name) {
+  Positions positions(given_positions, positions_name.c_str());
+  Facets facets(given_facets, facets_name.c_str());
+  require_vertices(facets.view(), positions.view().size(),
+                   [&](std::size_t row) { return facets_name + ": row " + std::to_string(row) + " names"; });
+  return {std::move(positions), std::move(facets)};
+}
+
+/// Triangles of a meshio.Mesh: of all its blocks, one after the other. Those of a single block are not copied.
+BorrowedMesh mesh_of_cells(nb::handle given, const std::string& name) {
+  Positions positions(nb::object(given.attr("points")), (name + ".points").c_str());
+  std::vector<Facets> blocks;
+  for (nb::handle block : given.attr("cells")) {
+    const auto type = nb::cast<std::string>(nb::object(block.attr("type")));
+    if (type == "vertex" || type == "line") continue;
+    if (type != "triangle") {
+      throw std::invalid_argument(name + ": a meshio.Mesh with cells of type '" + type +
+                                  "', but triangles are needed: take the triangles of its surface");
+    }
+    blocks.emplace_back(nb::object(block.attr("data")), (name + ".cells").c_str());
+  }
+  if (blocks.size() != 1) {
+    std::vector<Facet> all;
+    for (const Facets& block : blocks) all.insert(all.end(), block.view().begin(), block.view().end());
+    blocks.clear();
+    blocks.emplace_back(std::move(all));
+  }
+  require_vertices(blocks[0].view(), positions.view().size(), [&](std::size_t) { return name + ".cells:"; });
+  return {std::move(positions), std::move(blocks[0])};
+}
+
+}  // namespace
+
+std::shared_ptr<const Mesh> BorrowedMesh::kept() const {
+  if (mesh_) return mesh_;
+  auto copy = std::make_shared<Mesh>();
+  copy->positions.reserve(view_.vertex_count());
+  for (std::size_t v = 0; v < view_.vertex_count(); ++v) {
+    check_signals_at(v);
+    copy->positions.push_back(view_.positions[v]);
+  }
+  copy->facets.assign(view_.facets.begin(), view_.facets.end());
+  return copy;
+}
+
+BorrowedMesh mesh_of(const MeshGiven& given, const char* name) {
+  const nb::handle object = given.object;
+  const std::string argument = name;
+  if (nb::isinstance<Mesh>(object)) return BorrowedMesh(nb::cast<std::shared_ptr<Mesh>>(object));
+  if (PyTuple_Check(object.ptr()) && PyTuple_Size(object.ptr()) == 2)
+    return mesh_of_arrays(object[0], object[1], argument + "[0]", argument + "[1]");
   if (nb::hasattr(object, "vertices") && nb::hasattr(object, "faces")) {
     return mesh_of_arrays(nb::object(object.attr("vertices")), nb::object(object.attr("faces")),
-                          (std::string(name) + ".vertices").c_str(), (std::string(name) + ".faces").c_str());
+                          argument + ".vertices", argument + ".faces");
   }
   if (nb::hasattr(object, "points") && nb::hasattr(object, "cells") && nb::hasattr(object, "cells_dict")) {
     return mesh_of_cells(object, name);

@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <memory>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/mesh_view.hpp>
 #include <morula/geometry/positions.hpp>
 #include <morula/geometry/sphere.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -34,8 +36,8 @@ Value returned(nb::handle given, const char* function, const char* wanted) {
   return value_of<Value>(given, std::string(function) + "() has returned", wanted);
 }
 
-/// Positions of one frame, as an array gives them. Nothing is copied when the three numbers of a vertex lie together
-/// and vertices are at equal distances: C order, slices, columns of records. Else they are copied, as double.
+/// Positions of one frame, as an array gives them. Nothing is copied when the three numbers of a vertex lie together,
+/// aligned, and vertices are at equal distances: C order, slices, columns of records. Else they are copied, as double.
 class Positions {
  public:
   /// Throws ValueError or TypeError that names the argument, its type and shape, and the remedy.
@@ -69,6 +71,23 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
 /// Any integers, checked: none negative, none beyond 32 bits.
 std::vector<std::uint32_t> indices_of(nb::handle given, const char* name);
 std::vector<Facet> facets_of(nb::handle given, const char* name);
+
+/// Facets, as an array gives them. Nothing is copied of 32-bit integers in C order, signed or not, that are aligned;
+/// others are converted.
+class Facets {
+ public:
+  /// Throws ValueError or TypeError as facets_of() does, for negative indices too.
+  Facets(nb::handle given, const char* name);
+  explicit Facets(std::vector<Facet>&& own) : own_(std::move(own)), view_(own_) {}
+  Facets(Facets&&) = default;
+  Facets& operator=(Facets&&) = default;
+  std::span<const Facet> view() const { return view_; }
+
+ private:
+  nb::ndarray<nb::ro> array_;
+  std::vector<Facet> own_;  // of facets that were converted
+  std::span<const Facet> view_;
+};
 
 /// Throws ValueError unless an argument has as many rows as `of` has of something: "the mesh's vertices". columns: of
 /// the array; 0 where a row is one number.
@@ -144,8 +163,34 @@ View<double, -1, 3> column3(std::span<const Record> records, const Row* first, n
   return View<double, -1, 3>(reinterpret_cast<const double*>(first), 2, shape, owner, strides);
 }
 
-/// A mesh of ours, anything with `vertices` and `faces`, a meshio.Mesh, or a tuple of two arrays.
-/// Throws ValueError or TypeError that names the argument and the remedy.
-std::shared_ptr<const Mesh> mesh_of(const MeshGiven& given, const char* name = "mesh");
+/// The mesh of a call: a view of the Mesh or the arrays that are given, with what keeps them where they are. Arrays are
+/// copied only where Positions and Facets have to.
+class BorrowedMesh {
+ public:
+  explicit BorrowedMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)), view_(*mesh_) {}
+  BorrowedMesh(Positions&& positions, Facets&& facets)
+      : positions_(std::move(positions)), facets_(std::move(facets)), view_(positions_->view(), facets_->view()) {}
+  BorrowedMesh(BorrowedMesh&&) = default;
+  BorrowedMesh& operator=(BorrowedMesh&&) = default;
+  const MeshView& operator*() const { return view_; }
+  const MeshView* operator->() const { return &view_; }
+  /// The Mesh that was given, or a copy of the arrays.
+  std::shared_ptr<const Mesh> kept() const;
+
+ private:
+  std::shared_ptr<const Mesh> mesh_;   // this,
+  std::optional<Positions> positions_;  // or these
+  std::optional<Facets> facets_;
+  MeshView view_;
+};
+
+/// A mesh of ours, anything with `vertices` and `faces`, a meshio.Mesh, or a tuple of two arrays. All its indices are in
+/// range. Throws ValueError or TypeError that names the argument and the remedy.
+BorrowedMesh mesh_of(const MeshGiven& given, const char* name = "mesh");
+/// The same for an object that reads the mesh after the call, when the owner of the arrays may have written to them: a
+/// solver moves its vertices, and a facet that changes could name no vertex.
+inline std::shared_ptr<const Mesh> kept_mesh_of(const MeshGiven& given, const char* name = "mesh") {
+  return mesh_of(given, name).kept();
+}
 
 }  // namespace morula::python

@@ -125,7 +125,7 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
             UpdateOptions options =
                 options_of(rules, conservative, approach1_weights, approach1_inner_center, approach2_inner_boxes,
                            wrapped_center, distance_floor, modal_bound, modes, skin);
-            auto mesh = mesh_of(given);
+            auto mesh = kept_mesh_of(given);
             auto owned = without_gil([&] {
               return std::make_unique<Body>(*mesh, borrowed_tree(model), std::move(options), CallWorkers(workers));
             });

@@ -69,7 +69,7 @@ void bind_rebuilt_body(nb::module_& m) {
             options.processor_share = processor_share;
             options.effort = choice<RebuildEffort>(effort, "effort", rebuild_effort_choices);
             options.thread = choice<RebuildThread>(thread, "thread", rebuild_thread_choices);
-            auto mesh = mesh_of(given);
+            auto mesh = kept_mesh_of(given);
             auto owned =
                 without_gil([&] { return std::make_unique<RebuiltBody>(*mesh, model, options, CallWorkers(workers)); });
             new (self) PosedRebuilt();

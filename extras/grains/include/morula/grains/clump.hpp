@@ -62,7 +62,7 @@ struct Clump {
 
 /// Throws std::invalid_argument for options out of range, unusable meshes, and inner spheres of a mesh that tells no
 /// inside from outside or has none that large; BuildStopped. Same bits for any number of workers.
-Clump fit_clump(const Mesh& mesh, const ClumpOptions& options = {}, WorkersOrAll workers = {});
+Clump fit_clump(const MeshView& mesh, const ClumpOptions& options = {}, WorkersOrAll workers = {});
 
 /// What a discrete element code reads. Text, numbers with the fewest digits that read back as the same bits.
 struct ClumpFormat {
