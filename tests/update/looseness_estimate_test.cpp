@@ -145,6 +145,19 @@ TEST(LoosenessEstimate, does_not_depend_on_place_size_side_or_scalar) {
   }
 }
 
+TEST(LoosenessEstimate, of_a_mesh_of_floats_with_others_between_them_has_the_bits_of_doubles) {
+  Mesh mesh = sample_body("limb", 16);
+  std::vector<std::array<float, 5>> rows;
+  for (Vec3& p : mesh.positions) {
+    const Vec3f single(p);
+    rows.push_back({single.x, single.y, single.z, 1e30f, -1e30f});
+    p = Vec3(single);
+  }
+  const MeshView view{PositionView::strided(rows[0].data(), rows.size(), sizeof rows[0]), mesh.facets};
+  const Body body(mesh, build(mesh, {.method = Method::octree, .depth = 2}));
+  EXPECT_EQ(estimate_looseness(view, body, view.positions), estimate_looseness(mesh, body, mesh.positions));
+}
+
 TEST(LoosenessEstimate, gives_finite_figures_for_any_mesh_and_motion) {
   for (const test::Specimen& b : test::specimens()) {
     Body body(b.mesh, b.model);

@@ -109,11 +109,10 @@ SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count) : facets
     points.emplace_back((s.point - report.box.center()) * per_mesh_unit_);
   }
   sort_into_blocks(std::move(points));
-  const PositionView positions = rest.positions;
-  place(ReaderOf<double>{positions}, 0, sites_.size());
+  place(rest.positions, 0, sites_.size());
   bound_blocks();
   choose_rings(std::sqrt(each) * per_mesh_unit_, report.component_count > 1 ? pieces_of(rest) : Pieces{});
-  move(positions);
+  move(rest.positions);
 }
 
 void SurfaceSamples::sort_into_blocks(std::vector<Vec3f> points) {
