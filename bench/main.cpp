@@ -79,7 +79,7 @@ int run(int argc, char** argv) {
   app.add_option("--threads", threads, "0: one per processor (default 1)")->check(CLI::Range(0u, 1024u));
   app.add_option("--method", methods,
                  "which generators `build` runs; may be repeated (default: all)\n"
-                 "given once, also what makes the tree of other scenarios (default: morula)")
+                 "given once, also what makes the tree of other scenarios (default: optimized)")
       ->check(CLI::IsMember(method_names));
   std::string depth = "3";
   app.add_option("--depth", depth, "levels below the root of the trees, or `auto`: a depth that fits the facets")

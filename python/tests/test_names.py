@@ -16,7 +16,7 @@ headers = root / "include" / "morula"
 ELSEWHERE = {
     "BuildOptions": "build", "CoverOptions": "cover", "CollideOptions": "collide", "ContactStatus": "Contacts",
     "DistanceOptions": "distance", "TouchOptions": "touch", "Ray": "first_hit", "RayQuery": "first_hits",
-    "TouchQuery": "touch", "MeasureOptions": "measure", "VoxelGrid": "looseness", "MeshView": "Mesh",
+    "TouchQuery": "touch", "MeasureOptions": "measure", "VoxelGrid": "looseness", "MeshView": "Mesh", "to_mesh": "Mesh",
     "MotionOptions": "Motion", "ModalCoordinates": "read_coordinates", "BoneFrames": "read_bone_frames",
     "ReadTreeOptions": "read_tree", "UpdateOptions": "Body", "RuleOptions": "Body",
     "RebuildOptions": "RebuiltBody", "RebuildEffort": "RebuiltBody", "RebuildThread": "RebuiltBody", "KnownPoseOptions": "with_known_poses",

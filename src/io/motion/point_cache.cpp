@@ -21,7 +21,9 @@ constexpr double frames_per_second = 30;
 class PointCache final : public FrameSource {
  public:
   PointCache(ByteSource source, const MeshView& mesh)
-      : source_(std::move(source)), facets_(mesh.facets.begin(), mesh.facets.end()), vertex_count_(mesh.vertex_count()) {
+      : source_(std::move(source)),
+        facets_(mesh.facets.begin(), mesh.facets.end()),
+        vertex_count_(mesh.vertex_count()) {
     const bool is_pc2 = lower_extension(source_.name()) == ".pc2";
     const std::uint64_t size = source_.size();
     const std::uint64_t header = is_pc2 ? 32 : 8;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/paraview/vtp.hpp"
 
-#include <morula/io/whole_output.hpp>
 #include <array>
+#include <morula/io/whole_output.hpp>
 #include <stdexcept>
 #include <type_traits>
 
@@ -60,8 +60,8 @@ void append_array(std::string& text, std::string_view name, std::size_t componen
     ask_now_and_then();
     store(bytes, static_cast<Value>(get(i)));
   }
-  text += "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + escaped(name) +
-          "\" NumberOfComponents=\"" + std::to_string(components) + "\" format=\"binary\">";
+  text += "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +
+          std::to_string(components) + "\" format=\"binary\">";
   text.reserve(text.size() + bytes.size() / 3 * 4 + 100);
   append_base64(text, bytes);
   text += "</DataArray>\n";

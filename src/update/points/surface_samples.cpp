@@ -92,7 +92,8 @@ SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
   return pieces;
 }
 
-SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count) : facets_(rest.facets.begin(), rest.facets.end()) {
+SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count)
+    : facets_(rest.facets.begin(), rest.facets.end()) {
   const MeshReport report = inspect(rest);
   if (!(report.area > 0)) throw std::invalid_argument("looseness estimate: the mesh has no area to sample");
   has_volume_ = report.has_volume() && report.volume != 0;
