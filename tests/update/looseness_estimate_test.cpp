@@ -3,6 +3,7 @@
 // The estimate against voxels, and what it promises otherwise.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
