@@ -16,8 +16,11 @@ namespace {
 void bind_mesh(nb::module_& m) {
   nb::class_<Mesh>(
       m, "Mesh",
-      "A triangle mesh: positions (vertices, 3) float64 and facets (facets, 3) uint32. Fixed once made; vertex "
-      "order is the caller's, and motions refer to it.")
+      "A triangle mesh: positions (vertices, 3) float64 and facets (facets, 3) uint32. A value, fixed once made: it "
+      "copies its arrays, since it has a hash, is compared and pickled, and bodies share it. Every function that takes "
+      "a "
+      "mesh also takes a tuple of arrays or an object with vertices and faces, and copies neither float32 and float64 "
+      "positions nor int32 and uint32 facets in C order. Vertex order is the caller's, and motions refer to it.")
       .def(
           "__init__",
           [](Mesh* self, ArrayGiven positions, ArrayGiven facets) {
@@ -33,7 +36,7 @@ void bind_mesh(nb::module_& m) {
           "used positions that are not finite.")
       .def_static(
           "of", [](MeshGiven given) { return Mesh(*kept_mesh_of(given)); }, nb::arg("mesh"),
-          "A mesh of anything that is one: with vertices and faces (trimesh), a meshio.Mesh of triangles, a tuple "
+          "A copy of anything that is a mesh: with vertices and faces (trimesh), a meshio.Mesh of triangles, a tuple "
           "of arrays.")
       .def_prop_ro(
           "positions", [](nb::handle self) { return points(nb::cast<Mesh&>(self).positions, self); },

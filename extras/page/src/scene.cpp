@@ -42,8 +42,8 @@ void measure_frame(PageScene& scene, const MeshView& rest, const std::vector<Vec
 
 }  // namespace
 
-PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const CoveredTree& model, const std::string& tree,
-                        const std::vector<Rule>& rules, bool measured, Workers& workers,
+PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const CoveredTree& model,
+                        const std::string& tree, const std::vector<Rule>& rules, bool measured, Workers& workers,
                         const std::function<void(double)>& progress) {
   Body body(rest, model, {.rules = rules, .details = {}, .modes = {}}, workers);
   PageScene scene{.motion = 0,
@@ -66,9 +66,9 @@ PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const Co
   return scene;
 }
 
-PageScene show_spheres(const PageMotion& motion, const MeshView& rest, const std::string& tree, const std::string& label,
-                       const std::function<SphereTree(std::size_t)>& tree_of_frame, bool measured, Workers& workers,
-                       const std::function<void(double)>& progress) {
+PageScene show_spheres(const PageMotion& motion, const MeshView& rest, const std::string& tree,
+                       const std::string& label, const std::function<SphereTree(std::size_t)>& tree_of_frame,
+                       bool measured, Workers& workers, const std::function<void(double)>& progress) {
   PageScene scene{
       .motion = 0, .tree = tree, .rule = label, .rest = {}, .frames = {}, .measured = {}, .empty_share = {}};
   for (std::size_t i = 0; i < motion.frames.size(); ++i) {

@@ -269,8 +269,8 @@ namespace {
 template <class Integer>
 void require_index(Integer value, std::size_t row, const char* name) {
   if (!std::in_range<std::uint32_t>(value)) {
-    throw std::invalid_argument(std::string(name) + ": row " + std::to_string(row) + " holds " +
-                                std::to_string(value) + ", but indices are 0 to 4294967295");
+    throw std::invalid_argument(std::string(name) + ": row " + std::to_string(row) + " holds " + std::to_string(value) +
+                                ", but indices are 0 to 4294967295");
   }
 }
 
@@ -281,8 +281,8 @@ void read_integers(const Any& array, const char* name, std::uint32_t* to) {
   for (std::size_t i = 0; i < array.shape(0); ++i) {
     check_signals_at(i);
     for (std::size_t k = 0; k < columns; ++k) {
-      const auto value = load<Integer>(
-          array, array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k));
+      const auto value =
+          load<Integer>(array, array.stride(0) * static_cast<std::int64_t>(i) + across * static_cast<std::int64_t>(k));
       require_index(value, i, name);
       *to++ = static_cast<std::uint32_t>(value);
     }
@@ -438,8 +438,8 @@ BorrowedMesh mesh_of(const MeshGiven& given, const char* name) {
   if (PyTuple_Check(object.ptr()) && PyTuple_Size(object.ptr()) == 2)
     return mesh_of_arrays(object[0], object[1], argument + "[0]", argument + "[1]");
   if (nb::hasattr(object, "vertices") && nb::hasattr(object, "faces")) {
-    return mesh_of_arrays(nb::object(object.attr("vertices")), nb::object(object.attr("faces")),
-                          argument + ".vertices", argument + ".faces");
+    return mesh_of_arrays(nb::object(object.attr("vertices")), nb::object(object.attr("faces")), argument + ".vertices",
+                          argument + ".faces");
   }
   if (nb::hasattr(object, "points") && nb::hasattr(object, "cells") && nb::hasattr(object, "cells_dict")) {
     return mesh_of_cells(object, name);

@@ -178,14 +178,14 @@ class BorrowedMesh {
   std::shared_ptr<const Mesh> kept() const;
 
  private:
-  std::shared_ptr<const Mesh> mesh_;   // this,
+  std::shared_ptr<const Mesh> mesh_;    // this,
   std::optional<Positions> positions_;  // or these
   std::optional<Facets> facets_;
   MeshView view_;
 };
 
-/// A mesh of ours, anything with `vertices` and `faces`, a meshio.Mesh, or a tuple of two arrays. All its indices are in
-/// range. Throws ValueError or TypeError that names the argument and the remedy.
+/// A mesh of ours, anything with `vertices` and `faces`, a meshio.Mesh, or a tuple of two arrays. All its indices are
+/// in range. Throws ValueError or TypeError that names the argument and the remedy.
 BorrowedMesh mesh_of(const MeshGiven& given, const char* name = "mesh");
 /// The same for an object that reads the mesh after the call, when the owner of the arrays may have written to them: a
 /// solver moves its vertices, and a facet that changes could name no vertex.

@@ -89,17 +89,18 @@ struct PageContent {
 ///
 /// tree: what to call it. rules: one per level from the root, the last one for all deeper levels. progress: told the
 /// share done, or none. Throws std::invalid_argument, naming the frame, for positions that cannot be used.
-PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const CoveredTree& model, const std::string& tree,
-                        const std::vector<Rule>& rules, bool measured, Workers& workers = serial_workers(),
-                        const std::function<void(double)>& progress = {});
+PageScene follow_motion(const PageMotion& motion, const MeshView& rest, const CoveredTree& model,
+                        const std::string& tree, const std::vector<Rule>& rules, bool measured,
+                        Workers& workers = serial_workers(), const std::function<void(double)>& progress = {});
 
 /// Spheres that are there already, as scene of motion 0: nothing is updated.
 ///
 /// tree: what to call it. label: what stands in the place of a rule. tree_of_frame: asked for each frame in turn; trees
 /// alike but for their spheres.
-PageScene show_spheres(const PageMotion& motion, const MeshView& rest, const std::string& tree, const std::string& label,
-                       const std::function<SphereTree(std::size_t)>& tree_of_frame, bool measured,
-                       Workers& workers = serial_workers(), const std::function<void(double)>& progress = {});
+PageScene show_spheres(const PageMotion& motion, const MeshView& rest, const std::string& tree,
+                       const std::string& label, const std::function<SphereTree(std::size_t)>& tree_of_frame,
+                       bool measured, Workers& workers = serial_workers(),
+                       const std::function<void(double)>& progress = {});
 
 /// Was this library built with the page?
 bool has_page();
