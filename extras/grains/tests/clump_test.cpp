@@ -155,7 +155,7 @@ TEST(Clump, same_bits_for_any_number_of_workers_and_what_makes_no_sense_is_refus
   EXPECT_THROW(fit_clump(mesh, {.min_radius = -1}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.density = 0}), std::invalid_argument);
   EXPECT_THROW(fit_clump(mesh, {.kind = ClumpKind::inner, .max_protrusion = 1}), std::invalid_argument);
-  EXPECT_THROW(fit_clump({}, {}), std::invalid_argument);
+  EXPECT_THROW(fit_clump(Mesh{}, {}), std::invalid_argument);
 }
 
 // What each format's reader does with a text, written from its rules and from nothing of ours.
