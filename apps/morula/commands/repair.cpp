@@ -118,7 +118,7 @@ void add_repair(CLI::App& app, Run& run) {
   add_flag(*command, "--no-merge", o->no_merge, "Merge none")->excludes(merge);
   add_flag(*command, "--remove-degenerate", o->remove_degenerate, "Remove facets without area; may open a closed mesh");
   add_flag(*command, "--no-orient", o->no_orient,
-           "Turn no facets; default: neighbors agree, closed pieces face outwards");
+           "Keep the orientation of all facets; default: consistent, and outward for closed components");
   add_option(*command, "--cap", o->cap, "Close holes of at most N edges, without new vertices; default: none")
       ->type_name("N")
       ->transform(whole_number(0, 500));
