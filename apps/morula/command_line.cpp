@@ -75,10 +75,9 @@ int run(int argc, char** argv, bool parse_only) {
       "  morula sample limb -o limb.obj\n"
       "  morula build limb.obj -o limb.morula\n"
       "  morula measure limb.obj limb.morula\n\n"
-      "Exit codes: 0 done; 1 a check failed, the result is incomplete, or its report could not be printed; 2 bad use "
-      "or\n"
-      "bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C, 143 SIGTERM and 129 SIGHUP,\n"
-      "with no unfinished files left; 141 if standard output is closed.");
+      "Exit codes: 0 done; 1 a check failed, the result is incomplete, or its report could not be printed;\n"
+      "2 bad use or bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C,\n"
+      "143 SIGTERM and 129 SIGHUP, with no unfinished files left; 141 if standard output is closed.");
   Run run;
   add_build(app, run);
   add_measure(app, run);
