@@ -69,7 +69,8 @@ void require_sense(const BuildArguments& o) {
     throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
   }
   if (!o.poses.empty() && o.flat()) {
-    throw UsageError("--poses adds trees with levels, and --spheres and --max-protrusion ask for none: leave out one");
+    throw UsageError(
+        "--poses adds trees with levels, and --spheres and --max-protrusion make flat sets: leave out one");
   }
   if (!o.poses.empty() && extension(o.output) != ".morula") {
     throw UsageError(

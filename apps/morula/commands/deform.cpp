@@ -81,8 +81,8 @@ int deform_command(const DeformArguments& o, const CLI::App& command) {
   const bool is_npy = (own == ".npy" || own == ".pc2" || own == ".mdd") && !std::filesystem::is_directory(o.output);
   const FileKind kind = file_kind(o.output);
   if (!is_npy && kind != FileKind::folder && kind != FileKind::unknown) {
-    throw UsageError(fmt::format(
-        "{}: a motion is a folder of meshes or a .npy file (.pc2 and .mdd, too); name one of these", o.output));
+    throw UsageError(
+        fmt::format("{}: a motion is a folder of meshes or a .npy file (or .pc2, .mdd); name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
   std::vector<std::string> written;

@@ -155,7 +155,7 @@ void print_text(const PairsArguments& o, const SurfaceTree& tree, const Found& f
   fmt::print("query: {:.0f} µs\n", found.microseconds);
   if (!o.with_self &&
       components_by_vertices(MeshView(PositionView(std::vector<Vec3>(tree.vertex_count())), tree.facets())).count == 1)
-    note("{} is one piece, and pairs within a piece are left out: add --self", o.from);
+    note("{} is one component, and pairs within a component are skipped: add --self", o.from);
 }
 
 void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const Found& found) {

@@ -67,7 +67,7 @@ void print_text(const RepairArguments& o, const RepairedMesh& repaired, const Me
        fmt::format("{} with one side only: left as they were", counted(r.unorientable_pieces, "piece")));
   line(r.open_holes > 0, fmt::format("{} left open{}", counted(r.open_holes, "hole"),
                                      o.cap == 0 ? "; --cap N closes those of at most N edges" : ""));
-  line(r.merged_vertices > 0, "vertices have other numbers now: a motion of the old mesh does not fit");
+  line(r.merged_vertices > 0, "the vertices have new numbers: a motion of the old mesh does not fit");
 }
 
 int repair_command(const RepairArguments& o) {

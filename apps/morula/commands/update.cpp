@@ -240,7 +240,7 @@ void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& 
              figure(*std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())),
              figure(1e3 * typical / static_cast<double>(body.vertex_count())), counted(threads, "thread"));
   if (outcome.changes) {
-    fmt::print("poses        {} for known poses beside that at rest, changed {}\n", counted(model.poses.size(), "tree"),
+    fmt::print("poses        {} for known poses besides rest, changed {}\n", counted(model.poses.size(), "tree"),
                counted(*outcome.changes, "time"));
   }
   const BindReport& bind = body.bind_report();
