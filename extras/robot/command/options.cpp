@@ -59,7 +59,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   const Vec3 normal = numbers.size() == 4 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
   if (!(length(normal) > 0)) {
     throw UsageError(fmt::format(
-        "--clip {}: give a link, the direction of what is kept and where it begins along it, as --clip base=0,0,1,0.02",
+        "--clip {}: give a link, the direction of the kept part and its begin along it, as --clip base=0,0,1,0.02",
         text));
   }
   check_name("link", text.substr(0, at), links);
@@ -229,7 +229,7 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->type_name("NAME")
       ->capture_default_str();
   add_repeatable(command, "--package-path", o.package_paths, "DIR",
-                 "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
+                 "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched next");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and which the new one extends")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples,
