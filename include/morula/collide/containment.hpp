@@ -62,7 +62,7 @@ class InsideQuery {
   /// std::invalid_argument for an open surface, which has no inside; the message gives the number of border edges.
   explicit InsideQuery(const Collider& body);
 
-  /// Locates a point. Allocates nothing after the first call. Rejects a point that is not finite.
+  /// Locates a point. Allocates nothing once its lists have grown. Rejects a point that is not finite.
   PointLocation locate(const Vec3& point);
   /// Locates a ball relative to the solid, at any distance. If several points are nearest, the one on the lowest facet
   /// is returned.
