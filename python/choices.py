@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Types of the arguments that are one of a few names, for type checkers: from the tables that the extension reads them by.
+"""Types of arguments with a few possible names, for type checkers, from the tables of the extension.
 
 usage: choices.py FOLDER_OF_THE_PACKAGE OUTPUT
 """

@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Docstrings from the comments of the public headers, so that Python repeats what C++ says and nothing is written twice.
+"""Docstrings from the comments of the public headers, so that C++ and Python share one text.
 
 usage: docstrings.py OUTPUT HEADER...
 
 Every `///` comment becomes a constant in namespace morula::python::doc: Body_update for Body::update, Body_update_2 for
-the next overload, BuildOptions_depth for a member. A binding that names a comment which is no longer there does not
-compile.
+the next overload, BuildOptions_depth for a member. A binding that names a missing comment does not compile.
 """
 
 import pathlib
@@ -25,7 +24,7 @@ SCOPE = re.compile(r"^\s*(?:template <[^>]*>\s*)?(struct|class|enum class)\s+(?:
 
 
 def declared_name(code: str) -> str:
-    """The name that a declaration introduces; empty where there is none."""
+    """The name that a declaration introduces; empty if there is none."""
     code = re.sub(r"template\s*<[^>]*>|requires\(.*?\)\)?|\[\[.*?\]\]", "", code).strip()
     scope = re.match(r"(?:struct|class|enum class)\s+(\w+)", code)
     if scope:

@@ -67,7 +67,7 @@ int run(int argc, char** argv, bool parse_only) {
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
   bool licenses = false;
-  app.add_flag("--licenses", licenses, "Print the licenses of what is compiled in and exit");
+  app.add_flag("--licenses", licenses, "Print the licenses of the compiled components and exit");
   app.require_subcommand(1);
   app.get_formatter()->column_width(36);
   app.footer(
@@ -75,10 +75,9 @@ int run(int argc, char** argv, bool parse_only) {
       "  morula sample limb -o limb.obj\n"
       "  morula build limb.obj -o limb.morula\n"
       "  morula measure limb.obj limb.morula\n\n"
-      "Exit codes: 0 done; 1 a check failed, the result is incomplete, or it is written and its report could not be\n"
-      "printed; 2 bad use or bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C, 143 "
-      "SIGTERM\n"
-      "and 129 SIGHUP, with nothing unfinished left behind; 141 where nobody reads standard output any more.");
+      "Exit codes: 0 done; 1 a check failed, the result is incomplete, or its report could not be printed;\n"
+      "2 bad use or bad input, nothing written; 3 not enough memory, or an internal error; 130 Ctrl-C,\n"
+      "143 SIGTERM and 129 SIGHUP, with no unfinished files left; 141 if standard output is closed.");
   Run run;
   add_build(app, run);
   add_measure(app, run);

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The library in one include. Robots, clumps, the study and the page have headers of their own, in robot, grains, study
+// The library in one include. Robots, clumps, the study and the page have their own headers, in robot, grains, study
 // and page.
 #pragma once
 
-// MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
+// MSVC defines a macro of its own for the language version, unless /Zc:__cplusplus is given.
 #if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
 #error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
 #endif

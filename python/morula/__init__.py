@@ -11,7 +11,7 @@
 True
 
 Names are those of the C++ library; results are NumPy arrays. The modules `morula.plot`, `morula.ipctk`,
-`morula.usd`, `morula.batch` and `morula.robot` are imported when they are asked for; the first three need packages of their own.
+`morula.usd`, `morula.batch` and `morula.robot` are imported on first use; the first three need packages of their own.
 """
 
 from __future__ import annotations

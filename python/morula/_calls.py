@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Words of a TypeError: which function, which argument, what was given and what is taken.
+"""Messages of a TypeError: the function, the argument, its type and the accepted types.
 
 Functions of the extension know their signatures as text. A call that fits none is compared with them argument by
-argument; the overload with the fewest misfits is the one that was meant. A class that cannot be called is looked for in
-what functions return.
+argument; the message describes the overload with the fewest misfits. A class without a constructor is searched in the
+results of functions.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ class _Overload:
 
 
 def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str, has_content: bool) -> str:
-    """The message of a TypeError that `function` has raised for these arguments. has_content: of the instance, if one
-    is among them."""
+    """The message of a TypeError that `function` has raised for these arguments. has_content: False if the
+    arguments begin with an instance whose __init__ was not called."""
     place = _places().get(id(function))
     label = place.label if place else f"{function.__qualname__}()"
     if place and place.owner and given:
@@ -74,7 +74,7 @@ def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str, 
 
 
 def refused(kind: type) -> str:
-    """The message of a TypeError of a call of this class, or of one derived from it, which functions alone make."""
+    """The message of a TypeError of a call of this class, or of a derived one, which only functions create."""
     return _refusal(next(base for base in kind.__mro__ if base.__module__.startswith(_morula.__name__)))
 
 
@@ -104,7 +104,7 @@ def _or(parts: list[str]) -> str:
 
 @dataclass
 class _Place:
-    """Where a function of the extension is found."""
+    """The place of a function of the extension."""
 
     module: str
     kind: type | None
@@ -153,7 +153,7 @@ def _functions_of_class(module: str, kind: type) -> Iterator[tuple[_Place, Any]]
 
 @functools.cache
 def _places() -> dict[int, _Place]:
-    """By the id of a function; of one with several names, the first."""
+    """Places by the id of a function; the first name of a function with several."""
     places: dict[int, _Place] = {}
     for place, function in _functions():
         places.setdefault(id(function), place)
@@ -161,7 +161,7 @@ def _places() -> dict[int, _Place]:
 
 
 def _head(signature: str) -> str:
-    """The line of a signature that has the arguments; that of an attribute has no name."""
+    """The line of a signature with the arguments; it has no name for an attribute."""
     return next(line for line in signature.strip().splitlines() if line.startswith("def ")).replace("def (", "def _(", 1)
 
 
@@ -269,14 +269,14 @@ def _is_integer(value: Any) -> bool:
 
 
 def _items(value: Any) -> list[Any] | None:
-    """What is in something like a list; None for anything else."""
+    """The items of a list-like value; None for other values."""
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__iter__"):
         return None
     return list(value) if hasattr(value, "__len__") else []
 
 
 def _fits(annotation: ast.expr, value: Any) -> bool:
-    """Would an argument with this annotation take the value? True where that cannot be told."""
+    """True if an argument with this annotation accepts the value, or if that is unknown."""
     if isinstance(annotation, ast.BinOp):
         return _fits(annotation.left, value) or _fits(annotation.right, value)
     if isinstance(annotation, ast.Subscript):

@@ -21,7 +21,7 @@ _RENAMES = {"file", "local", "sftp", "ssh", "smb", "ftp", "hdfs", "webhdfs", "ar
 
 
 class Place:
-    """A file or folder, on this machine or wherever fsspec reaches."""
+    """A file or folder, on this machine or on a file system of fsspec."""
 
     def __init__(self, name: str | os.PathLike[str], storage_options: Mapping[str, Any] | None = None) -> None:
         text = os.fspath(name)
@@ -51,7 +51,7 @@ class Place:
         return pathlib.PurePosixPath(str(self.name)).suffix.lower()
 
     def absolute(self) -> str:
-        """For workers that stand in another folder."""
+        """The absolute place, for workers with another working folder."""
         return str(self.local.absolute()) if self.local is not None else str(self.name)
 
     def parent(self) -> Place:
@@ -61,7 +61,7 @@ class Place:
         return Place(above + "/" if above.endswith(":/") else above, self.options)
 
     def exists(self) -> bool:
-        """Is there anything, a link that leads nowhere included?"""
+        """True if there is a file, a folder or a link, even a broken one."""
         return os.path.lexists(self.local) if self.local is not None else bool(self._fs.exists(self._path))
 
     def is_folder(self) -> bool:
@@ -74,15 +74,15 @@ class Place:
             self._fs.makedirs(self._path, exist_ok=True)
 
     def name_in(self, folder: Place) -> str:
-        """Of two places elsewhere: this one's path below the other."""
+        """This place's path below another one; both on another machine."""
         return str(self._path)[len(str(folder._path).rstrip("/")) + 1 :]
 
     def files(self) -> list[Name]:
-        """All below a folder elsewhere, sorted."""
+        """All files below a folder on another machine, sorted."""
         return sorted(str(self._fs.unstrip_protocol(path)) for path in self._fs.find(self._path))
 
     def read(self) -> bytes:
-        """OSError where there is no file; a FIFO is none."""
+        """The content. OSError if there is no file; a FIFO is not a file."""
         if self.local is not None:
             data = engine.read(self.local)
             if data is None:
@@ -102,7 +102,7 @@ class Place:
             raise
 
     def write(self, content: str | bytes) -> None:
-        """Whole or not at all."""
+        """Writes a file. The write is atomic."""
         data = content.encode() if isinstance(content, str) else content
         mark = f"{socket.gethostname()}.{os.getpid()}.{time.monotonic_ns()}"
         if self.local is not None:

@@ -4,10 +4,10 @@
 
 >>> rows = morula.batch.run("meshes", {"quality": "fast"}, output="trees", jobs=2)          # doctest: +SKIP
 
-The engine is that of the command: the same options, keys, files, statuses and columns. Either goes on with a folder that the other
-has begun. On a command line, and so in job arrays, it is `python -m morula batch meshes -o trees --quality fast --shard 1/16`.
+The engine is that of the command: the same options, keys, files, statuses and columns. Each continues a folder of the other.
+On a command line, for example in job arrays, it is `python -m morula batch meshes -o trees --quality fast --shard 1/16`.
 
-Manifests, meshes and outputs may be URLs of any file system that fsspec knows (`s3://bucket/meshes`), where it is installed.
+Manifests, meshes and outputs may be URLs of any file system of fsspec (`s3://bucket/meshes`), if it is installed.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class _Mesh(NamedTuple):
 
 
 def _words(options: Mapping[str, Any]) -> list[str]:
-    """Options by name as words of the command: {"max_protrusion": 0.1} is --max-protrusion 0.1."""
+    """Options by name as arguments of the command: {"max_protrusion": 0.1} is --max-protrusion 0.1."""
     words = []
     for name, value in options.items():
         option = f"--{name.replace('_', '-')}"
@@ -88,7 +88,7 @@ def _meshes_in_folder(place: Place) -> list[_Mesh]:
 
 
 def _mesh_named(name: str, reference: str, path: pathlib.Path, refusal: str, folder: Place) -> _Mesh:
-    """What a row of a manifest means."""
+    """The mesh that a row of a manifest names."""
     if "://" in reference and not reference.startswith("file://"):
         return _Mesh(name, Place(reference, folder.options))
     if folder.local is None and "://" not in reference and not os.path.isabs(reference):
@@ -97,7 +97,7 @@ def _mesh_named(name: str, reference: str, path: pathlib.Path, refusal: str, fol
 
 
 def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) -> tuple[list[_Mesh], Place | None]:
-    """Its meshes, and the folder in which those of this machine have to lie; none: anywhere."""
+    """The meshes of a manifest, and the folder that local meshes must lie in; None: any folder."""
     if not isinstance(manifest, (str, os.PathLike)):
         return [_Mesh(engine.text_of_name(os.fsencode(mesh)), Place(mesh, storage_options)) for mesh in manifest], None
     place = Place(manifest, storage_options)
@@ -115,7 +115,7 @@ def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) ->
 
 
 def _buffers_beside(mesh: Place, data: bytes) -> Iterable[tuple[str, bytes]]:
-    """The buffers that glTF names in its folder, and that are there."""
+    """The existing buffers in its folder that a glTF names."""
     for name in map(urllib.parse.unquote, engine.buffers_of(data, mesh.suffix)):
         if name.startswith("/") or "://" in name or ".." in name.split("/"):
             continue
@@ -134,7 +134,7 @@ def _key_elsewhere(mesh: Place, words: list[str]) -> tuple[str, str]:
 
 
 def _keys_of(meshes: list[_Mesh], words: list[str], roots: list[pathlib.Path]) -> list[tuple[str, str]]:
-    """The key of each, or '' and why there is none."""
+    """The key of each mesh, or '' and the reason for its absence."""
     keys = [("", "")] * len(meshes)
     for is_checked in (True, False):
         here = {i: mesh.place.local for i, mesh in enumerate(meshes) if mesh.place.local is not None and mesh.is_checked == is_checked}
@@ -163,7 +163,7 @@ class _Kept:
         self._archived: dict[str, str] | None = None
 
     def find(self, key: str) -> str | None:
-        """The text of a key's result. None where there is none, or it or its tree is not as it was written."""
+        """The text of a key's result. None if there is none, or if it or its tree is damaged."""
         place = _result_place(self.folder, key)
         data = place.read_if_there()
         if data is None and not place.exists():
@@ -206,7 +206,7 @@ def _trees_in(archive: Place) -> Iterable[tuple[str, bytes]]:
 
 
 def _copy_here(mesh: Place, folder: pathlib.Path) -> pathlib.Path:
-    """A mesh from elsewhere, with the buffers that glTF names."""
+    """Copies a mesh from another machine, with the buffers that a glTF names."""
     copy = folder / f"mesh{mesh.suffix}"
     data = mesh.read()
     copy.write_bytes(data)
@@ -245,7 +245,7 @@ class _Seats:
                 seat.stop()
 
     def forget(self) -> None:
-        """Ends idle workers; in a process that was forked, gives up those of the other."""
+        """Ends idle workers; in a forked process, drops the workers of the parent."""
         self.__init__()  # type: ignore[misc]
 
 
@@ -256,7 +256,7 @@ os.register_at_fork(after_in_child=_seats.forget)
 
 
 def one(task: Mapping[str, Any], seats: _Seats | None = None) -> str:
-    """One mesh, by a worker: the text of its result, which is kept when it returns. What an executor calls, here or elsewhere."""
+    """Builds one mesh in a worker and stores the result; returns its text. Executors call this function."""
     elsewhere = task["storage_options"]
     mesh, tree, result = (Place(task[name], elsewhere) for name in ("mesh", "tree", "result"))
     is_here = mesh.local is not None and tree.local is not None
@@ -313,7 +313,7 @@ def _work_off(
 
 
 def _write_tables(texts: tuple[str, str, str], folder: Place, suffix: str) -> list[Row]:
-    """As CSV and JSON lines; as Parquet where pyarrow is installed. Returns the rows."""
+    """Writes the table as CSV and JSON lines, and as Parquet if pyarrow is installed. Returns the rows."""
     names = (f"table{suffix}.csv", f"table{suffix}.jsonl", f"cost{suffix}.csv")
     for name, text in zip(names, texts):
         (folder / name).write(text)
@@ -349,32 +349,31 @@ def run(
     roots: Iterable[str | os.PathLike[str]] = (),
     progress: Callable[[int, int, float], object] | None = None,
 ) -> list[Row]:
-    """A tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
+    """Builds a tree for every mesh; returns the rows of the table in the manifest's order and writes it into `output`.
 
-    Files, keys, statuses and columns are those of the command `morula batch`, and so are arguments where nothing else is said. A
-    row is a dict of the columns that it has.
+    Files, keys, statuses and columns are those of the command `morula batch`, and so are arguments unless noted. A row is a
+    dict of its columns.
 
     Args:
-        manifest: a folder, a .csv, a list of paths, as the command takes them; or an iterable of paths, which may lie anywhere.
-        options: of the build, by the names of the command with `_` for `-`, as a dict: {"method": "grid", "depth": 2}. A wrong
-            one raises ValueError before any mesh is read.
-        jobs: processes at once; None: as many as there are processors.
-        executor: anything that behaves as concurrent.futures does, in the place of `jobs`: of Dask
-            (`client.get_executor()`), mpi4py.futures, submitit; RayExecutor() of Ray. Workers need this package and the same file system. What a
-            worker that dies takes with it is a row with the status `lost`, unless the executor gives it to another; `resume` tries
-            it again.
+        manifest: a folder, a .csv or a list of paths, as for the command; or an iterable of paths in any folders.
+        options: options of the build, by the names of the command with `_` for `-`, as a dict: {"method": "grid", "depth": 2}.
+            A wrong option raises ValueError ahead of any work.
+        jobs: number of processes at once; None: one per processor.
+        executor: an object like those of concurrent.futures, instead of `jobs`: from Dask (`client.get_executor()`),
+            mpi4py.futures or submitit; RayExecutor() for Ray. Workers need this package and the same file system. A mesh whose
+            worker dies gets a row with the status `lost`, unless the executor runs it again; `resume` retries it.
         shard: (i, n): the i-th of n parts, from 1: every n-th mesh from the i-th on; its table is table-i-of-n.
-        time_limit: seconds a mesh may take. memory_limit: megabytes of address space for it, from 64.
-        resume: go on with the results that the folder holds. What is damaged or has lost its tree is built again, with a warning.
-        retry: the same, and try again what failed.
-        no_trees: keep the table alone.
-        measure: the columns closed, looseness, uncovered_area, gap and protrusion, the last four per level, too.
-        archives: trees are packed into trees/KK.tar in the end, by the first two digits of their keys: for file systems that
-            do not like many files. tree_of() reads them.
-        storage_options: of fsspec, for a manifest, meshes and an output that are URLs (`s3://bucket/meshes`). Workers read and
-            write there themselves; the mesh is built from a copy.
-        roots: folders, besides the manifest's own, in which its meshes may lie.
-        progress: called with meshes done, all of them, and the seconds left, estimated.
+        time_limit: seconds per mesh. memory_limit: megabytes of address space per mesh, from 64.
+        resume: continue with the results in the folder. Results that are damaged or without a tree are built again, with a warning.
+        retry: like resume, and retry failed meshes.
+        no_trees: write only the table.
+        measure: adds the columns closed, looseness, uncovered_area, gap and protrusion; the last four also per level.
+        archives: packs trees into trees/KK.tar at the end, by the first two digits of their keys, for file systems that are slow
+            with many files. tree_of() reads them.
+        storage_options: options of fsspec, for a manifest, meshes and an output with URLs (`s3://bucket/meshes`). Workers read
+            and write there directly; each mesh is built from a copy.
+        roots: folders that may contain meshes, besides the manifest's own.
+        progress: called with the number of finished meshes, the number of all, and an estimate of the seconds left.
     """
     index, count = shard
     words = _checked_words(
@@ -420,9 +419,9 @@ def run(
 
 
 class RayExecutor:
-    """Tasks of Ray, as an executor for run() and morula.study(). options: of ray.remote, such as num_cpus.
+    """Tasks of Ray, as an executor for run() and morula.study(). options: options of ray.remote, such as num_cpus.
 
-    Uses the Ray that runs already, or starts one here.
+    Uses the running Ray, or starts one.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -442,14 +441,14 @@ def _call(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def _as_completed(futures: Iterable[Any]) -> Iterable[Any]:
-    """In the order in which they end; of futures that are none of concurrent.futures, in the order given."""
+    """Futures in the order of completion; futures of other kinds than concurrent.futures in the given order."""
     if all(isinstance(future, concurrent.futures.Future) for future in futures):
         return concurrent.futures.as_completed(futures)
     return list(futures)
 
 
 def _pack(folder: Place, suffix: str, keys: Iterable[str]) -> None:
-    """Moves trees into archives, by the first two digits of their keys. The same bytes however often it was interrupted."""
+    """Moves trees into archives, by the first two digits of their keys. Interruptions do not change the bytes."""
     found: dict[str, dict[str, bytes]] = {}
     for key in sorted(keys):
         data = _tree_place(folder, key).read_if_there()
@@ -475,9 +474,9 @@ def _pack(folder: Place, suffix: str, keys: Iterable[str]) -> None:
 def tree_of(
     output: str | os.PathLike[str], key: str, mesh: MeshLike, *, storage_options: Mapping[str, Any] | None = None
 ) -> _morula.CoveredTree:
-    """The tree of a row, from its file or its archive. mesh: the one that it was built of.
+    """The tree of a row, from its file or its archive. mesh: the mesh that it was built from.
 
-    KeyError where there is no tree of this key.
+    KeyError if there is no tree with this key.
     """
     folder = Place(output, storage_options)
     data = _tree_place(folder, key).read_if_there()

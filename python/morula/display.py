@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""What notebooks show of a tree: a picture and a table."""
+"""A tree in notebooks: a picture and a table."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _COLORS = ("#9aa5b1", "#5b8def", "#e0823d", "#3aa876", "#b5679c", "#8d6e4a", "#4
 
 
 def tree_svg(tree: _morula.SphereTree, width: int = 480) -> str:
-    """The levels of a tree side by side, seen along its box's shortest side."""
+    """The levels of a tree in one row, seen along its box's shortest side."""
     import numpy
 
     root = tree.spheres[0]

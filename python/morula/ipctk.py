@@ -5,7 +5,7 @@
 >>> candidates = ipctk.Candidates()
 >>> candidates.build(collision_mesh, vertices, inflation_radius, morula.ipctk.BroadPhase())
 
-One object serves all frames of one mesh: its tree is made once and follows the vertices.
+One object serves all frames of one mesh: it makes its tree once, and the tree follows the vertices.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ __all__ = ["BroadPhase"]
 
 
 class _Known:
-    """Candidates of the last call: most of a frame's are those of the one before, and the toolkit copies what it is given.
+    """Candidates of the last call: most candidates stay from frame to frame, and the toolkit copies its input.
 
-    It takes candidates as Python objects only, and making one costs ten times as much as handing it over.
+    It accepts candidates as Python objects only, and creating one costs ten times as much as passing it.
     """
 
     def __init__(self, kind: Any) -> None:
@@ -36,7 +36,7 @@ class _Known:
     def of(
         self, first: NDArray[Any], second: NDArray[Any], may: Callable[[NDArray[Any], NDArray[Any]], NDArray[numpy.bool_]]
     ) -> list[Any]:
-        """Candidates (first[i], second[i]), each pair once, in the order of both; may: which of them count, asked of new ones."""
+        """Candidates (first[i], second[i]), each pair once, in the order of both; may: filter, called for new ones."""
         codes = first.astype(numpy.int64) << 32 | second
         codes.sort()
         objects = numpy.empty(len(codes), object)
@@ -61,14 +61,15 @@ class _Known:
 
 
 class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
-    """Pairs of edges, and of faces and vertices, that are within twice the inflation radius, or come so near in a step.
+    """Pairs of edges, and of faces and vertices, that are within twice the inflation radius, at one time or in a step.
 
-    The toolkit's own find all whose boxes, enlarged by the radius, overlap: most of these are farther apart, and it looks at
-    them again. Collisions and collision-free steps are the same; `boxes=True` finds the same candidates, too.
+    The toolkit's own broad phases find all pairs whose boxes, enlarged by the radius, overlap. Most of these are farther
+    apart, and the toolkit tests them again. Collisions and collision-free steps are the same; with `boxes=True` so are the
+    candidates.
 
-    Triangle meshes in three dimensions, every edge and vertex of which is on a face. Pairs that share a vertex are left
-    out. The mesh's filter (`can_collide`) is asked about pairs that were not near in the call before; after changing it, call
-    forget().
+    Meshes must be triangle meshes in three dimensions, with every edge and vertex on a face. Pairs that share a vertex are
+    skipped. The mesh's filter (`can_collide`) is called for pairs that were not near in the previous call; after a change of
+    the filter, call forget().
     """
 
     def __init__(self, workers: _morula.Workers | None = None, *, boxes: bool = False) -> None:
@@ -102,11 +103,11 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
         self._found = None
 
     def clear(self) -> None:
-        """Forgets candidates; the tree stays, for the next frame."""
+        """Drops candidates; the tree stays, for the next frame."""
         self._found = None
 
     def forget(self) -> None:
-        """Forgets what a filter said, too."""
+        """Drops candidates and the results of the filter."""
         self._found = None
         self._edge_edge.forget()
         self._face_vertex.forget()
@@ -162,7 +163,7 @@ class BroadPhase(ipctk.BroadPhase):  # type: ignore[misc,unused-ignore]
         return self._face_vertex.of(face, vertex, lambda f, v: self._may(faces[f], v[:, None]))
 
     def _may(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[numpy.bool_]:
-        """Does the filter allow some vertex of a[i] to meet one of b[i]?"""
+        """True if the filter allows a vertex of a[i] to collide with a vertex of b[i]."""
         allows = self.can_vertices_collide
         may = numpy.zeros(len(a), bool)
         for j in range(b.shape[1]):

@@ -28,7 +28,7 @@ def looseness_of_motion(
     mesh: MeshLike, model: _morula.CoveredTree, frames: FloatArray, *, rules: Rule | Sequence[Rule] = "exact", level: int = -1,
     resolution: int = 96,
 ) -> NDArray[numpy.float64]:
-    """Looseness of one level set in every frame, in object volumes; NaN where the mesh has no inside.
+    """Looseness of one level set in every frame, in object volumes; NaN if the mesh has no inside.
 
     frames: (frames, vertices, 3). level: negative counts from the leaves. resolution: voxels along the longest side.
     """
@@ -56,7 +56,7 @@ def looseness_curve(
 
 
 def levels_table(measured: Sequence[_morula.LevelMeasure]) -> list[dict[str, Any]]:
-    """What measure() gives as rows of plain numbers, for pandas or a printed table."""
+    """The results of measure() as rows of plain numbers, for pandas or a printed table."""
     return [
         {
             "level": m.level,
@@ -92,9 +92,9 @@ def to_pyvista(rows: FloatArray, *, steps: int = 16) -> Any:
 
 
 def to_polyscope(shown: FloatArray | MeshLike, *, name: str = "Morula") -> Any:
-    """Spheres (n, 4), or a mesh, as a structure of Polyscope, which is returned; polyscope.init() comes before, show() after.
+    """Spheres (n, 4), or a mesh, as a structure of Polyscope, which is returned, between polyscope.init() and show().
 
-    Spheres are a point cloud whose radii are true.
+    Spheres are a point cloud with true radii.
     """
     import polyscope  # type: ignore[import-not-found,import-untyped,unused-ignore]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arguments may be, for type checkers."""
+"""The types of arguments, for type checkers."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@
 >>> body = morula.Body(mesh, morula.build(mesh))
 >>> morula.usd.write_spheres("spheres.usdc", body.follow(frames), frames_per_second=24)
 
-Coordinates are taken and written as they are: whichever axis is up, and however long a unit is.
+Coordinates are read and written unchanged, for any up axis and any unit.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _KINDS = ("points", "instances")
 
 
 def mesh_paths(path: str | os.PathLike[str], *, roots: Iterable[str | os.PathLike[str]] = ()) -> list[str]:
-    """The meshes of a file, as `prim` names them. roots: as of read_mesh."""
+    """The meshes of a file, by their `prim`. roots: like in read_mesh."""
     return [str(prim.GetPath()) for prim in _meshes(_open(path, roots))]
 
 
@@ -47,10 +47,10 @@ def read_mesh(
 ) -> _morula.Mesh:
     """A mesh in the coordinates of the world, at its first time; polygons are cut into triangles as read_mesh cuts them.
 
-    prim: its place in the file; not needed where there is one mesh. A subdivision surface is read as its control mesh.
+    prim: its path in the file; optional if there is one mesh. A subdivision surface is read as its control mesh.
     roots: folders, besides the file's own, that may hold the files that it refers to. Symbolic links are resolved first.
-    ValueError for a mesh that is none, or that is not there, with those that are. OSError for a file that cannot be read,
-    or that refers to one elsewhere.
+    ValueError for a missing mesh, or a prim that is not a mesh, with a list of the meshes. OSError for a file that cannot be
+    read, or that refers to a file in another folder.
     """
     stage = _open(path, roots)
     mesh = _one_mesh(path, stage, prim)
@@ -63,9 +63,9 @@ def read_motion(
     path: str | os.PathLike[str], prim: str | None = None, *, roots: Iterable[str | os.PathLike[str]] = ()
 ) -> tuple[_morula.Mesh, NDArray[numpy.float64], NDArray[numpy.float64]]:
     """(mesh, frames, times): the mesh at its first time, its positions (frames, vertices, 3) at every time, and these in
-    seconds. Times are those at which the file says where the points are, or where anything is that they hang on.
+    seconds. Times are those of the samples of the points, or of a transform above them.
 
-    prim, roots: as of read_mesh. ValueError where facets or the number of points change.
+    prim, roots: like in read_mesh. ValueError if facets or the number of points change.
     """
     stage = _open(path, roots)
     mesh = _one_mesh(path, stage, prim)
@@ -89,11 +89,11 @@ def write_spheres(
     frames_per_second: float = 24.0,
     up: str = "Y",
 ) -> None:
-    """Spheres (nodes, 4), or in motion (frames, nodes, 4), x, y, z, radius; or of a tree, of a level or of the last one.
+    """Spheres (nodes, 4), or in motion (frames, nodes, 4), x, y, z, radius; or a tree's at a level, by default the last.
 
     kind: "points", one UsdGeom.Points whose widths are diameters; "instances", one UsdGeom.PointInstancer of a unit
-    sphere. USD holds single precision: radii are rounded up by what rounding moves the centers, so that what was covered
-    is. A file is replaced as a whole.
+    sphere. USD stores single precision: radii are enlarged by the rounding of the centers, so that cover is
+    kept. The write is atomic.
     """
     _check_ending(path)
     if kind not in _KINDS:
@@ -151,7 +151,7 @@ def write_mesh(
     frames_per_second: float = 24.0,
     up: str = "Y",
 ) -> None:
-    """A mesh, and its positions (frames, vertices, 3) as time samples; in single precision. A file is replaced as a whole."""
+    """A mesh, and its positions (frames, vertices, 3) as time samples; in single precision. The write is atomic."""
     _check_ending(path)
     if up not in ("Y", "Z"):
         raise ValueError(f"up: {up!r} is neither Y nor Z, which USD knows")
@@ -188,7 +188,7 @@ def _narrowed(frames: NDArray[numpy.float64]) -> tuple[NDArray[numpy.float32], N
 
 
 def _up(values: NDArray[numpy.float64]) -> NDArray[numpy.float32]:
-    """The least float that is not below."""
+    """The least float that is not below the value."""
     near = values.astype(numpy.float32)
     return numpy.where(near.astype(numpy.float64) < values, numpy.nextafter(near, numpy.float32(numpy.inf)), near)
 
@@ -219,7 +219,7 @@ def _open(path: str | os.PathLike[str], roots: Iterable[str | os.PathLike[str]])
 
 
 def _check_references(name: str, layer: Any, folder: str, folders: list[pathlib.Path], seen: set[str]) -> None:
-    """Before anything that a layer refers to is read: does it lie in one of the folders?"""
+    """Checks that all references of a layer lie in one of the folders, ahead of reading them."""
     for asset in layer.GetCompositionAssetDependencies():
         file = os.path.join(folder, asset)
         if not asset or file in seen or not os.path.exists(file):
@@ -276,7 +276,7 @@ def _positions(path: str | os.PathLike[str], mesh: Any, time: Any) -> NDArray[nu
 
 
 def _faces(path: str | os.PathLike[str], mesh: Any, points: NDArray[numpy.float64]) -> NDArray[numpy.int64]:
-    """Triangles that face outwards in the world. points: at the first time, by which polygons are cut."""
+    """Triangles that face outward in the world. points: positions at the first time, which determine the triangulation."""
     for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()):
         if len(attribute.GetTimeSamples()) > 1 and any(
             list(attribute.Get(time)) != list(attribute.Get(attribute.GetTimeSamples()[0])) for time in attribute.GetTimeSamples()

@@ -63,9 +63,9 @@ void bind_measure(nb::module_& m, const char* name, const char* subject, const c
       nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true, nb::arg("protrusion_tolerance") = 1e-2,
       nb::arg("with_sampled_fit") = false, nb::arg("open_by_winding") = false, nb::arg("workers") = nb::none(),
       nb::sig(signature.c_str()),
-      with_arguments(text, {{"positions", "(vertices, 3): where the mesh is; none: at rest"},
+      with_arguments(text, {{"positions", "(vertices, 3): positions of the mesh; None: at rest"},
                             {"resolution", grid_text},
-                            {"with_protrusion", "protrusion as well"},
+                            {"with_protrusion", "measure protrusion as well"},
                             {"protrusion_tolerance", doc::MeasureOptions_protrusion_tolerance},
                             {"with_sampled_fit", doc::MeasureOptions_with_sampled_fit},
                             {"open_by_winding", doc::MeasureOptions_open_by_winding}})
@@ -120,7 +120,7 @@ void bind_meter(nb::module_& m) {
 }  // namespace
 
 void bind_accuracy(nb::module_& m) {
-  Record<Looseness>(m, "Looseness", "How much of the spheres' union lies outside the object.")
+  Record<Looseness>(m, "Looseness", "The volume of the spheres' union outside the object.")
       .field("looseness", &Looseness::looseness, doc::Looseness_looseness)
       .field("missed_volume", &Looseness::missed_volume, doc::Looseness_missed_volume)
       .field("outside_volume", &Looseness::outside_volume, doc::Looseness_outside_volume)
@@ -135,14 +135,14 @@ void bind_accuracy(nb::module_& m) {
             return std::make_pair(l.range->low, l.range->high);
           },
           doc::Looseness_Range);
-  Record<Coverage>(m, "Coverage", "Is any of the surface bare, how much, and how far out does it lie?")
+  Record<Coverage>(m, "Coverage", "The uncovered part of the surface: its area, and its distance from the spheres.")
       .field("covered", &Coverage::covered, doc::Coverage_covered)
       .field("uncovered_area", &Coverage::uncovered_area, doc::Coverage_uncovered_area)
       .field("uncovered_distance", &Coverage::uncovered_distance, doc::Coverage_uncovered_distance)
       .field("uncovered_distance_upper", &Coverage::uncovered_distance_upper, doc::Coverage_uncovered_distance_upper)
       .field("tolerance", &Coverage::tolerance, doc::Coverage_tolerance)
       .field("worst_facet", &Coverage::worst_facet, doc::Coverage_worst_facet);
-  Record<Protrusion>(m, "Protrusion", "How far spheres stick out of the object.")
+  Record<Protrusion>(m, "Protrusion", "The protrusion of spheres out of the object.")
       .field("worst", &Protrusion::worst, doc::Protrusion_worst)
       .field("mean", &Protrusion::mean);
   Record<SampledFit>(m, "SampledFit", doc::SampledFit)
@@ -155,7 +155,7 @@ void bind_accuracy(nb::module_& m) {
       .field("surface_gap_mean", &SampledFit::surface_gap_mean, doc::SampledFit_surface_gap_mean)
       .field("surface_gap_p95", &SampledFit::surface_gap_p95)
       .field("surface_gap_max", &SampledFit::surface_gap_max);
-  Record<LevelMeasure>(m, "LevelMeasure", "What was measured of one level set.")
+  Record<LevelMeasure>(m, "LevelMeasure", "The measurements of one level set.")
       .field("level", &LevelMeasure::level)
       .field("spheres", &LevelMeasure::spheres, doc::LevelMeasure_spheres)
       .field("looseness", &LevelMeasure::looseness)
@@ -228,7 +228,7 @@ void bind_accuracy(nb::module_& m) {
             return without_gil([&] { return self.measure(spheres, CallWorkers(workers)); });
           },
           nb::arg("spheres"), nb::arg("workers") = nb::none(), doc::FitSampler_measure);
-  Record<BallProtrusion>(m, "BallProtrusion", "How far one ball sticks out of the object, between bounds.")
+  Record<BallProtrusion>(m, "BallProtrusion", "The protrusion of one ball out of the object, between bounds.")
       .field("lower", &BallProtrusion::lower, doc::BallProtrusion_lower)
       .field("upper", &BallProtrusion::upper, doc::BallProtrusion_upper);
   m.def(
@@ -237,7 +237,8 @@ void bind_accuracy(nb::module_& m) {
         return without_gil([&] { return protrusion(object, ball, tolerance); });
       },
       nb::arg("object"), nb::arg("ball"), nb::arg("tolerance") = 1e-3,
-      (std::string("How far one ball sticks out of the object: protrusion() of C++ for one. ") + doc::protrusion)
+      (std::string("The protrusion of one ball out of the object: protrusion() of C++ for one ball. ") +
+       doc::protrusion)
           .c_str());
   m.def(
       "protrusion",
@@ -246,7 +247,7 @@ void bind_accuracy(nb::module_& m) {
         return without_gil([&] { return protrusion(object, spheres, tolerance, CallWorkers(workers)); });
       },
       nb::arg("object"), nb::arg("spheres"), nb::arg("tolerance") = 1e-2, nb::arg("workers") = nb::none(),
-      (std::string("How far spheres stick out of the object, proven. ") + doc::protrusion_2).c_str());
+      (std::string("The proven protrusion of spheres out of the object. ") + doc::protrusion_2).c_str());
 }
 
 }  // namespace morula::python

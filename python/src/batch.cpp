@@ -48,7 +48,7 @@ std::vector<RowTuple> tuples_of(const std::vector<cli::ManifestRow>& rows) {
 }
 
 void bind_seat(nb::module_& m) {
-  nb::class_<cli::BatchSeat>(m, "Seat", "A place for worker processes, one at a time; each takes many meshes.")
+  nb::class_<cli::BatchSeat>(m, "Seat", "A place for worker processes, one process at a time; each builds many meshes.")
       .def(nb::init<>())
       .def(
           "build",
@@ -67,10 +67,10 @@ void bind_seat(nb::module_& m) {
           },
           nb::arg("key"), nb::arg("mesh"), nb::arg("tree"), nb::arg("result").none(), nb::arg("words"),
           nb::arg("time_limit").none(), nb::arg("memory_limit").none(), nb::arg("no_trees"),
-          "Builds one mesh in a process of its own. result: where to keep it; None: nowhere. Returns the result's "
-          "text, "
-          "or None where the seat was stopped.")
-      .def("stop", &cli::BatchSeat::stop, "From another thread: ends the build that runs, and all later ones.");
+          "Builds one mesh in a process of its own. result: path of the stored result; None: none. Returns the "
+          "result's text, or None if the seat was stopped.")
+      .def("stop", &cli::BatchSeat::stop,
+           "Ends the running build and all later ones; to be called from another thread.");
 }
 
 void bind_rows(nb::module_& m) {
@@ -78,14 +78,14 @@ void bind_rows(nb::module_& m) {
       "manifest",
       [](FilePath path) { return as_value_error([&] { return tuples_of(cli::read_manifest(path.path)); }); },
       nb::arg("path"),
-      "Rows of a manifest: name as text, mesh as it is written, its path, message of a refusal or ''.");
+      "Rows of a manifest: name as text, mesh as written, its path, and the reason if the mesh is rejected, or ''.");
   m.def(
       "manifest_of",
       [](const nb::bytes& given, bool is_csv, FilePath folder) {
         const std::string text(view_of(given));
         return as_value_error([&] { return tuples_of(cli::rows_of_manifest(text, is_csv, folder.path)); });
       },
-      nb::arg("text"), nb::arg("is_csv"), nb::arg("folder"), "The same of a manifest's text.");
+      nb::arg("text"), nb::arg("is_csv"), nb::arg("folder"), "Rows of a manifest's text.");
   m.def(
       "keys",
       [](const std::vector<std::pair<FilePath, std::string>>& rows, const Words& words,
@@ -102,7 +102,8 @@ void bind_rows(nb::module_& m) {
         });
       },
       nb::arg("rows"), nb::arg("words"), nb::arg("roots").none(),
-      "Of each path and refusal: the key, or '' and why there is none. roots: folders in which files have to lie.");
+      "For each pair of a path and a reason: the key, or '' and the reason for its absence. roots: folders that files "
+      "must lie in.");
   m.def(
       "key_of_bytes",
       [](const std::vector<nb::bytes>& files, const std::string& extension, const Words& words) {
@@ -114,7 +115,7 @@ void bind_rows(nb::module_& m) {
   m.def(
       "buffers_of",
       [](const nb::bytes& mesh, const std::string& extension) { return cli::buffers_of(view_of(mesh), extension); },
-      nb::arg("mesh"), nb::arg("extension"), "Files that a .gltf names as its buffers.");
+      nb::arg("mesh"), nb::arg("extension"), "The buffer files that a .gltf names.");
   m.def(
       "text_of_name", [](const nb::bytes& name) { return cli::text_of_name(view_of(name)); }, nb::arg("name"),
       "A file's name as UTF-8 text, without loss.");
@@ -128,22 +129,22 @@ void bind_results(nb::module_& m) {
         if (!bytes) return std::nullopt;
         return nb::bytes(bytes->data(), bytes->size());
       },
-      nb::arg("path"), "The bytes of a file; None where there is none. FIFOs are not waited for.");
+      nb::arg("path"), "The bytes of a file; None if there is none. It does not wait for FIFOs.");
   m.def(
       "hash_of_bytes", [](const nb::bytes& bytes) { return cli::hash_of_bytes(view_of(bytes)); }, nb::arg("data"),
-      "The hash that a result has of its tree's file.");
+      "The hash of its tree's file that a result contains.");
   m.def(
       "whole_result",
       [](const nb::bytes& text, const std::string& key) {
         return cli::whole_result(std::string(view_of(text)), key).has_value();
       },
-      nb::arg("text"), nb::arg("key"), "Is this the result of the key, whole and unchanged?");
+      nb::arg("text"), nb::arg("key"), "True if this is the result of the key, complete and unchanged.");
   m.def(
       "result_without_build",
       [](const std::string& key, const std::string& status, const std::string& message) {
         return cli::result_text(cli::result_without_build(key, status, cli::text_of_name(message)));
       },
-      nb::arg("key"), nb::arg("status"), nb::arg("message"), "The text of a result that is told without a build.");
+      nb::arg("key"), nb::arg("status"), nb::arg("message"), "The text of a result without a build.");
   m.def(
       "tables",
       [](const std::vector<std::tuple<std::string, std::string, std::string>>& rows,
@@ -164,16 +165,16 @@ void bind_results(nb::module_& m) {
 }  // namespace
 
 void bind_batch(nb::module_& m) {
-  nb::module_ batch = m.def_submodule("batch_engine", "The parts of `morula batch` that morula.batch is made of.");
+  nb::module_ batch = m.def_submodule("batch_engine", "The parts of `morula batch` that morula.batch consists of.");
   batch.def("start_workers_as", &cli::start_workers_as, nb::arg("program"), nb::arg("words"),
-            "How a worker is started: a program, and its words before the worker's.");
+            "The command of a worker: a program, and its arguments ahead of the worker's.");
   batch.def(
       "build_words",
       [](const Words& options) { return as_value_error([&] { return cli::checked_build_words(options); }); },
       nb::arg("options"),
-      "Options of `morula batch`, checked as the command checks them; those that results depend on, in one spelling. "
-      "Raises ValueError.");
-  batch.def("remade_text", &cli::remade_text, nb::arg("count"), "The note that so many kept results were of no use.");
+      "Options of `morula batch`, checked as in the command: those that affect results, in one spelling. Raises "
+      "ValueError.");
+  batch.def("remade_text", &cli::remade_text, nb::arg("count"), "The note on kept results that could not be used.");
   bind_seat(batch);
   bind_rows(batch);
   bind_results(batch);

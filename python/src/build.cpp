@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* build_text = R"(
 
-mesh is anything that is one: morula.Mesh, trimesh.Trimesh, meshio.Mesh, (positions, facets). Other threads run
-meanwhile, and Ctrl-C ends it with KeyboardInterrupt.)";
+mesh: a morula.Mesh, trimesh.Trimesh, meshio.Mesh or (positions, facets). The build releases the GIL, and Ctrl-C ends
+it with KeyboardInterrupt.)";
 
 }  // namespace
 
@@ -97,8 +97,8 @@ void bind_build(nb::module_& m) {
                        {"balance_excess", doc::BuildOptions_balance_excess},
                        {"quality", doc::BuildOptions_quality},
                        {"time_limit_seconds", doc::BuildOptions_time_limit_seconds},
-                       {"progress", "called with a BuildProgress now and then; what it raises ends the build"},
-                       {"workers", "threads; none: one per processor"}}) +
+                       {"progress", "called with a BuildProgress at intervals; an exception of it ends the build"},
+                       {"workers", "threads; None: one per processor"}}) +
        build_text)
           .c_str());
 
@@ -151,7 +151,7 @@ void bind_build(nb::module_& m) {
               "quality: morula.typing.Quality = 'default', seed: int = 1, pose_threshold: float = 1.2, max_trees: int "
               "= 24, "
               "workers: Workers | None = None) -> tuple[CoveredTree, KnownPosesReport]"),
-      (std::string("A copy of the tree with known poses, pairs of name and positions (vertices, 3). ") +
+      (std::string("A copy of the model with known poses, pairs of name and positions (vertices, 3). ") +
        doc::add_known_poses)
           .c_str());
 }

@@ -28,9 +28,9 @@ void bind_command(nb::module_& m) {
         });
       },
       nb::arg("arguments"), nb::arg("program") = std::vector<std::string>{},
-      "Runs the command; the first argument is its name. program: how the command is started again, for the workers "
-      "of `batch`. Returns its exit code. Takes over the signals of the process: "
-      "for `python -m morula` alone.");
+      "Runs the command; the first argument is its name. program: the command line that starts it again, for the "
+      "workers of `batch`. Returns its exit code. It takes over the signals of the process, so it is for `python -m "
+      "morula` alone.");
 }
 
 }  // namespace morula::python

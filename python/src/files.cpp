@@ -73,12 +73,12 @@ void bind_pictures(nb::module_& m) {
               "facets: morula.typing.Array | None = None, *, "
               "point_arrays: dict[str, morula.typing.Array] | None = None, "
               "facet_arrays: dict[str, morula.typing.Array] | None = None) -> None"),
-      with_arguments(doc::write_vtp, {{"points", "(n, 3)"},
-                                      {"facets", doc::VtpData_facets},
-                                      {"point_arrays",
-                                       "by name, one or more numbers for every point; integers are "
-                                       "written as whole numbers of 32 bits"},
-                                      {"facet_arrays", "the same for every facet"}})
+      with_arguments(
+          doc::write_vtp,
+          {{"points", "(n, 3)"},
+           {"facets", doc::VtpData_facets},
+           {"point_arrays", "one or more numbers for every point, by name; integers are written as 32-bit integers"},
+           {"facet_arrays", "the same for every facet"}})
           .c_str());
   m.def(
       "write_pvd",
@@ -115,14 +115,14 @@ void bind_pictures(nb::module_& m) {
 }  // namespace
 
 void bind_files(nb::module_& m) {
-  Record<FileFormat>(m, "FileFormat", "What can be read and written: a row per extension and purpose.")
+  Record<FileFormat>(m, "FileFormat", "The file formats: a row per extension and purpose.")
       .field("extension", &FileFormat::extension, doc::FileFormat_extension)
       .field("program", &FileFormat::program, doc::FileFormat_program)
       .field("is_read", &FileFormat::is_read)
       .field("is_written", &FileFormat::is_written)
       .field("purpose", &FileFormat::purpose, doc::FileFormat_purpose);
   m.def("file_formats", &file_formats,
-        "One row for every extension and purpose; those of meshes are the ones that read_mesh and write_mesh take.");
+        "One row for every extension and purpose; read_mesh and write_mesh accept the rows for meshes.");
   m.def("writable_mesh_list", &writable_mesh_list, doc::writable_mesh_list);
   m.def(
       "frame_files",
@@ -147,7 +147,9 @@ void bind_files(nb::module_& m) {
         without_gil([&] { write_coordinates(path, coordinates); });
       },
       nb::arg("path"), nb::arg("coordinates"),
-      with_arguments("What read_coordinates() reads back to the bit.", {{"coordinates", "(frames, modes)"}}).c_str());
+      with_arguments("Writes coordinates that read_coordinates() reads back to the bit.",
+                     {{"coordinates", "(frames, modes)"}})
+          .c_str());
   m.def(
       "write_bone_frames",
       [](const FilePath& path, ArrayGiven given) {
@@ -163,13 +165,13 @@ void bind_files(nb::module_& m) {
         without_gil([&] { write_bone_frames(path, frames); });
       },
       nb::arg("path"), nb::arg("transforms"),
-      with_arguments("What read_bone_frames() reads back to the bit.",
+      with_arguments("Writes transforms that read_bone_frames() reads back to the bit.",
                      {{"transforms", "(frames, bones, 3, 4) or (frames, bones, 4, 4): matrices that act on columns"}})
           .c_str());
   m.def(
       "_write_whole",
       [](const FilePath& path, const std::string& text) { without_gil([&] { write_whole(path, text); }); },
-      nb::arg("path"), nb::arg("text"), "Writes a file of UTF-8 that is whole or not there.");
+      nb::arg("path"), nb::arg("text"), "Writes a file of UTF-8. The write is atomic.");
   bind_pictures(m);
 }
 

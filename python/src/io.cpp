@@ -39,7 +39,7 @@ void bind_io(nb::module_& m) {
         return mesh;
       },
       nb::arg("path"),
-      (std::string(doc::read_mesh) + " A part of the file that is not in the mesh is a UserWarning.").c_str());
+      (std::string(doc::read_mesh) + " Parts of the file that are not in the mesh give a UserWarning.").c_str());
   m.def(
       "_cut_polygons",
       [](nb::handle points, std::uint32_t sides, nb::handle corners) {
@@ -60,8 +60,8 @@ void bind_io(nb::module_& m) {
         return mesh;
       },
       nb::arg("points"), nb::arg("sides"), nb::arg("corners"),
-      "Polygons of so many sides each, corner by corner, as facets of a mesh: as many for each, one polygon after "
-      "another.");
+      "Polygons with a given number of sides, corner by corner, as facets of a mesh: the same number of facets for "
+      "each, one polygon after another.");
   m.def(
       "write_mesh",
       [](const Path& path, MeshGiven given, nb::handle at) {
@@ -109,7 +109,7 @@ void bind_io(nb::module_& m) {
   nb::class_<SpheresOfFrames>(m, "SphereFrames", only_returned(),
                               "The spheres of all frames of a motion, and their tree.")
       .def_prop_ro(
-          "tree", [](const SpheresOfFrames& f) { return f.tree; }, "That of the first frame.")
+          "tree", [](const SpheresOfFrames& f) { return f.tree; }, "The tree of the first frame.")
       .def_prop_ro(
           "spheres",
           [](nb::handle self) {

@@ -14,7 +14,7 @@ void bind_mass(nb::module_& m) {
       .field("volume", &UnionMass::volume, "Mesh units cubed.")
       .field("center", &UnionMass::center)
       .field("inertia", &UnionMass::inertia, doc::UnionMass_inertia);
-  Record<ConvergedMass>(m, "ConvergedMass", "A mass, and how well it is known.")
+  Record<ConvergedMass>(m, "ConvergedMass", "A mass, with its uncertainty.")
       .field("solid", &ConvergedMass::solid)
       .field("change", &ConvergedMass::change, doc::ConvergedMass_change);
   m.def(

@@ -58,7 +58,7 @@ NB_MODULE(_morula, m) {
   });
   nb::exception<BuildStopped>(m, "BuildStopped", PyExc_RuntimeError).doc() = doc::BuildStopped;
 
-  nb::class_<Threads>(m, "Workers", "A pool of threads. Results never depend on how many there are.")
+  nb::class_<Threads>(m, "Workers", "A pool of threads. Results do not depend on its size.")
       .def(nb::init<unsigned>(), nb::arg("thread_count") = 0, doc::Workers_Workers_2)
       .def_prop_ro("thread_count", [](const Threads& self) { return self.workers.thread_count(); })
       .def("__repr__", [](const Threads& self) {

@@ -208,7 +208,7 @@ void bind_modes(nb::module_& m) {
   nb::class_<Skin>(m, "Skin", doc::Skin)
       .def(
           "__init__", [](Skin* self, ArrayGiven weights) { new (self) Skin(skin_of(weights.object, "weights")); },
-          nb::arg("weights"), "weights: (vertices, bones), rows that add up to 1; zeros are left out.")
+          nb::arg("weights"), "weights: (vertices, bones), rows that add up to 1; zeros are dropped.")
       .def_ro("bone_count", &Skin::bone_count)
       .def_prop_ro("vertex_count", &Skin::vertex_count)
       .def_prop_ro(
@@ -308,7 +308,7 @@ void bind_motion(nb::module_& m) {
       nb::arg("rest"), nb::arg("deformations"), nb::kw_only(), nb::arg("frame_count"), nb::arg("and_back") = true,
       nb::sig("def deform_frames(rest: morula.typing.MeshLike, *deformations: Stretch | Twist | Bend | Poke | Noise | "
               "Rotate, frame_count: int, and_back: bool = True) -> numpy.typing.NDArray[numpy.float64]"),
-      "All frames of a motion out and back: (frames, vertices, 3) float64. As deform() at frame_parameters().");
+      "All frames of a motion out and back: (frames, vertices, 3) float64, equal to deform() at frame_parameters().");
   m.def(
       "frame_parameters",
       [](std::size_t count, bool and_back) { return own_numbers(frame_parameters(count, and_back)); },

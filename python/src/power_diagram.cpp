@@ -100,11 +100,11 @@ void bind_power_diagram(nb::module_& m) {
       nb::sig("def cut_by_power(triangle: morula.typing.FloatArray, spheres: morula.typing.FloatArray, polygon: "
               "morula.typing.FloatArray | None = None, candidates: morula.typing.Array | None = None, vertices: "
               "collections.abc.Sequence[int] = (0, 1, 2)) -> CutFacet"),
-      "Cuts one convex polygon of a facet by the power diagram of a few spheres. The pieces tile it whatever the "
-      "rounding, since both sides share every cut. Each piece's owner has the least power at all its corners, up to "
+      "Cuts one convex polygon of a facet by the power diagram of a few spheres. The parts tile it under any rounding, "
+      "because both sides share every cut. The owner of each part has the least power at all its corners, up to "
       "rounding; ties go to the lower index. A facet with a repeated vertex is never cut.\n\nArgs:\n    triangle: (3, "
       "3), corners in rows.\n    spheres: (n, 4).\n    polygon: (k, 3), barycentric corners in order, at least three; "
-      "none: the whole facet.\n    candidates: numbers of the spheres that may own a part; none: all.\n    vertices: "
+      "None: the whole facet.\n    candidates: numbers of the spheres that may own a part; None: all.\n    vertices: "
       "numbers of the corners in a mesh, which give its edges a direction: cuts agree along them, bit for bit.");
 
   nb::class_<HeldDiagram>(m, "PowerDiagram", doc::PowerDiagram)
@@ -116,7 +116,7 @@ void bind_power_diagram(nb::module_& m) {
             PowerDiagram diagram = without_gil([&] { return PowerDiagram(*spheres); });
             new (self) HeldDiagram{std::move(spheres), std::move(diagram)};
           },
-          nb::arg("spheres"), "Copies them: (n, 4), at least one. O(n log n).")
+          nb::arg("spheres"), "Copies the spheres: (n, 4), at least one. O(n log n).")
       .def(
           "owners",
           [](const HeldDiagram& self, ArrayGiven given, Threads* workers) {
@@ -131,7 +131,7 @@ void bind_power_diagram(nb::module_& m) {
             }));
           },
           nb::arg("points"), nb::arg("workers") = nb::none(),
-          (std::string("Of each point (n, 3). ") + doc::PowerDiagram_owner).c_str())
+          (std::string("Owners of points (n, 3). ") + doc::PowerDiagram_owner).c_str())
       .def(
           "candidates",
           [](const HeldDiagram& self, ArrayGiven given) {

@@ -62,7 +62,7 @@ ClosestPoints closest(const TriangleBvh& bvh, const std::vector<Vec3>& points, W
 }  // namespace
 
 void bind_shapes(nb::module_& m) {
-  Record<ClosestPoints>(m, "ClosestPoints", "The nearest points of a surface, one per point asked about.")
+  Record<ClosestPoints>(m, "ClosestPoints", "The nearest points of a surface, one per given point.")
       .property(
           "points", [](nb::handle self) { return points(nb::cast<ClosestPoints&>(self).points, self); },
           "(n, 3) float64.")
@@ -155,7 +155,8 @@ void bind_shapes(nb::module_& m) {
             }));
             return Copy<bool, -1>(reinterpret_cast<bool*>(inside->data()), {inside->size()}, owner);
           },
-          nb::arg("points"), nb::arg("workers") = nb::none(), "(n,) bool: is the distance negative? points: (n, 3).")
+          nb::arg("points"), nb::arg("workers") = nb::none(),
+          "(n,) bool: True if the distance is negative. points: (n, 3).")
       .def(
           "protrusion_bound", [](const SignedDistance& self, Sphere ball) { return self.protrusion_bound(ball); },
           nb::arg("ball"), doc::SignedDistance_protrusion_bound)

@@ -41,7 +41,7 @@ void bind_hull(nb::module_& m) {
           doc::ConvexHull_facets)
       .def_prop_ro(
           "faces", [](nb::handle self) { return triples(nb::cast<ConvexHull&>(self).facets(), self); },
-          "The facets, as other packages call them: a hull is a mesh, too.")
+          "The facets, under the name that other packages use for meshes.")
       .def_prop_ro(
           "planes",
           [](nb::handle self) {
@@ -72,7 +72,7 @@ PenetrationOptions penetration_options(double tolerance, double volume_tolerance
 }
 
 void bind_penetration(nb::module_& m) {
-  Record<Penetration>(m, "Penetration", "How much space two bodies share, between bounds.")
+  Record<Penetration>(m, "Penetration", "The volume that two bodies share, between bounds.")
       .field("lower", &Penetration::lower, doc::Penetration_lower)
       .field("upper", &Penetration::upper)
       .field("estimate", &Penetration::estimate, doc::Penetration_estimate)
@@ -172,7 +172,7 @@ void bind_modal_certificate(nb::module_& m) {
           [](const HeldCertificate& self, ArrayGiven given) {
             return self.certificate.is_free(self.coordinates_of(given));
           },
-          nb::arg("coordinates"), "Is the norm at most free_norm: does nothing touch?")
+          nb::arg("coordinates"), "True if the norm is at most free_norm, so no facets touch.")
       .def(
           "is_known",
           [](const HeldCertificate& self, ArrayGiven given) {
@@ -203,9 +203,9 @@ void bind_modal_certificate(nb::module_& m) {
             return found;
           },
           nb::arg("coordinates"), nb::arg("positions"),
-          "The pairs of open() whose facets intersect, exactly, where the vertices are now, in the order of (a, b): "
-          "what surface_crossings() finds with the same rest distance, when positions are those of move_by_modes() at "
-          "these coordinates. None for coordinates that are not known.")
+          "The pairs of open() whose facets intersect, exactly, at the present vertices, in the order of (a, b). These "
+          "are the results of surface_crossings() with the same rest distance, if positions are those of "
+          "move_by_modes() at these coordinates. None for coordinates beyond largest_norm.")
       .def_prop_ro(
           "tested_facet_pairs", [](const HeldCertificate& self) { return self.certificate.tested_facet_pairs(); },
           doc::ModalCertificate_tested_facet_pairs)

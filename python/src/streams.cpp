@@ -59,7 +59,7 @@ void bind_writer(nb::class_<Held>& type, const char* finish_text) {
           "__exit__", [](Held& self, nb::handle kind, nb::handle, nb::handle) { self.leave(!kind.is_none()); },
           nb::arg("kind").none(), nb::arg("value").none(), nb::arg("traceback").none(),
           nb::sig("def __exit__(self, kind: object, value: object, traceback: object) -> None"),
-          "finish(), or, where the block has raised, nothing is written.");
+          "Calls finish(); writes nothing if the block has raised.");
 }
 
 using HeldMotionWriter = HeldWriter<MotionWriter>;
@@ -90,8 +90,7 @@ void bind_streams(nb::module_& m) {
             return own_points(
                 without_gil([&] { return self.frame(static_cast<std::size_t>(index < 0 ? index + count : index)); }));
           },
-          nb::arg("index"),
-          (std::string("(vertices, 3) float64, read when it is asked for. ") + doc::Motion_frame).c_str())
+          nb::arg("index"), (std::string("(vertices, 3) float64, read on access. ") + doc::Motion_frame).c_str())
       .def(
           "frame_name",
           [](const Motion& self, std::size_t index) {
@@ -127,7 +126,7 @@ void bind_streams(nb::module_& m) {
               writer.write(rows);
             });
           },
-          nb::arg("positions"), "The next frame, (vertices, 3).");
+          nb::arg("positions"), "Writes the next frame, (vertices, 3).");
   bind_writer(motion, doc::MotionWriter_finish);
   nb::class_<HeldSpheresWriter> spheres(m, "SphereFramesWriter", doc::SphereFramesWriter);
   spheres

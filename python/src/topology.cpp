@@ -93,7 +93,7 @@ void bind_connectivity(nb::module_& m) {
         const auto mesh = mesh_of(given);
         return without_gil([&] { return components_by_vertices(*mesh); });
       },
-      nb::arg("mesh"), "Pieces of surface: facets that share a vertex are of one piece.");
+      nb::arg("mesh"), "Components of a surface: facets that share a vertex belong to one component.");
   m.def(
       "components_by_edges",
       [](MeshGiven given) {
@@ -101,16 +101,17 @@ void bind_connectivity(nb::module_& m) {
         return without_gil([&] { return components_by_edges(*mesh, connectivity(*mesh)); });
       },
       nb::arg("mesh"),
-      "Pieces of surface: facets that share an edge are of one piece; two that only touch at a vertex are not.");
+      "Components of a surface: facets that share an edge belong to one component; facets that only touch at a vertex "
+      "do not.");
   const auto edges = [&m](const char* name, auto find, const char* text) {
     m.def(
         name, [find](const Connectivity& c) { return own_indices(find(c)); }, nb::arg("connectivity"), text);
   };
   edges(
-      "border_edges", [](const Connectivity& c) { return border_edges(c); }, "Edges of one side. Ascending.");
+      "border_edges", [](const Connectivity& c) { return border_edges(c); }, "Edges with one side, ascending.");
   edges(
       "nonmanifold_edges", [](const Connectivity& c) { return nonmanifold_edges(c); },
-      "Edges of more than two sides. Ascending.");
+      "Edges with more than two sides, ascending.");
   m.def(
       "nonmanifold_vertices",
       [](MeshGiven given) {
@@ -148,7 +149,7 @@ void bind_connectivity(nb::module_& m) {
         return std::make_tuple(std::move(used.mesh), own_indices(std::move(used.index)));
       },
       nb::arg("mesh"),
-      "A mesh without the vertices that no facet uses, and the numbers that its vertices had before, ascending.");
+      "A mesh without the vertices that no facet uses, and the former numbers of its vertices, ascending.");
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ void require_good_options(const SceneOptions& options) {
 }
 
 void require_masks(std::uint32_t category) {
-  if (category == 0) throw std::invalid_argument("category is 0: a body of no group meets nobody; give it a group");
+  if (category == 0)
+    throw std::invalid_argument("category is 0: a body without a group forms no pair; give it a group");
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ TEST(CollideScene, names_file_key_and_remedy_of_what_it_refuses) {
   bench.refuse(R"({"bodies": [{"mesh": "limb.obj", "weight": 1e999}]})", "bad.json: this cannot be read as JSON");
   body(R"("static": "yes")", ".static: give true or false");
   body(R"("static": true, "motion": "motion")", ".static: a static body has neither motion nor path");
-  body(R"("groups": [])", ".groups: a body of no group meets nobody");
+  body(R"("groups": [])", ".groups: a body without a group forms no pair");
   body(R"("groups": [32])", ".groups[0]: groups are the whole numbers from 0 to 31");
   body(R"("meets": [-1])", ".meets[0]: groups are the whole numbers from 0 to 31");
   body(R"("weight": -1)", ".weight: weights are 0 or more");

@@ -353,41 +353,43 @@ void add_batch_options(CLI::App& command, BatchArguments& o) {
   add_option(command, "-o,--output", o.output, "Folder of results: trees, table.csv, table.jsonl, cost.csv")
       ->required()
       ->type_name("FOLDER");
-  add_option(command, "--root", o.roots,
-             "Folder, besides the manifest's own, in which its meshes may lie; may be repeated")
+  add_option(command, "--root", o.roots, "Folder besides the manifest's own that may contain meshes; may be repeated")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  add_option(command, "--jobs", o.jobs, "Processes at once; all processors when not given")
+  add_option(command, "--jobs", o.jobs, "Number of processes at once; default: one per processor")
       ->type_name("N")
       ->transform(whole_number(1, 1024));
   add_option(command, "--shard", o.shard, "Only every n-th mesh: 2/8 is the second of eight parts, for job arrays")
       ->type_name("I/N");
-  add_option(command, "--time-limit", o.time_limit, "Seconds for a mesh; what is not done by then is a failed row")
+  add_option(command, "--time-limit", o.time_limit, "Seconds per mesh; a mesh that takes longer gives a failed row")
       ->type_name("S")
       ->transform(number_above_zero());
   add_option(command, "--memory-limit", o.memory_limit,
-             "Memory for a mesh, besides the program's own, from 64; what needs more is a failed row")
+             "Memory per mesh, besides the program's own, from 64; a mesh that needs more gives a failed row")
       ->type_name("MB")
       ->transform(whole_number(64, std::size_t{1} << 30));
   add_flag(command, "--resume", o.resume,
-           "Go on with the results that the folder holds; a damaged result or tree is built again");
-  add_flag(command, "--retry", o.retry, "The same, and try again what failed");
-  add_flag(command, "--no-trees", o.no_trees, "Keep the table alone");
+           "Continue with the results in the folder; a damaged result or tree is built again");
+  add_flag(command, "--retry", o.retry, "Like --resume, and retry failed meshes");
+  add_flag(command, "--no-trees", o.no_trees, "Write only the table");
   add_flag(command, "--measure", o.measure,
            "Also measure looseness, uncovered area and distance, and protrusion of every level, as columns");
   add_flag(command, "--quiet", o.quiet, "No progress on stderr");
-  add_option(command, "--method", o.method, "As of morula build, as are the next ones")->type_name("NAME");
+  add_option(command, "--method", o.method, "Options of morula build, like the next ones")->type_name("NAME");
   add_option(command, "--quality", o.quality, "draft, fast, default, best")->type_name("NAME");
   add_option(command, "--depth", o.depth, "Levels below the root, or auto")->type_name("N");
-  add_option(command, "--branching", o.branching, "Most children of a node")->type_name("N")->transform(whole_number());
+  add_option(command, "--branching", o.branching, "Largest number of children of a node")
+      ->type_name("N")
+      ->transform(whole_number());
   add_option(command, "--spheres", o.spheres, "A flat set of at most N spheres")
       ->type_name("N")
       ->transform(whole_number());
-  add_option(command, "--max-protrusion", o.max_protrusion, "As few spheres as needed to stick out by at most LENGTH")
+  add_option(command, "--max-protrusion", o.max_protrusion,
+             "Protrusion of at most LENGTH with as few spheres as possible")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
   add_flag(command, "--nested", o.nested, "Every sphere contains its children's");
-  add_option(command, "--seed", o.seed, "Of every random choice")->type_name("N")->transform(whole_number());
+  add_option(command, "--seed", o.seed, "Seed of all random choices")->type_name("N")->transform(whole_number());
   add_option(command, "--reducers", o.reducers, "For medial and combined")->type_name("LIST");
   add_option(command, "--optimizer", o.optimizer, "none, recenter, simplex, balance")->type_name("NAME");
   add_option(command, "--balance-excess", o.balance_excess, "For the optimizer balance")

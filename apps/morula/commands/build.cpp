@@ -69,7 +69,8 @@ void require_sense(const BuildArguments& o) {
     throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
   }
   if (!o.poses.empty() && o.flat()) {
-    throw UsageError("--poses adds trees with levels, and --spheres and --max-protrusion ask for none: leave out one");
+    throw UsageError(
+        "--poses adds trees with levels, and --spheres and --max-protrusion make flat sets: leave out one");
   }
   if (!o.poses.empty() && extension(o.output) != ".morula") {
     throw UsageError(
@@ -296,48 +297,49 @@ void add_build(CLI::App& app, Run& run) {
   add_option(*command, "--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--branching", o->branching, fmt::format("Most children of a node, 2 to {}", max_branching))
+  add_option(*command, "--branching", o->branching,
+             fmt::format("Largest number of children of a node, 2 to {}", max_branching))
       ->type_name("N")
       ->transform(whole_number(2, max_branching))
       ->capture_default_str();
   add_option(*command, "--depth", o->depth_text,
-             "Levels below the root, 0 to 8, or auto: no more leaves than a quarter of the facets, nor than 512")
+             "Levels below the root, 0 to 8, or auto: at most a quarter as many leaves as facets, and at most 512")
       ->type_name("N")
       ->transform(CLI::Validator([check = whole_number(0, max_depth)](
                                      std::string& text) { return text == "auto" ? std::string() : check(text); },
                                  ""))
       ->default_str("auto");
   add_option(*command, "--spheres", o->spheres,
-             "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method makes it")
+             "Instead of a depth: one flat set of at most N spheres, the leaves, as tight as the method can make it")
       ->type_name("N")
       ->transform(whole_number(1));
   add_option(*command, "--max-protrusion", o->max_protrusion,
-             "Instead of a depth: as few spheres as needed for each to stick out by at most LENGTH, mesh units")
+             "Instead of a depth: protrusion of at most LENGTH, mesh units, with as few spheres as possible")
       ->type_name("LENGTH")
       ->transform(real_number());
-  add_flag(*command, "--nested", o->nested, "Every sphere contains its children's: looser above the leaves");
-  add_option(*command, "--seed", o->seed, "Of every random choice; equal seeds give equal trees")
+  add_flag(*command, "--nested", o->nested, "Every sphere contains its children's; levels above the leaves get looser");
+  add_option(*command, "--seed", o->seed, "Seed of all random choices; equal seeds give equal trees")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
   add_option(*command, "--quality", o->quality,
-             fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
+             fmt::format("Quality of the method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--reducers", o->reducers,
-             fmt::format("For medial: of merge,burst,expand; for combined: of {}. The best is taken for each node",
+             fmt::format("For medial: of merge,burst,expand; for combined: of {}. Each node uses the best",
                          fmt::join(reduction_names(), ",")))
       ->type_name("LIST");
   add_option(*command, "--optimizer", o->optimizer, fmt::format("{}", fmt::join(optimizer_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--balance-excess", o->balance_excess,
-             "For the optimizer balance: share by which the worst sphere may stick out further")
+             "For the optimizer balance: share by which the protrusion of the worst sphere may increase")
       ->type_name("SHARE")
       ->transform(real_number(0))
       ->capture_default_str();
   add_option(*command, "--time-limit", o->time_limit,
-             "Seconds; then nodes not yet divided stay leaves, and the exit code is 1. Not reproducible")
+             "Limit of the build time; undivided nodes then stay leaves, and the exit code is 1. Not reproducible")
       ->type_name("S")
       ->transform(real_number());
   add_option(
@@ -346,15 +348,15 @@ void add_build(CLI::App& app, Run& run) {
       "size along each axis")
       ->type_name("MOTION");
   add_option(*command, "--pose-threshold", o->pose_threshold,
-             "As many of --poses as it takes for no pose to be this many times as loose as a tree built for it")
+             "Largest looseness of a pose, relative to a tree built for it; adds trees until all --poses meet it")
       ->type_name("X")
       ->transform(real_number())
       ->capture_default_str();
-  add_option(*command, "--max-poses", o->max_poses, "Trees that --poses adds at most")
+  add_option(*command, "--max-poses", o->max_poses, "Largest number of trees that --poses adds")
       ->type_name("N")
       ->transform(whole_number(1, 64))
       ->capture_default_str();
-  add_flag(*command, "--report", o->report, "Measure looseness (160 voxels) and protrusion of every level, too");
+  add_flag(*command, "--report", o->report, "Also measure looseness (160 voxels) and protrusion of every level");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(*command, "Example:\n  morula build liver.obj -o liver.morula --method grid --branching 8 --depth 3");

@@ -258,43 +258,40 @@ int convert_command(const ConvertArguments& o) {
 void add_convert(CLI::App& app, Run& run) {
   auto o = std::make_shared<ConvertArguments>();
   CLI::App* command = add_command(app, "convert", "Convert between mesh formats, tree formats, or motions");
-  add_option(
-      *command, "IN", o->input,
-      "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh; of a mesh "
-      "its animation, or itself as one frame, where OUT is a motion")
+  add_option(*command, "IN", o->input,
+             "Mesh or tree file, balls (.ply), spheres of frames (.npz) with --frame, or a motion with --mesh; if OUT "
+             "is a motion, a mesh gives its animation, or itself as one frame")
       ->required()
       ->type_name("");
-  add_option(
-      *command, "OUT", o->output,
-      "Mesh (" + writable_mesh_list() +
-          ") or tree (.morula .sph .json .npz) file; of a tree .ply is its leaves, .glb a scene to look at; of a "
-          "motion .npy, .pc2, .mdd or a folder")
+  add_option(*command, "OUT", o->output,
+             "Mesh (" + writable_mesh_list() +
+                 ") or tree (.morula .sph .json .npz) file; for a tree .ply has its leaves, .glb a scene to view; for "
+                 "a motion .npy, .pc2, .mdd or a folder")
       ->required()
       ->type_name("");
   add_option(*command, "--mesh", o->mesh,
-             "The mesh of a tree: needed to give bare spheres a cover, that is, for .morula; or that of a motion")
+             "Mesh of a tree, required for the cover of .morula if the tree has none; or mesh of a motion")
       ->type_name("MESH");
-  add_option(*command, "--frame", o->frame, "Of the .npz of an update: which frame, counted from 0")
+  add_option(*command, "--frame", o->frame, "Frame of an .npz of morula update, counted from 0")
       ->type_name("N")
       ->transform(whole_number());
   add_flag(*command, "--used-only", o->used_only,
-           "Of a mesh: leave out vertices that no facet uses, as inside a solid");
-  add_option(*command, "--index-map", o->index_map, "With --used-only: a table of what number each vertex had")
+           "Drop mesh vertices that no facet uses, such as those inside a solid");
+  add_option(*command, "--index-map", o->index_map, "With --used-only: a table of the former number of each vertex")
       ->type_name("CSV");
-  add_flag(*command, "--sofa", o->sofa,
-           "Of a tree: one level as SOFA's SphereLoader reads it, which ends in .sph, too");
-  add_option(*command, "--level", o->level, "With --sofa, and of a .glb: which level; without it the leaves")
+  add_flag(*command, "--sofa", o->sofa, "One level of a tree for SOFA's SphereLoader, also with the ending .sph");
+  add_option(*command, "--level", o->level, "Level for --sofa and .glb; default: the leaves")
       ->type_name("N")
       ->transform(whole_number());
-  add_option(*command, "--animation", o->animation, "Of a glTF motion: which animation, counted from 0")
+  add_option(*command, "--animation", o->animation, "Animation of a glTF motion, counted from 0")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_option(*command, "--fps", o->frames_per_second, "Of a .glb, and of a glTF motion: frames a second")
+  add_option(*command, "--fps", o->frames_per_second, "Frames per second of a .glb and of a glTF motion")
       ->type_name("X")
       ->transform(number_above_zero())
       ->capture_default_str();
-  add_flag(*command, "--nested", o->nested, "Of a tree: spheres grow or move until each contains its children's");
+  add_flag(*command, "--nested", o->nested, "Grow or move the spheres of a tree until each contains its children's");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);

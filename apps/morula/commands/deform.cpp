@@ -81,8 +81,8 @@ int deform_command(const DeformArguments& o, const CLI::App& command) {
   const bool is_npy = (own == ".npy" || own == ".pc2" || own == ".mdd") && !std::filesystem::is_directory(o.output);
   const FileKind kind = file_kind(o.output);
   if (!is_npy && kind != FileKind::folder && kind != FileKind::unknown) {
-    throw UsageError(fmt::format(
-        "{}: a motion is a folder of meshes or a .npy file (.pc2 and .mdd, too); name one of these", o.output));
+    throw UsageError(
+        fmt::format("{}: a motion is a folder of meshes or a .npy file (or .pc2, .mdd); name one of these", o.output));
   }
   const std::string ending = "." + o.extension;
   std::vector<std::string> written;
@@ -146,23 +146,25 @@ void add_deform(CLI::App& app, Run& run) {
   const auto amounts = [&](const char* name, std::vector<double>& values, const char* unit, const char* help) {
     add_option(*command, name, values, help)->type_name(unit)->allow_extra_args(false)->transform(real_number());
   };
-  amounts("--stretch", o->stretch, "FACTOR", "Lengthen along the axis; the cross-section shrinks to keep the volume");
+  amounts("--stretch", o->stretch, "FACTOR", "Stretch along the axis; the cross-section shrinks to keep the volume");
   amounts("--twist", o->twist, "DEGREES", "Turn one end against the other");
   amounts("--bend", o->bend, "DEGREES", "Roll the axis into an arc");
   command->add_flag("--poke", o->poke, "Push a dent into the top (see --poke-center)");
   amounts("--noise", o->noise, "SHARE", "Smooth random displacement, at most this share of the diagonal");
   amounts("--rotate", o->rotate, "DEGREES", "Turn rigidly");
-  add_option(*command, "--axis", o->axis, "Of all deformations: x, y, z or auto, the longest side of the box")
+  add_option(*command, "--axis", o->axis, "Axis of all deformations: x, y, z or auto, the longest side of the box")
       ->type_name("AXIS")
       ->capture_default_str();
-  add_option(*command, "--shrink", o->shrink, "Of --stretch: cross-section times factor^-SHRINK; 0.5 keeps the volume")
+  add_option(*command, "--shrink", o->shrink, "Cross-section of --stretch times factor^-SHRINK; 0.5 keeps the volume")
       ->type_name("EXPONENT")
       ->transform(real_number())
       ->capture_default_str();
-  add_option(*command, "--poke-center", o->poke_center, "Relative to the box, 0 to 1 on each axis")
+  add_option(*command, "--poke-center", o->poke_center, "Center of the dent relative to the box, 0 to 1 on each axis")
       ->type_name("X,Y,Z")
       ->capture_default_str();
-  add_option(*command, "--poke-push", o->poke_push, "How far, in diagonals")->type_name("X,Y,Z")->capture_default_str();
+  add_option(*command, "--poke-push", o->poke_push, "Displacement in diagonals")
+      ->type_name("X,Y,Z")
+      ->capture_default_str();
   add_option(*command, "--poke-radius", o->poke_radius, "Reach of the dent in diagonals")
       ->type_name("SHARE")
       ->transform(number_above_zero())
@@ -175,18 +177,18 @@ void add_deform(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_option(*command, "--frames", o->frames, "How many; with an odd number the middle one has the full amount")
+  add_option(*command, "--frames", o->frames, "Number of frames; with an odd number the middle one has the full amount")
       ->type_name("N")
       ->transform(whole_number(2, 1000000))
       ->capture_default_str();
   add_flag(*command, "--one-way", o->one_way, "End at the full amount instead of going back to rest");
-  add_option(*command, "--format", o->extension, "Of meshes in a folder: obj, off, ply or vtp")
+  add_option(*command, "--format", o->extension, "Format of meshes in a folder: obj, off, ply or vtp")
       ->type_name("NAME")
       ->capture_default_str();
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(*command,
-             "Deformations are applied in the order given, each to what the one before left.\n"
+             "Deformations are applied in the given order, each to the result of the previous one.\n"
              "Example:\n"
              "  morula deform liver.obj -o motion/ --bend 90 --twist 45 --frames 25\n"
              "  morula deform liver.obj -o motion.npy --stretch 2");

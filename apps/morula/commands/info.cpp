@@ -329,7 +329,7 @@ void add_info(CLI::App& app, Run& run) {
       ->required()
       ->type_name("");
   add_flag(*command, "--check", o->check,
-           "Exit with 1 when a mesh has no inside, or a tree breaks a promise (its cover is checked with --mesh)");
+           "Exit with 1 if a mesh has no inside, or a tree violates a guarantee (its cover is checked with --mesh)");
   add_option(*command, "--mesh", o->mesh, "The mesh of a tree")->type_name("MESH");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);

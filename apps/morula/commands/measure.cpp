@@ -252,7 +252,7 @@ void add_measure(CLI::App& app, Run& run) {
              "Tree file, or balls (.ply); with --motion a folder of trees, or the .npz of update, one per frame")
       ->required()
       ->type_name("");
-  add_option(*command, "--motion", o->motion, fmt::format("Positions the trees belong to: {}", motion_kinds()))
+  add_option(*command, "--motion", o->motion, fmt::format("Positions of the trees: {}", motion_kinds()))
       ->type_name("MOTION");
   add_option(*command, "--grid", o->grid,
              "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
@@ -268,9 +268,8 @@ void add_measure(CLI::App& app, Run& run) {
              "Edge of a fixed voxel in mesh units; default: diagonal / resolution")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
-  add_flag(*command, "--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
-  add_flag(*command, "--curobo", o->curobo,
-           "Also the figures by which cuRobo judges spheres, from samples: docs/measure.md");
+  add_flag(*command, "--no-protrusion", o->no_protrusion, "Skip protrusion, the slowest figure");
+  add_flag(*command, "--curobo", o->curobo, "Also measure cuRobo's figures for spheres, from samples: docs/measure.md");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");

@@ -107,17 +107,17 @@ void add_medial(CLI::App& app, Run& run) {
   auto o = std::make_shared<MedialArguments>();
   CLI::App* command = add_command(app, "medial", "Write the balls that fit inside a mesh");
   add_option(*command, "MESH", o->mesh, "Mesh file: " + readable_mesh_extensions())->required()->type_name("");
-  add_option(*command, "-o,--output", o->output, "Ball file: .ply with x, y, z and radius a vertex")
+  add_option(*command, "-o,--output", o->output, "Ball file: .ply with x, y, z and radius per vertex")
       ->type_name("BALLS")
       ->required();
   add_option(*command, "--kind", o->kind, "shrinking (no surface inside), voronoi (no sample inside)")
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--samples", o->samples, "Points spread over the surface")
+  add_option(*command, "--samples", o->samples, "Number of points on the surface")
       ->type_name("N")
       ->transform(whole_number(1, most_samples))
       ->capture_default_str();
-  add_option(*command, "--seed", o->seed, "Of the points; equal seeds give equal balls")
+  add_option(*command, "--seed", o->seed, "Seed of the points; equal seeds give equal balls")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();

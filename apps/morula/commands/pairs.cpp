@@ -155,7 +155,7 @@ void print_text(const PairsArguments& o, const SurfaceTree& tree, const Found& f
   fmt::print("query: {:.0f} µs\n", found.microseconds);
   if (!o.with_self &&
       components_by_vertices(MeshView(PositionView(std::vector<Vec3>(tree.vertex_count())), tree.facets())).count == 1)
-    note("{} is one piece, and pairs within a piece are left out: add --self", o.from);
+    note("{} is one component, and pairs within a component are skipped: add --self", o.from);
 }
 
 void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const Found& found) {
@@ -224,25 +224,25 @@ int pairs_command(const PairsArguments& o) {
 void add_pairs(CLI::App& app, Run& run) {
   auto o = std::make_shared<PairsArguments>();
   CLI::App* command = add_command(app, "pairs", "Features of a mesh that cross, are near, or may meet within a step");
-  add_option(*command, "FROM", o->from, "Mesh, of one piece or several: " + readable_mesh_extensions())
+  add_option(*command, "FROM", o->from, "Mesh of one or several components: " + readable_mesh_extensions())
       ->required()
       ->type_name("");
   add_option(*command, "TO", o->to, "The same mesh at the end of a step; vertices move on straight lines")
       ->type_name("");
   add_flag(*command, "--swept", o->swept, "Pairs of vertex and facet, edge and edge, that may meet on the way to TO");
-  add_option(*command, "--within", o->within, "Pairs of vertex and facet, edge and edge, this near or nearer")
+  add_option(*command, "--within", o->within, "Pairs of vertex and facet, edge and edge, at most this far apart")
       ->type_name("LENGTH")
       ->transform(real_number(0));
   add_flag(*command, "--crossing", o->crossing, "Pairs of facets that intersect");
-  add_flag(*command, "--self", o->with_self, "Pairs within a piece, too, unless they share a vertex");
-  add_option(*command, "--rings", o->rings, "Leave out pairs of a piece that are at most so many edges apart")
+  add_flag(*command, "--self", o->with_self, "Also pairs within a component, unless they share a vertex");
+  add_option(*command, "--rings", o->rings, "Skip pairs within a component that are at most this many edges apart")
       ->type_name("N")
       ->transform(whole_number(0, 8));
-  add_option(*command, "--rest-distance", o->rest_distance, "Leave out pairs that are this near at rest")
+  add_option(*command, "--rest-distance", o->rest_distance, "Skip pairs that are at most this far apart at rest")
       ->type_name("LENGTH")
       ->transform(real_number(0));
   add_option(*command, "--rest", o->rest, "The mesh at rest, for --rest-distance; default: FROM")->type_name("MESH");
-  add_option(*command, "--distance", o->distance, "With --swept: an impact is when a pair is this near; default: 0")
+  add_option(*command, "--distance", o->distance, "With --swept: distance that counts as an impact; default: 0")
       ->type_name("LENGTH")
       ->transform(real_number(0));
   add_flag(*command, "--candidates", o->candidates, "With --swept: all pairs whose swept boxes meet, without times");

@@ -305,11 +305,12 @@ void add_paraview(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder for surface.pvd, spheres.pvd, contacts.pvd and their frames")
       ->type_name("DIR")
       ->required();
-  add_option(*command, "--level", o->level, "Spheres of this level alone; without it all, and bare is of the last one")
+  add_option(*command, "--level", o->level,
+             "Level of the spheres, and of the uncovered surface; default: all, and the last")
       ->type_name("N")
       ->transform(whole_number());
-  add_option(*command, "--contacts", o->contacts, "Table that morula collide wrote with -o")->type_name("CSV");
-  add_option(*command, "--fps", o->frames_per_second, "Frames a second: the times in the .pvd")
+  add_option(*command, "--contacts", o->contacts, "Contact table of morula collide -o")->type_name("CSV");
+  add_option(*command, "--fps", o->frames_per_second, "Frames per second, for the times in the .pvd")
       ->type_name("X")
       ->transform(number_above_zero())
       ->capture_default_str();

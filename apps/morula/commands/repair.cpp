@@ -67,7 +67,7 @@ void print_text(const RepairArguments& o, const RepairedMesh& repaired, const Me
        fmt::format("{} with one side only: left as they were", counted(r.unorientable_pieces, "piece")));
   line(r.open_holes > 0, fmt::format("{} left open{}", counted(r.open_holes, "hole"),
                                      o.cap == 0 ? "; --cap N closes those of at most N edges" : ""));
-  line(r.merged_vertices > 0, "vertices have other numbers now: a motion of the old mesh does not fit");
+  line(r.merged_vertices > 0, "the vertices have new numbers: a motion of the old mesh does not fit");
 }
 
 int repair_command(const RepairArguments& o) {
@@ -118,7 +118,7 @@ void add_repair(CLI::App& app, Run& run) {
   add_flag(*command, "--no-merge", o->no_merge, "Merge none")->excludes(merge);
   add_flag(*command, "--remove-degenerate", o->remove_degenerate, "Remove facets without area; may open a closed mesh");
   add_flag(*command, "--no-orient", o->no_orient,
-           "Turn no facets; default: neighbors agree, closed pieces face outwards");
+           "Keep the orientation of all facets; default: consistent, and outward for closed components");
   add_option(*command, "--cap", o->cap, "Close holes of at most N edges, without new vertices; default: none")
       ->type_name("N")
       ->transform(whole_number(0, 500));

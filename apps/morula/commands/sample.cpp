@@ -102,9 +102,9 @@ int sample_command(const SampleArguments& o) {
 
 void add_sample(CLI::App& app, Run& run) {
   auto o = std::make_shared<SampleArguments>();
-  CLI::App* command = add_command(app, "sample", "Write a sample mesh made by formula, or arrays that move it");
+  CLI::App* command = add_command(app, "sample", "Generate a sample mesh, or arrays that move it");
   add_option(*command, "NAME", o->name,
-             fmt::format("{}; or arrays that move one, with -{} after its name", fmt::join(body_names(), ", "),
+             fmt::format("{}; or arrays for one, with -{} after its name", fmt::join(body_names(), ", "),
                          fmt::join(array_names(), ", -")))
       ->required()
       ->type_name("");
@@ -115,10 +115,10 @@ void add_sample(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number(3, 4096))
       ->capture_default_str();
-  CLI::Option* const modes = add_option(*command, "--modes", o->modes, "How many bending modes")
+  CLI::Option* const modes = add_option(*command, "--modes", o->modes, "Number of bending modes")
                                  ->type_name("N")
                                  ->transform(whole_number(1, 1000));
-  CLI::Option* const frames = add_option(*command, "--frames", o->frames, "How many frames of -coords and -bones")
+  CLI::Option* const frames = add_option(*command, "--frames", o->frames, "Number of frames of -coords and -bones")
                                   ->type_name("N")
                                   ->transform(whole_number(1, 1000000));
   modes->capture_default_str();

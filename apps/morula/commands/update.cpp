@@ -240,7 +240,7 @@ void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& 
              figure(*std::max_element(outcome.microseconds.begin(), outcome.microseconds.end())),
              figure(1e3 * typical / static_cast<double>(body.vertex_count())), counted(threads, "thread"));
   if (outcome.changes) {
-    fmt::print("poses        {} for known poses beside that at rest, changed {}\n", counted(model.poses.size(), "tree"),
+    fmt::print("poses        {} for known poses besides rest, changed {}\n", counted(model.poses.size(), "tree"),
                counted(*outcome.changes, "time"));
   }
   const BindReport& bind = body.bind_report();
@@ -342,7 +342,7 @@ void add_update(CLI::App& app, Run& run) {
   CLI::App* command = add_command(app, "update", "Move the spheres of a tree along with a motion of its mesh");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
   add_option(*command, "TREE", o->tree,
-             "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), which get a cover first")
+             "Its tree: .morula; or .sph, .json, .npz and a flat set (.ply), for which a cover is made first")
       ->required()
       ->type_name("");
   add_option(*command, "MOTION", o->files.motion, fmt::format("Positions: {}", motion_kinds()))->type_name("");
@@ -357,12 +357,12 @@ void add_update(CLI::App& app, Run& run) {
              "Instead of MOTION: weights, a .npy of shape (vertices, bones); or glTF")
       ->type_name("FILE");
   add_option(*command, "--transforms", o->files.transforms,
-             "Of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
+             "Transforms of the skin's bones, relative to rest, a .npy of shape (frames, bones, 3, 4); or glTF")
       ->type_name("FILE");
-  add_option(*command, "--fps", o->files.animation.frames_per_second, "Of glTF: frames a second; default: 30")
+  add_option(*command, "--fps", o->files.animation.frames_per_second, "Frames per second of glTF; default: 30")
       ->type_name("RATE")
       ->transform(number_above_zero());
-  add_option(*command, "--animation", o->files.animation.animation, "Of glTF: which animation, counted from 0")
+  add_option(*command, "--animation", o->files.animation.animation, "Animation of glTF, counted from 0")
       ->type_name("N")
       ->transform(whole_number(0, 1000000));
   add_option(*command, "--rule", o->rule,
@@ -370,18 +370,19 @@ void add_update(CLI::App& app, Run& run) {
                          fmt::join(rule_names(), ", ")))
       ->type_name("RULE");
   add_flag(*command, "--conservative", o->conservative,
-           "Make any rule cover: radii grow to what each node has to contain, where that is more");
+           "Grow the radii of other rules until each sphere contains its region, so that every level covers");
   add_rule_details(*command, o->details);
   add_sph_origin(*command, o->sph_origin);
-  add_option(*command, "--format", o->format, "Of the spheres: sph, json or npz; default: npz for FILE.npz, else sph")
+  add_option(*command, "--format", o->format,
+             "Format of the spheres: sph, json or npz; default: npz for FILE.npz, otherwise sph")
       ->type_name("NAME");
   add_flag(*command, "--poses,!--no-poses", o->poses,
-           "Use the trees for known poses that TREE holds (default: on, with positions and the rule exact)");
+           "Use the trees for known poses in TREE (default: on, with positions and the rule exact)");
   add_flag(*command, "--check,!--no-check", o->check,
-           "Check the certificate of levels that promise cover in every frame (default: on)");
+           "Check the certificate of levels that guarantee cover in every frame (default: on)");
   add_flag(*command, "--measure", o->measure,
            "Measure looseness, uncovered area and distance of every level in every frame");
-  add_plot(*command, o->plot, "radii and time over the frames, with --measure looseness and uncovered area too");
+  add_plot(*command, o->plot, "radii and time over the frames; with --measure also looseness and uncovered area");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(*command,

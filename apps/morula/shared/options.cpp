@@ -71,7 +71,7 @@ Rule parse_rule(const std::string& text) {
 }  // namespace
 
 void add_threads(CLI::App& command, unsigned& threads) {
-  add_option(command, "--threads", threads, "Threads to use; default: one per processor. Results never depend on it")
+  add_option(command, "--threads", threads, "Threads to use; default: one per processor. Results do not depend on it")
       ->type_name("N")
       ->transform(whole_number(1, 1024));
 }
@@ -123,19 +123,19 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
 }
 
 void add_json(CLI::App& command, bool& json) {
-  add_flag(command, "--json", json, "Print the result as JSON, and notes and errors as a line of JSON each, on stderr");
+  add_flag(command, "--json", json, "Print the result as JSON; notes and errors go to stderr, one line of JSON each");
 }
 
 void add_sph_origin(CLI::App& command, std::string& origin) {
   add_option(command, "--sph-origin", origin,
-             "What a .sph measures its centers from: none, bbox-center (files of the published toolkit) or x,y,z")
+             "Origin of the centers of a .sph: none, bbox-center (files of the published toolkit) or x,y,z")
       ->type_name("ORIGIN")
       ->capture_default_str();
 }
 
 void add_rule_details(CLI::App& command, RuleDetailNames& names) {
   add_option(command, "--approach1-weights", names.approach1_weights,
-             "Of linked vertices in a leaf's center: uniform, inverse-distance or area")
+             "Weights of linked vertices in a leaf's center: uniform, inverse-distance or area")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--approach1-inner-center", names.approach1_inner_center,
@@ -147,16 +147,16 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--wrapped-center", names.wrapped_center,
-             "Of wrapped: moved as the children in the mean, or smallest, about where it reaches all with least")
+             "Center for wrapped: children (moved by their average) or smallest (least radius)")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(command, "--distance-floor", names.distance_floor,
-             "Share of the radius that distances are raised to before ratios are taken; 0 is the paper")
+             "Share of the radius to which shorter distances are raised in ratios; 0 is the paper")
       ->type_name("SHARE")
       ->transform(real_number(0.0, 1.0))
       ->capture_default_str();
   add_option(command, "--modal-bound", names.modal_bound,
-             "Of modal: gradient (follows strain and turning) or shift (as in the paper)")
+             "Bound of modal: gradient (follows strain and rotation) or shift (as in the paper)")
       ->type_name("NAME")
       ->capture_default_str();
 }

@@ -196,36 +196,36 @@ static void add_clump(CLI::App& app, Run& run) {
   add_option(*command, "--kind", o->kind, "cover (the grain inside the spheres), inner (the spheres inside the grain)")
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--spheres", o->spheres,
-             fmt::format("Most spheres; {} where nothing else is said", default_spheres))
+  add_option(*command, "--spheres", o->spheres, fmt::format("Largest number of spheres; default: {}", default_spheres))
       ->type_name("N")
       ->transform(whole_number(1, most_spheres));
   add_option(*command, "--max-protrusion", o->max_protrusion,
-             "As few spheres as needed for none to stick out further, in mesh units")
+             "Protrusion of at most LENGTH, mesh units, with as few spheres as possible")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
-  add_option(*command, "--min-radius", o->min_radius, "No sphere is smaller: a cover's grow, inner ones are left out")
+  add_option(*command, "--min-radius", o->min_radius,
+             "Smallest radius: smaller spheres of a cover are enlarged, smaller inner ones are dropped")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e30));
-  add_option(*command, "--max-radius", o->max_radius, "No sphere is larger: a cover takes as many as that needs")
+  add_option(*command, "--max-radius", o->max_radius, "Largest radius: a cover uses as many spheres as this requires")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
-  add_option(*command, "--density", o->density, "Mass over mesh units cubed")
+  add_option(*command, "--density", o->density, "Mass per mesh unit cubed")
       ->type_name("X")
       ->transform(number_above_zero())
       ->capture_default_str();
-  add_option(*command, "--method", o->method, "Of a cover: how it is built, as in morula build")
+  add_option(*command, "--method", o->method, "Method of a cover, as in morula build")
       ->type_name("NAME")
       ->capture_default_str();
   add_option(*command, "--quality", o->quality,
-             fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
+             fmt::format("Quality of the method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--candidates", o->candidates, "Inner balls to choose from")
+  add_option(*command, "--candidates", o->candidates, "Number of inner balls to select from")
       ->type_name("N")
       ->transform(whole_number(1, most_candidates))
       ->capture_default_str();
-  add_option(*command, "--seed", o->seed, "Of random choices; equal seeds give equal files")
+  add_option(*command, "--seed", o->seed, "Seed of random choices; equal seeds give equal files")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();

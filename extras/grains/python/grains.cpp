@@ -75,7 +75,8 @@ void bind_grains_extra(nb::module_& m) {
             return text_of(format_of(format), c, called);
           },
           nb::arg("format"), nb::arg("name") = "grain",
-          "What a discrete element code reads: clump_formats() lists them. name: what to call the clump in it.");
+          "The clump in the format of a discrete element code, one of clump_formats(). name: name of the clump in the "
+          "text.");
   nb::class_<ClumpFormat>(m, "ClumpFormat", only_returned(), doc::ClumpFormat)
       .def_prop_ro(
           "name", [](const ClumpFormat& f) { return std::string(f.name); }, doc::ClumpFormat_name)
@@ -91,7 +92,7 @@ void bind_grains_extra(nb::module_& m) {
       });
   m.def(
       "clump_formats", [] { return std::vector<ClumpFormat>(clump_formats().begin(), clump_formats().end()); },
-      "What discrete element codes read: Clump.text() writes it.");
+      "The formats of discrete element codes that Clump.text() writes.");
   m.def(
       "fit_clump",
       [](MeshGiven given, std::string_view kind, std::size_t spheres, std::optional<double> max_protrusion,
@@ -125,20 +126,19 @@ void bind_grains_extra(nb::module_& m) {
           "2000, seed: int = 1, "
           "progress: collections.abc.Callable[[BuildProgress], object] | None = None, "
           "workers: Workers | None = None) -> Clump"),
-      with_arguments(
-          "Spheres that stand for a grain, with their mass and inertia. ValueError for options out of range, "
-          "unusable meshes, and inner spheres of a mesh that tells no inside from outside or has none that "
-          "large. Same bits for any number of workers.",
-          {{"kind", "cover: the spheres contain the surface; inner: every sphere is inside the grain"},
-           {"spheres", doc::ClumpOptions_spheres},
-           {"max_protrusion", doc::ClumpOptions_max_protrusion},
-           {"min_radius", doc::ClumpOptions_min_radius},
-           {"max_radius", doc::ClumpOptions_max_radius},
-           {"density", doc::ClumpOptions_density},
-           {"method", doc::ClumpOptions_method},
-           {"quality", doc::ClumpOptions_quality},
-           {"candidates", doc::ClumpOptions_candidates},
-           {"progress", "called with a BuildProgress now and then; what it raises ends the fit"}})
+      with_arguments("Spheres that represent a grain, with their mass and inertia. ValueError for options out of range "
+                     "and unusable meshes, and for inner spheres of a mesh that has no inside or no balls of this "
+                     "size. The result has the same bits for any number of workers.",
+                     {{"kind", "cover: the spheres contain the surface; inner: every sphere is inside the grain"},
+                      {"spheres", doc::ClumpOptions_spheres},
+                      {"max_protrusion", doc::ClumpOptions_max_protrusion},
+                      {"min_radius", doc::ClumpOptions_min_radius},
+                      {"max_radius", doc::ClumpOptions_max_radius},
+                      {"density", doc::ClumpOptions_density},
+                      {"method", doc::ClumpOptions_method},
+                      {"quality", doc::ClumpOptions_quality},
+                      {"candidates", doc::ClumpOptions_candidates},
+                      {"progress", "called with a BuildProgress at intervals; an exception of it ends the fit"}})
           .c_str());
 }
 

@@ -201,9 +201,9 @@ void add_view(CLI::App& app, Run& run) {
   o->rules = {"exact"};
   CLI::App* command = add_command(app, "view", "Write a page that shows a body and its spheres in motion");
   add_option(*command, "MESH", o->mesh, "Mesh at rest: " + readable_mesh_extensions())->required()->type_name("");
-  add_option(
-      *command, "TREE", o->tree,
-      "Its tree: .morula; or .sph, .json and .npz, which get a cover first; or the .npz of update, or balls (.ply)")
+  add_option(*command, "TREE", o->tree,
+             "Its tree: .morula; or .sph, .json and .npz, for which a cover is made first; or the .npz of update, or "
+             "balls (.ply)")
       ->required()
       ->type_name("");
   add_option(*command, "MOTION", o->motion, fmt::format("Positions: {}; without it the body at rest", motion_kinds()))
@@ -216,18 +216,18 @@ void add_view(CLI::App& app, Run& run) {
       ->type_name("PAGE")
       ->required();
   CLI::Option* const rule =
-      add_option(*command, "--rule", o->rules,
-                 fmt::format("{}; or by level, such as 0:exact,2:approach2; again for more to choose from in the "
-                             "page; default: exact",
-                             fmt::join(rule_names(), ", ")))
+      add_option(
+          *command, "--rule", o->rules,
+          fmt::format("{}; or by level, such as 0:exact,2:approach2; repeated: a choice in the page; default: exact",
+                      fmt::join(rule_names(), ", ")))
           ->type_name("RULE")
           ->expected(1)
           ->take_all();
   add_flag(*command, "--measure,!--no-measure", o->measure,
            "Measure looseness, uncovered area and distance of every frame and level (default: on)");
-  add_option(*command, "--study", o->study, "Results to show beside the body: the study.json of a study")
+  add_option(*command, "--study", o->study, "Results to show next to the body: the study.json of a study")
       ->type_name("FILE");
-  add_option(*command, "--title", o->title, "Of the page; default: the name of the mesh")->type_name("TEXT");
+  add_option(*command, "--title", o->title, "Title of the page; default: the name of the mesh")->type_name("TEXT");
   add_sph_origin(*command, o->sph_origin);
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -50,7 +50,7 @@ std::vector<PageContact> marks_of(nb::handle given) {
 
 void bind_collide_page(nb::module_& m) {
   nb::class_<HeldCollidePage>(m, "CollidePage",
-                              "The page of several bodies that meet: all as one, their spheres below one root, and a "
+                              "The page of bodies that collide: all as one motion, their spheres below one root, and a "
                               "mark at each contact, as `morula collide --page` writes it.")
       .def(
           "__init__",
@@ -73,9 +73,9 @@ void bind_collide_page(nb::module_& m) {
           nb::arg("bodies"), nb::kw_only(), nb::arg("title") = "Morula", nb::arg("rule") = "exact",
           nb::sig("def __init__(self, bodies: collections.abc.Iterable[morula.typing.ColliderLike], *, title: str = "
                   "'Morula', rule: morula.typing.Rule = 'exact') -> None"),
-          with_arguments("The bodies at rest, where they are placed.",
-                         {{"bodies", "colliders, or bodies that stand in for their own; at least one"},
-                          {"rule", "what the page says of how the spheres follow"}})
+          with_arguments("The bodies at rest, at their transforms.",
+                         {{"bodies", "colliders, or bodies with their own colliders; at least one"},
+                          {"rule", "name of the update rule on the page"}})
               .c_str())
       .def(
           "add",
@@ -92,11 +92,11 @@ void bind_collide_page(nb::module_& m) {
           nb::sig(
               "def add(self, contacts: Contacts | ScenePairs | collections.abc.Sequence[PageContact] | None = None, "
               "*, name: str = '') -> None"),
-          with_arguments("A frame: the bodies where they are now, and what was found of them.",
+          with_arguments("Adds a frame: the bodies at their present positions, and their contacts.",
                          {{"contacts",
-                           "of collide(), a ContactQuery or Scene.pairs(): each finished one is marked; or marks of "
-                           "one's own"},
-                          {"name", "of the frame"}})
+                           "contacts of collide(), a ContactQuery or Scene.pairs(), of which the finished ones are "
+                           "marked; or a list of marks"},
+                          {"name", "name of the frame"}})
               .c_str())
       .def(
           "html", [](HeldCollidePage& self) { return self.locked([](CollidePage& page) { return page.text(); }); },

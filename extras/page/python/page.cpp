@@ -77,7 +77,7 @@ PageJoints::Joint::Kind kind_of(std::string_view text) {
 void bind_page_joints(nb::module_& m) {
   using Joint = PageJoints::Joint;
   using Part = PageJoints::Part;
-  Record<Part> part(m, "PagePart", "Vertices and spheres of a page's body that move as one.", MadeBy::calls);
+  Record<Part> part(m, "PagePart", "Vertices and spheres of a page's body that move as one rigid part.", MadeBy::calls);
   part.field("name", &Part::name)
       .field("vertex_begin", &Part::vertex_begin)
       .field("vertex_end", &Part::vertex_end)
@@ -90,7 +90,7 @@ void bind_page_joints(nb::module_& m) {
       nb::arg("name"), nb::arg("vertex_begin") = 0, nb::arg("vertex_end") = 0, nb::arg("protrusion") = nb::none(),
       with_arguments("Vertices [vertex_begin, vertex_end).", {{"protrusion", doc::PageJoints_Part_protrusion}})
           .c_str());
-  Record<Joint> joint(m, "PageJoint", "What holds two parts of a page's body together, for the reader to move.",
+  Record<Joint> joint(m, "PageJoint", "A joint between two parts of a page's body, which the reader can move.",
                       MadeBy::calls);
   joint.field("name", &Joint::name)
       .property(
@@ -98,7 +98,7 @@ void bind_page_joints(nb::module_& m) {
           [](const Joint& j) -> std::string {
             return j.kind == Joint::Kind::fixed ? "fixed" : j.kind == Joint::Kind::turns ? "turns" : "slides";
           },
-          "fixed, turns or slides.")
+          "fixed, turns or slides")
       .field("parent", &Joint::parent, doc::PageJoints_Joint_parent)
       .field("child", &Joint::child, doc::PageJoints_Joint_parent)
       .field("origin", &Joint::origin, doc::PageJoints_Joint_origin)
@@ -120,12 +120,12 @@ void bind_page_joints(nb::module_& m) {
       nb::arg("origin") = RigidTransform{}, nb::arg("axis") = Vec3{0, 0, 1}, nb::arg("lower") = 0.0,
       nb::arg("upper") = 0.0, nb::arg("rest") = 0.0, nb::arg("leader") = nb::none(), nb::arg("factor") = 1.0,
       nb::arg("offset") = 0.0,
-      with_arguments("Joins two parts, by their numbers.", {{"kind", "fixed, turns or slides"},
-                                                            {"origin", doc::PageJoints_Joint_origin},
-                                                            {"axis", doc::PageJoints_Joint_axis},
-                                                            {"lower", doc::PageJoints_Joint_lower},
-                                                            {"rest", doc::PageJoints_Joint_rest},
-                                                            {"leader", doc::PageJoints_Joint_leader}})
+      with_arguments("Joins two parts, given by their numbers.", {{"kind", "fixed, turns or slides"},
+                                                                  {"origin", doc::PageJoints_Joint_origin},
+                                                                  {"axis", doc::PageJoints_Joint_axis},
+                                                                  {"lower", doc::PageJoints_Joint_lower},
+                                                                  {"rest", doc::PageJoints_Joint_rest},
+                                                                  {"leader", doc::PageJoints_Joint_leader}})
           .c_str());
   Record<PageJoints> joints(m, "PageJoints", doc::PageJoints, MadeBy::calls);
   joints.field("parts", &PageJoints::parts)
@@ -141,7 +141,8 @@ void bind_page_joints(nb::module_& m) {
       nb::sig("def __init__(self, parts: collections.abc.Sequence[PagePart], joints: "
               "collections.abc.Sequence[PageJoint], ignored: collections.abc.Sequence[collections.abc.Sequence[int]] "
               "= []) -> None"),
-      with_arguments("Of parts and joints.", {{"joints", doc::PageJoints_joints}, {"ignored", doc::PageJoints_ignored}})
+      with_arguments("Parts and the joints between them.",
+                     {{"joints", doc::PageJoints_joints}, {"ignored", doc::PageJoints_ignored}})
           .c_str());
 }
 
@@ -221,11 +222,11 @@ void bind_page_scene(nb::module_& m) {
           nb::sig("def __init__(self, motion: PageMotion, tree: SphereTree, spheres: morula.typing.FloatArray | None = "
                   "None, *, name: str = 'tree', label: str = 'spheres as they are', inside: bool = False, parts: "
                   "collections.abc.Sequence[int] = []) -> None"),
-          with_arguments("Spheres that are there already: nothing is updated or measured.",
+          with_arguments("Existing spheres, without updates and measurements.",
                          {{"tree", doc::PageScene_rest},
-                          {"spheres", "(frames, nodes, 4), as Body.follow() gives them; none: those of the tree"},
+                          {"spheres", "(frames, nodes, 4), as Body.follow() returns them; None: those of the tree"},
                           {"name", doc::PageScene_tree},
-                          {"label", "what stands in the place of a rule"},
+                          {"label", "text in place of a rule"},
                           {"inside", doc::PageScene_inside},
                           {"parts", doc::PageScene_parts}})
               .c_str())
@@ -233,7 +234,7 @@ void bind_page_scene(nb::module_& m) {
       .def_prop_ro(
           "name", [](const HeldPageScene& self) { return self.scene.tree; }, doc::PageScene_tree)
       .def_prop_ro(
-          "label", [](const HeldPageScene& self) { return self.scene.rule; }, "The rule, or what stands in its place.")
+          "label", [](const HeldPageScene& self) { return self.scene.rule; }, "The rule, or the text in its place.")
       .def_prop_ro(
           "measured", [](const HeldPageScene& self) { return self.scene.measured; }, doc::PageScene_measured)
       .def_prop_rw(
@@ -271,8 +272,7 @@ void bind_page_scene(nb::module_& m) {
               "'', rules: collections.abc.Sequence[morula.typing.Rule] = ['exact'], measured: bool = False, workers: "
               "Workers | None = "
               "None) -> PageScene"),
-      with_arguments(doc::follow_motion, {{"name", "what to call the tree; by default the method that built it"}})
-          .c_str());
+      with_arguments(doc::follow_motion, {{"name", "name of the tree; by default the method that built it"}}).c_str());
   m.def(
       "show_spheres",
       [](std::shared_ptr<PageMotion> motion, MeshGiven given, const SphereTree& tree, ArrayGiven spheres,
@@ -300,8 +300,8 @@ void bind_page_scene(nb::module_& m) {
       nb::sig("def show_spheres(motion: PageMotion, rest: morula.typing.MeshLike, tree: SphereTree, spheres: "
               "morula.typing.FloatArray, *, name: str = 'tree', label: str = 'spheres as they are', measured: bool = "
               "False, workers: Workers | None = None) -> PageScene"),
-      "Spheres that are there already, (frames, nodes, 4) as Body.follow() gives them: nothing is updated. name: what "
-      "to call the tree. label: what stands in the place of a rule.");
+      "Existing spheres, (frames, nodes, 4) as Body.follow() returns them, without updates. name: name of the tree. "
+      "label: text in place of a rule.");
   m.def(
       "make_page",
       [](const std::vector<HeldPageScene*>& scenes, const std::string& title, const std::string& study) {

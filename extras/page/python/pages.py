@@ -21,7 +21,7 @@ class Page:
         self.html = text
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page, which any browser opens, offline: whole, or what was there stays."""
+        """Writes the page, which any browser opens offline. The write is atomic."""
         _morula._write_whole(path, self.html)  # type: ignore[attr-defined]  # stubs leave out private names
 
     def _repr_html_(self) -> str:
@@ -41,9 +41,9 @@ def page(
     title: str = "Morula",
     measured: bool = False,
 ) -> Page:
-    """The page of a body, its tree and, where frames (frames, vertices, 3) are given, their motion.
+    """The page of a body, its tree and, if frames (frames, vertices, 3) are given, its motion.
 
-    RuntimeError, with the remedy, where the package was built without the page.
+    RuntimeError, with the remedy, if the package was built without the page.
     """
     if not _morula.has_page():
         raise RuntimeError(f"no page: {_morula.why_no_page()}")
@@ -51,10 +51,10 @@ def page(
 
 
 def page_of_scenes(scenes: Sequence[_morula.PageScene], *, title: str = "Morula", study: str = "") -> Page:
-    """The page of several bodies, motions, trees or rules, of which the reader chooses one.
+    """The page of several bodies, motions, trees or rules; the reader selects one.
 
-    scenes: of `follow_motion()` or `show_spheres()`, or made from spheres as `PageScene`. study: the text of a study.json.
-    RuntimeError, with the remedy, where the package was built without the page.
+    scenes: from `follow_motion()` or `show_spheres()`, or `PageScene` objects made from spheres. study: the text of a study.json.
+    RuntimeError, with the remedy, if the package was built without the page.
     """
     if not _morula.has_page():
         raise RuntimeError(f"no page: {_morula.why_no_page()}")

@@ -59,7 +59,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   const Vec3 normal = numbers.size() == 4 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
   if (!(length(normal) > 0)) {
     throw UsageError(fmt::format(
-        "--clip {}: give a link, the direction of what is kept and where it begins along it, as --clip base=0,0,1,0.02",
+        "--clip {}: give a link, the direction of the kept part and its begin along it, as --clip base=0,0,1,0.02",
         text));
   }
   check_name("link", text.substr(0, at), links);
@@ -195,14 +195,14 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "ROBOT", o.robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
   add_option(command, "-o,--output", o.output, "Folder for the files")->type_name("DIR")->required();
   add_option(command, "--spheres", o.spheres,
-             fmt::format("Most spheres of a link; {} where nothing else is said", spheres_of_a_link))
+             fmt::format("Largest number of spheres of a link; default: {}", spheres_of_a_link))
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
-  add_option(command, "--max-total", o.max_total, "Most spheres of the robot, shared by where they help most")
+  add_option(command, "--max-total", o.max_total, "Largest number of spheres of the robot, placed where they help most")
       ->type_name("N")
       ->transform(whole_number(1, 1'000'000));
   add_option(command, "--max-protrusion", o.max_protrusion,
-             "As few spheres as needed for each to stick out by at most LENGTH, or by a share of each link's size: 1%")
+             "Protrusion of at most LENGTH, or of a share of each link's size (1%), with as few spheres as possible")
       ->type_name("LENGTH");
   add_repeatable(command, "--link", o.links, "LINK=N",
                  "Most spheres of one link; may be repeated, as all that names links");
@@ -210,30 +210,30 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_repeatable(command, "--clip", o.clips, "LINK=X,Y,Z,D",
                  "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
   add_option(command, "--clip-margin", o.clip_margin,
-             "No sphere reaches beyond a clip plane; what is nearer to it than LENGTH is left out, too")
+             "No sphere reaches beyond a clip plane; parts of the link within LENGTH of it need no cover")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
-  add_option(command, "--inner", o.inner, "At most N spheres inside each link, too: inner/ has the files of them")
+  add_option(command, "--inner", o.inner, "Also at most N spheres inside each link, in files in inner/")
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
-  add_option(command, "--padding", o.padding, "Added to every radius")
+  add_option(command, "--padding", o.padding, "Length added to every radius")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));
-  add_option(command, "--min-radius", o.min_radius, "Smaller spheres are enlarged")
+  add_option(command, "--min-radius", o.min_radius, "Smallest radius; smaller spheres are enlarged")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));
-  add_option(command, "--max-radius", o.max_radius, "As many spheres as it takes for none to be larger")
+  add_option(command, "--max-radius", o.max_radius, "Largest radius; links use as many spheres as this requires")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
   add_option(command, "--geometry", o.geometry, "Shapes to cover: collision or visual")
       ->type_name("NAME")
       ->capture_default_str();
   add_repeatable(command, "--package-path", o.package_paths, "DIR",
-                 "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are asked next");
-  add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and to which the new one adds")
+                 "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched next");
+  add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and which the new one extends")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples,
-             "Fewest configurations to look for links that never meet; 0: only what is proven")
+             "Least number of configurations for links that never collide; 0: only proven pairs")
       ->type_name("N")
       ->transform(whole_number(0, most_pair_samples))
       ->capture_default_str();
@@ -242,28 +242,30 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
                  fmt::format("File to write, of {}; json, csv, curobo, urdf and srdf where none is named",
                              fmt::join(output_format_names(), ", ")));
   add_flag(command, "--all-formats", o.all_formats, "Write all of these");
-  add_flag(command, "--trees", o.trees, "Write every link's sphere tree and surface, too");
+  add_flag(command, "--trees", o.trees, "Also write every link's sphere tree and surface");
   add_repeatable(command, "--tree", o.tree_kinds, "NAME",
-                 "link: as --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
+                 "link: like --trees; robot: one tree and one surface of the whole robot, with its joints at rest");
   if (has_robot_page())
     add_flag(command, "--page", o.page,
              "Also write robot.html: the robot and its spheres, with a slider for every joint");
-  add_option(command, "--keep", o.keep, "Earlier spheres.json, whose links keep their spheres but for those of --refit")
+  add_option(command, "--keep", o.keep, "Earlier spheres.json, whose links keep their spheres, except those of --refit")
       ->type_name("FILE");
-  add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link anew");
+  add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link again");
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(command, "--quality", o.quality, fmt::format("Of method optimized: {}", fmt::join(quality_names(), ", ")))
+  add_option(command, "--quality", o.quality,
+             fmt::format("Quality of the method optimized: {}", fmt::join(quality_names(), ", ")))
       ->type_name("NAME")
       ->default_str("fast");
-  add_option(command, "--density", o.density,
-             fmt::format("Of links without a mass: {} in the report; where it is given, files of simulators have "
-                         "these masses, too",
-                         robot::FitOptions{}.density))
+  add_option(
+      command, "--density", o.density,
+      fmt::format(
+          "Density of links without a mass: {} in the report; if given, files of simulators also have these masses",
+          robot::FitOptions{}.density))
       ->type_name("X")
       ->transform(number_above_zero());
-  add_option(command, "--seed", o.seed, "Of every random choice; equal seeds give equal files")
+  add_option(command, "--seed", o.seed, "Seed of all random choices; equal seeds give equal files")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();

@@ -29,7 +29,7 @@ void bind_robot_description(nb::module_& m) {
       .field("part", &Shape::part, doc::Shape_part)
       .field("part_centered", &Shape::part_centered, doc::Shape_part_centered)
       .field("described_in", &Shape::described_in, doc::Shape_described_in);
-  Record<Inertial>(m, "Inertial", "Mass and inertia of a link, as its file gives them.")
+  Record<Inertial>(m, "Inertial", "Mass and inertia of a link in the robot's file.")
       .field("mass", &Inertial::mass)
       .field("origin", &Inertial::origin)
       .field("inertia", &Inertial::inertia, doc::Inertial_inertia);
@@ -39,10 +39,11 @@ void bind_robot_description(nb::module_& m) {
       .field("visual", &Link::visual)
       .field("inertial", &Link::inertial)
       .property(
-          "joint", [](const Link& l) { return index_or_none(l.joint); }, "The joint that carries it; None: the root.")
+          "joint", [](const Link& l) { return index_or_none(l.joint); }, "The joint to the parent; None: the root.")
       .field("line", &Link::line)
       .shown({"name", "collision", "visual", "joint"});
-  Record<Joint::Mimic>(m, "Mimic", "The joint that another follows: value = multiplier * its value + offset.")
+  Record<Joint::Mimic>(m, "Mimic",
+                       "The joint whose value another joint follows: value = multiplier * its value + offset.")
       .property("joint", [](const Joint::Mimic& j) { return index_or_none(j.joint); })
       .field("multiplier", &Joint::Mimic::multiplier)
       .field("offset", &Joint::Mimic::offset);
@@ -64,8 +65,8 @@ void bind_robot_description(nb::module_& m) {
       .field("line", &Joint::line)
       .python()
       .def_prop_ro(
-          "moves", [](const Joint& j) { return j.moves(); }, "Is it revolute, continuous or prismatic?");
-  Record<Robot>(m, "Robot", "Links with their shapes, and joints between them; read_robot() reads it.")
+          "moves", [](const Joint& j) { return j.moves(); }, "True for a revolute, continuous or prismatic joint.");
+  Record<Robot>(m, "Robot", "Links with their shapes, and the joints between them; read_robot() reads them.")
       .field("name", &Robot::name)
       .field("file", &Robot::file)
       .property("format",
@@ -85,10 +86,10 @@ void bind_robot_description(nb::module_& m) {
       .python()
       .def(
           "find_link", [](const Robot& r, std::string_view name) { return index_or_none(r.find_link(name)); },
-          nb::arg("name"), "The index of a link; None: there is none of this name.")
+          nb::arg("name"), "The index of a link; None if there is none of this name.")
       .def(
           "find_joint", [](const Robot& r, std::string_view name) { return index_or_none(r.find_joint(name)); },
-          nb::arg("name"), "The index of a joint; None: there is none of this name.");
+          nb::arg("name"), "The index of a joint; None if there is none of this name.");
 }
 
 }  // namespace morula::python

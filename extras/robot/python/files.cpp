@@ -54,10 +54,9 @@ void bind_robot_files(nb::module_& m) {
         return without_gil([&] { return robot::surface_of(robot_file, shapes, which); });
       },
       nb::arg("robot_file"), nb::arg("shapes"), nb::arg("round") = "around",
-      with_arguments(doc::LinkSurface,
-                     {{"round",
-                       "around or inside: do polyhedra contain round shapes, or these them? OSError for "
-                       "meshes that cannot be read"}})
+      with_arguments(doc::LinkSurface, {{"round",
+                                         "around or inside: polyhedra contain the round shapes, or lie inside them. "
+                                         "OSError for meshes that cannot be read"}})
           .c_str());
   m.def(
       "link_poses", [](const Robot& robot, ArrayGiven values) { return robot::link_poses(robot, values_of(values)); },

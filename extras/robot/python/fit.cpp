@@ -37,7 +37,7 @@ void bind_robot_fit(nb::module_& m) {
   using robot::LinkFigures;
   using robot::LinkSpheres;
   using robot::RobotSpheres;
-  Record<LinkFigures>(m, "LinkFigures", "What was measured of the spheres of a link.")
+  Record<LinkFigures>(m, "LinkFigures", "Figures of the spheres of a link.")
       .field("facets", &LinkFigures::facets)
       .field("covered", &LinkFigures::covered, doc::LinkFigures_covered)
       .field("uncovered_distance", &LinkFigures::uncovered_distance, doc::LinkFigures_uncovered_distance)
@@ -76,7 +76,7 @@ void bind_robot_fit(nb::module_& m) {
       .property("inner_count", [](const RobotSpheres& r) { return r.inner_count(); })
       .property("sphere_count", [](const RobotSpheres& r) { return r.sphere_count(); })
       .property(
-          "covered", [](const RobotSpheres& r) { return r.covered(); }, "Are all links covered, proven?")
+          "covered", [](const RobotSpheres& r) { return r.covered(); }, "True if all links are proven covered.")
       .shown({"links", "sphere_count", "inner_count", "covered", "notes"})
       .python()
       .def(
@@ -89,7 +89,7 @@ void bind_robot_fit(nb::module_& m) {
             if (!found) return std::nullopt;
             return *found;
           },
-          nb::arg("link"), "The spheres of a link of Robot.links; None where it has none.");
+          nb::arg("link"), "The spheres of a link of Robot.links; None if it has none.");
   m.def(
       "fit_spheres",
       [](const robot::Robot& robot, std::size_t spheres, std::optional<std::size_t> max_total,
@@ -145,24 +145,24 @@ void bind_robot_fit(nb::module_& m) {
           "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float | None = None, inner: int = 0, "
           "progress: collections.abc.Callable[[float, str], object] | None = None, "
           "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
-      with_arguments(doc::fit_spheres, {{"spheres", doc::FitOptions_spheres},
-                                        {"max_total", doc::FitOptions_max_total},
-                                        {"link_spheres", doc::FitOptions_link_spheres},
-                                        {"max_protrusion", doc::FitOptions_max_protrusion},
-                                        {"max_protrusion_share", doc::FitOptions_max_protrusion_share},
-                                        {"padding", doc::FitOptions_padding},
-                                        {"min_radius", doc::FitOptions_min_radius},
-                                        {"max_radius", doc::FitOptions_max_radius},
-                                        {"visual", doc::FitOptions_visual},
-                                        {"skip", doc::FitOptions_skip},
-                                        {"fixed_spheres", doc::FitOptions_fixed_spheres},
-                                        {"density", doc::FitOptions_density},
-                                        {"clip",
-                                         "by link, planes (n, 4): normal and offset. What lies beyond one is "
-                                         "left out: it need not be covered"},
-                                        {"clip_margin", doc::FitOptions_clip_margin},
-                                        {"inner", doc::FitOptions_inner},
-                                        {"progress", "called with a share and a link now and then"}})
+      with_arguments(
+          doc::fit_spheres,
+          {{"spheres", doc::FitOptions_spheres},
+           {"max_total", doc::FitOptions_max_total},
+           {"link_spheres", doc::FitOptions_link_spheres},
+           {"max_protrusion", doc::FitOptions_max_protrusion},
+           {"max_protrusion_share", doc::FitOptions_max_protrusion_share},
+           {"padding", doc::FitOptions_padding},
+           {"min_radius", doc::FitOptions_min_radius},
+           {"max_radius", doc::FitOptions_max_radius},
+           {"visual", doc::FitOptions_visual},
+           {"skip", doc::FitOptions_skip},
+           {"fixed_spheres", doc::FitOptions_fixed_spheres},
+           {"density", doc::FitOptions_density},
+           {"clip", "planes (n, 4) by link: normal and offset. The part of a link beyond a plane need not be covered"},
+           {"clip_margin", doc::FitOptions_clip_margin},
+           {"inner", doc::FitOptions_inner},
+           {"progress", "called with the completed share and a link at intervals"}})
           .c_str());
 }
 

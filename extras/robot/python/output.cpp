@@ -17,7 +17,7 @@ namespace morula::python {
 void bind_robot_output(nb::module_& m) {
   using robot::OutputFormat;
   nb::class_<OutputFormat>(m, "OutputFormat", only_returned(),
-                           "A format of a robot's spheres, as another program reads them.")
+                           "A file format for a robot's spheres, of another program.")
       .def_prop_ro("name", [](const OutputFormat& f) { return std::string(f.name); })
       .def_prop_ro("files", [](const OutputFormat& f) { return std::string(f.files); })
       .def_prop_ro(
@@ -53,7 +53,7 @@ void bind_robot_output(nb::module_& m) {
               "folder: str | os.PathLike[str], tool_frames: collections.abc.Sequence[str] = [], "
               "srdf: str | os.PathLike[str] | None = None, seed: int = 1, density: float = 1000.0, "
               "fill_masses: bool = False, inner: bool = False) -> dict[str, bytes]"),
-          with_arguments("The files, by their names in the folder: nothing is written yet.",
+          with_arguments("The files, by their names in the folder, as bytes; writes nothing.",
                          {{"folder", doc::OutputOptions_folder},
                           {"tool_frames", doc::OutputOptions_tool_frames},
                           {"srdf", doc::OutputOptions_srdf},
@@ -78,7 +78,7 @@ void bind_robot_output(nb::module_& m) {
         if (!found) return std::nullopt;
         return *found;
       },
-      nb::arg("name"), "A format by its name; None where there is none.");
+      nb::arg("name"), "A format by its name; None if there is none.");
   m.def("guess_tool", &robot::guess_tool, nb::arg("robot"), doc::guess_tool);
   m.def(
       "read_robot_spheres",

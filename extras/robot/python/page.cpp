@@ -18,7 +18,7 @@ void bind_robot_page(nb::module_& m) {
         });
       },
       nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(),
-      "The text of the page of a robot: its links and spheres, which the reader moves joint by joint.");
+      "The text of the page of a robot: its links and spheres, whose joints the reader can move.");
 }
 
 }  // namespace morula::python

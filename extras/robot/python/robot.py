@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robots: URDF, MJCF and SDF in, spheres of their links out, and what these meet; extras/robot/docs/robots.md.
+"""Robots from URDF, MJCF and SDF: spheres for their links, and collisions of these; extras/robot/docs/robots.md.
 
 >>> robot = morula.robot.read_robot("arm.urdf")                                             # doctest: +SKIP
 >>> spheres = morula.robot.fit_spheres(robot, spheres=16)                                   # doctest: +SKIP
@@ -20,9 +20,9 @@ from ._morula.robot import *  # noqa: E402, F403
 
 
 def page(robot: _morula.robot.Robot, spheres: _morula.robot.RobotSpheres, self_collision: _morula.robot.SelfCollision | None = None) -> Page:
-    """The page of a robot, which the reader moves joint by joint; it names links whose spheres meet, but for the pairs left out.
+    """The page of a robot, whose joints the reader can move; it names links whose spheres overlap, except ignored pairs.
 
-    RuntimeError, with the remedy, where the package was built without the page.
+    RuntimeError, with the remedy, if the package was built without the page.
     """
     if not hasattr(_morula.robot, "page_html"):
         raise RuntimeError("no page: this package was built without the extra `page`")

@@ -58,7 +58,7 @@ void bind_robot_page(nb::module_& m);
 #endif
 
 void bind_robot_extra(nb::module_& m) {
-  nb::module_ robots = m.def_submodule("robot", "Robots: URDF, MJCF and SDF in, spheres of their links out.");
+  nb::module_ robots = m.def_submodule("robot", "Robots: reads URDF, MJCF and SDF, and fits spheres to their links.");
   bind_robot_description(robots);
   bind_robot_files(robots);
   bind_robot_fit(robots);

@@ -16,7 +16,7 @@ namespace morula::python {
 void bind_robot_self_collision(nb::module_& m) {
   using robot::IgnoredPair;
   using robot::SelfCollision;
-  Record<IgnoredPair>(m, "IgnoredPair", "Two links that need not be tested against each other, and why.")
+  Record<IgnoredPair>(m, "IgnoredPair", "Two links that need not be tested against each other, with the reason.")
       .property(
           "a", [](const IgnoredPair& p) { return index_or_none(p.a); }, doc::IgnoredPair_a)
       .property(
@@ -71,7 +71,7 @@ void bind_robot_self_collision(nb::module_& m) {
       nb::sig("def find_ignored(robot: Robot, spheres: RobotSpheres, *, samples: int = 100000, seed: int = 1, "
               "given: collections.abc.Sequence[collections.abc.Sequence[str]] = [], workers: morula._morula.Workers | "
               "None = None) -> SelfCollision"),
-      with_arguments("Which pairs of links need not be tested against each other.",
+      with_arguments("The pairs of links that need no test against each other.",
                      {{"samples", doc::SelfCollisionOptions_samples}, {"given", doc::SelfCollisionOptions_given}})
           .c_str());
   m.def(
@@ -80,7 +80,7 @@ void bind_robot_self_collision(nb::module_& m) {
         return robot::overlap(spheres_of(a.object, "a"), at_a, spheres_of(b.object, "b"), at_b);
       },
       nb::arg("a"), nb::arg("at_a"), nb::arg("b"), nb::arg("at_b"),
-      "Do the spheres of two links overlap, with the links at these places?");
+      "True if the spheres of two links overlap, with the links at these poses.");
   m.def(
       "read_ignored_pairs", [](const FilePath& srdf) { return robot::read_ignored_pairs(srdf); }, nb::arg("srdf"),
       doc::read_ignored_pairs);

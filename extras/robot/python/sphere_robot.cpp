@@ -142,7 +142,7 @@ void bind_sphere_robot(nb::module_& m) {
           nb::sig("def collides(self, obstacle: morula.typing.Vector | ObstacleBox | morula._morula.Body | "
                   "morula._morula.RebuiltBody | morula._morula.PosedSpheres, "
                   "transform: morula.typing.Transform = ...) -> bool"),
-          (std::string("Does a sphere of the robot meet it? ") + doc::SphereRobot_collides_2).c_str())
+          (std::string("True if a sphere of the robot overlaps the obstacle. ") + doc::SphereRobot_collides_2).c_str())
       .def_prop_ro(
           "sphere_tests", [](const HeldRobot& self) { return self.robot.sphere_tests(); },
           doc::SphereRobot_sphere_tests)

@@ -27,7 +27,7 @@ void bind_robot_trees(nb::module_& m) {
       },
       nb::arg("robot"), nb::arg("spheres"), nb::arg("values"), nb::arg("balls") = "around",
       with_arguments(doc::RobotMesh, {{"values", "one per joint of robot.independent_joints"},
-                                      {"balls", "around or inside: which polyhedra stand for them"}})
+                                      {"balls", "around or inside: the polyhedra for round shapes"}})
           .c_str());
   Record<robot::RobotTree>(m, "RobotTree", "One tree over all links of a robot.")
       .property(

@@ -96,7 +96,7 @@ void write_bodies(const Demo& demo, const std::filesystem::path& folder) {
       write_mesh(folder / (stem + ".obj"), {positions, mesh.facets});
       for (const study::FollowRule& rule : plan.rules) {
         Body moved(mesh, model, rule.options);
-        if (!moved.update(positions)) throw std::logic_error("the demo's own motion was refused by update");
+        if (!moved.update(positions)) throw std::logic_error("the demo's own motion was rejected by update");
         write_tree(folder / fmt::format("{}-{}.sph", stem, rule.name), moved.current_tree());
       }
     }

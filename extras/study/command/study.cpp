@@ -85,28 +85,28 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
       ->type_name("FOLDER")
       ->capture_default_str();
-  add_option(*command, "--mesh", o->meshes, "Bodies in the place of the limb: " + readable_mesh_extensions())
+  add_option(*command, "--mesh", o->meshes, "Bodies instead of the limb: " + readable_mesh_extensions())
       ->type_name("FILE")
       ->delimiter(',');
   add_flag(*command, "--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
-  add_option(*command, "--max-facets", o->max_facets, "Of the corpus, meshes of at most so many facets")
+  add_option(*command, "--max-facets", o->max_facets, "Largest number of facets of corpus meshes")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
   add_option(*command, "--methods", o->methods,
-             fmt::format("Of {}; default: {}, morula (not with --quick)", fmt::join(method_names(), ", "),
+             fmt::format("Methods, of {}; default: {}, optimized (not with --quick)", fmt::join(method_names(), ", "),
                          fmt::join(paper_method_names(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   add_option(*command, "--rules", o->rules,
-             fmt::format("Of {}; default: all but wrapped", fmt::join(study_rule_names(), ", ")))
+             fmt::format("Rules, of {}; default: all except wrapped", fmt::join(study_rule_names(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   add_flag(*command, "--mixes", o->mixes, "Also rank mixes of rules per level");
-  add_option(*command, "--trees", o->trees, "Trees built elsewhere, named MESH-METHOD.sph")->type_name("FOLDER");
+  add_option(*command, "--trees", o->trees, "Existing trees, named MESH-METHOD.sph")->type_name("FOLDER");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--frames", o->frames,
-             "Samples of each motion, rest and the full amount among them; default: 13")
+             "Number of samples of each motion, including rest and the full amount; default: 13")
       ->type_name("N")
       ->transform(whole_number(3, 1000));
   add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
@@ -115,14 +115,14 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
       ->type_name("NAME")
       ->capture_default_str();
-  add_option(*command, "--branching", o->branching, "Most children of a node, 2 to 64")
+  add_option(*command, "--branching", o->branching, "Largest number of children of a node, 2 to 64")
       ->type_name("N")
       ->transform(whole_number(2, 64))
       ->capture_default_str();
   add_option(*command, "--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
       ->transform(whole_number(1, 6));
-  add_option(*command, "--seed", o->seed, "Of every random choice")
+  add_option(*command, "--seed", o->seed, "Seed of all random choices")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();

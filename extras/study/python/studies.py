@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""The study: the evaluation of the paper again, on any meshes, here or spread over machines; extras/study/docs/study.md."""
+"""The study: the evaluation of the paper, on any meshes, on one machine or several; extras/study/docs/study.md."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Bodies = Union["MeshLike", Mapping[str, "MeshLike"], str, "os.PathLike[str]", Se
 
 
 class Study:
-    """What a study found, as plain values.
+    """The results of a study, as plain values.
 
     claims: rows of `id`, `verdict`, `numbers` and more; tables: by id, columns by name; figures: by id, as in study.json, with
-    their curves in `series`; cells: columns of cells.csv, numbers as arrays with NaN where there is no answer; json: all
-    of study.json; faults: what must not happen, in words.
+    their curves in `series`; cells: columns of cells.csv, numbers as arrays with NaN for missing values; json: all
+    of study.json; faults: violated guarantees, as text.
     """
 
     def __init__(self, text: str, cells: str, faults: list[str]) -> None:
@@ -64,7 +64,7 @@ class Study:
         return columns
 
     def verdict(self, claim: str) -> str:
-        """holds, partly, fails or untested, of the claim with this id."""
+        """The verdict on the claim with this id: holds, partly, fails or untested."""
         for found in self.claims:
             if found["id"] == claim:
                 return str(found["verdict"])
@@ -90,7 +90,7 @@ def _given(meshes: Bodies) -> tuple[dict[str, _morula.Mesh], list[str]]:
 
 
 def _part(bodies: dict[str, _morula.Mesh], options: dict[str, Any], part: tuple[int, str, str, str, bool], cells: str) -> int:
-    """What an executor calls."""
+    """The function that an executor calls."""
     return _morula.study_part(bodies, options, part, cells)
 
 
@@ -114,18 +114,18 @@ def study(
     progress: Callable[[float, str], object] | None = None,
     workers: _morula.Workers | None = None,
 ) -> Study:
-    """Repeats the evaluation of the paper, as `morula study` does, and says which claims hold.
+    """Repeats the evaluation of the paper, like `morula study`, with a verdict on each claim.
 
     Args:
-        meshes: none: the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
+        meshes: None for the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
-            interrupted goes on from there. None: nothing is written.
-        executor: anything that behaves as concurrent.futures does, Dask's or mpi4py's too: trees and cells are computed
-            there, and kept in the folder, which all have to see. Figures are the same; only times differ.
-        progress: called with the share done and what is being done; what it raises ends the study.
-        workers: threads for what is computed here.
+            interrupted continues from it. None: no files.
+        executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes trees and cells, and
+            stores them in the folder, which all workers must share. Figures are the same; only times differ.
+        progress: called with the completed share and the present step; an exception of it ends the study.
+        workers: threads of this process.
 
-    ValueError for options that are wrong; ImportError where the package was built without the command.
+    ValueError for wrong options; ImportError if the package was built without the command.
     """
     if not hasattr(_morula, "study_files"):
         raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/python.md)")
@@ -146,7 +146,7 @@ def _spread(
     bodies: dict[str, _morula.Mesh], options: dict[str, Any], output: pathlib.Path, executor: concurrent.futures.Executor,
     progress: Callable[[float, str], object] | None,
 ) -> None:
-    """All parts on an executor: trees, then what needs them."""
+    """Runs all parts on an executor: trees, then the parts that need them."""
     cells = output / "cells"
     cells.mkdir(parents=True, exist_ok=True)
     options = {**options, "meshes": [os.path.abspath(path) for path in options["meshes"]]}

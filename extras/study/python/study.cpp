@@ -143,7 +143,7 @@ void bind_study_extra(nb::module_& m) {
           "def study_files(bodies: dict[str, Mesh], options: dict[str, typing.Any], output: str | os.PathLike[str] "
           "| None = None, progress: collections.abc.Callable[[float, str], object] | None = None, workers: Workers | "
           "None = None) -> tuple[str, str, list[str]]"),
-      "What morula.study() calls: study.json, the cells as CSV, and faults to report.");
+      "The basis of morula.study(): study.json, the cells as CSV, and faults to report.");
   m.def(
       "study_parts",
       [](nb::dict bodies, nb::dict options) {
@@ -169,7 +169,7 @@ void bind_study_extra(nb::module_& m) {
       nb::arg("bodies"), nb::arg("options"),
       nb::sig("def study_parts(bodies: dict[str, Mesh], options: dict[str, typing.Any]) -> "
               "list[tuple[int, str, str, str, bool]]"),
-      "Parts of a study, for study_part(): body, method, rule, mix, and whether it is pressed; trees first.");
+      "Parts of a study, for study_part(): body, method, rule, mix, and whether it is a press; trees first.");
   m.def(
       "study_part",
       [](nb::dict bodies, nb::dict options, std::tuple<std::size_t, std::string, std::string, std::string, bool> part,
@@ -187,8 +187,8 @@ void bind_study_extra(nb::module_& m) {
       nb::arg("bodies"), nb::arg("options"), nb::arg("part"), nb::arg("cells"),
       nb::sig("def study_part(bodies: dict[str, Mesh], options: dict[str, typing.Any], part: tuple[int, str, str, str, "
               "bool], cells: str | os.PathLike[str]) -> int"),
-      "Computes a part and keeps it in the folder of finished cells, where the whole study finds it. Returns how many "
-      "cells it has.");
+      "Computes a part and stores it in the folder of finished cells, from which the whole study reads it. Returns its "
+      "number of cells.");
 }
 
 }  // namespace morula::python

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Budget: how much work a query may do, in tests or in time.
+// Budget: the limit of a query's work, in tests or in time.
 #pragma once
 
 #include <chrono>
@@ -10,15 +10,15 @@
 
 namespace morula {
 
-/// How much work a query may do.
+/// The limit of a query's work.
 class Budget {
  public:
-  /// All there is to do.
+  /// No limit.
   Budget() = default;
-  /// Pair tests. The result has the same bits for any number of workers.
+  /// A number of pair tests. The result has the same bits for any number of workers.
   template <std::integral Count>
   Budget(Count pair_tests) : unit_(Unit::tests), amount_(static_cast<std::int64_t>(pair_tests)) {}
-  /// Time from the call on, by CollideOptions::clock.
+  /// A time from the start of the call, by CollideOptions::clock.
   template <std::integral Rep, class Period>
   Budget(std::chrono::duration<Rep, Period> time)
       : unit_(Unit::time), amount_(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()) {}
@@ -35,7 +35,7 @@ class Budget {
   std::int64_t amount_ = 0;
 };
 
-/// Monotone; called from the thread of the query alone.
+/// A monotone clock; called on the thread of the query alone.
 using Clock = std::function<std::chrono::nanoseconds()>;
 
 }  // namespace morula

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Collider: one side of a collision query. A sphere state, its transform, and the surface that its nodes own.
+// Collider: one side of a collision query: a sphere state, its transform, and the surface that its nodes own.
 //
 //   morula::Body body(mesh, morula::build(mesh));         // update it whenever its vertices move
 //   morula::Collider collider(mesh, body);                // made once; it follows the body
-//   collider.set_transform({.translation = {0, 0, 0.1}}); // whenever the body moves as a whole
-//   const morula::Vec3 corner = collider.vertex(0);       // in the world
+//   collider.set_transform({.translation = {0, 0, 0.1}}); // whenever the body moves rigidly
+//   const morula::Vec3 corner = collider.vertex(0);       // in world coordinates
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ namespace morula {
 namespace detail {
 class ColliderAsRead;
 
-/// Counts the changes of the object that it is a member of. Assigning to the object is a change.
+/// Counts the changes of the object that contains it. Assignment to the object is a change.
 struct ChangeCount {
   std::uint64_t value = 0;
   ChangeCount() = default;
@@ -34,38 +34,39 @@ struct ChangeCount {
 };
 }  // namespace detail
 
-/// Borrows the mesh's arrays, and a pose and a cover of the caller's own: these must outlive it, and may be moved
-/// meanwhile, with whatever holds them. Of a Body or PosedSpheres it keeps what it needs: when that is destroyed, or
-/// another is assigned to it, queries refuse the collider with body_replaced. Made once per tree and cover: a
-/// rebuilding body needs another collider when its tree_version() changes.
+/// A collider borrows the mesh's arrays, and a sphere state and a cover of the caller. These must outlive it, and may
+/// be moved meanwhile together with their owner. It shares the data of a Body or PosedSpheres: if that object is
+/// destroyed or assigned to, queries reject the collider with body_replaced. A collider is made once per tree and
+/// cover: a rebuilding body needs another collider when its tree_version() changes.
 ///
-/// A copy is another side over the same body, placed by itself. Queries borrow the collider that they were given: it
-/// must outlive them where it is, so colliders in a container that grows are to be held by pointers.
+/// A copy is another side over the same body with its own transform. Queries borrow colliders by address, so colliders
+/// in a growing container should be held by pointers.
 class Collider {
  public:
-  /// A body with its surface. It must have been made from mesh. Throws std::invalid_argument when their sizes differ.
-  /// Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
+  /// A body with its surface. The body must have been made from mesh. Throws std::invalid_argument if their sizes
+  /// differ. Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
   Collider(const MeshView& mesh, const Body& body);
-  /// A pose with the surface that it goes with: a copy of a body's pose, for one. Facets need set_positions().
+  /// A sphere state with its surface, such as a copy of a body's state. Queries on facets need set_positions().
   Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose);
-  /// Spheres alone, of a body, an imported tree or a set of spheres. Queries that look at facets refuse it.
+  /// Spheres alone, of a body, an imported tree or a set of spheres. Queries on facets reject this collider.
   explicit Collider(const SphereState& pose);
 
-  /// Where the body is from now on: x ↦ transform(x). A rotation of single precision becomes the nearest one. Throws
-  /// std::invalid_argument where deviation_from_rigid() is above largest_float_deviation; nothing has changed then.
+  /// Sets the transform of the body: x ↦ transform(x). A rotation in single precision becomes the nearest one in
+  /// double. Throws std::invalid_argument, and changes nothing, if deviation_from_rigid() exceeds
+  /// largest_float_deviation.
   void set_transform(const RigidTransform& transform);
   const RigidTransform& transform() const { return transform_; }
 
-  /// The vertices of the present frame, for a pose that does not know them: spheres of the caller's own, or a body that
-  /// follows coordinates alone. A body that was given positions needs no call: they are read where it keeps the view.
-  /// The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
+  /// Sets the vertices of the present frame, for a sphere state without positions: the caller's own spheres, or a body
+  /// that follows coordinates alone. A body that was updated with positions needs no call: the collider reads them from
+  /// the body's view. The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
   void set_positions(const PositionView& positions);
-  /// In the body's own coordinates: as they were given, not placed. At rest the mesh's.
+  /// Positions in the body's own coordinates, without the transform. At rest the mesh's.
   const PositionView& positions() const {
     if (given_ && given_frame_ == pose_->frame) return *given_;
     return pose_->positions ? *pose_->positions : *rest_;
   }
-  /// Are positions() those of the present frame?
+  /// True if positions() belong to the present frame.
   bool has_current_positions() const {
     return has_surface() && (pose_->positions || pose_->frame == 0 || (given_ && given_frame_ == pose_->frame));
   }
@@ -73,23 +74,23 @@ class Collider {
   const SphereState& sphere_state() const { return *pose_; }
   const SphereTree& tree() const { return *pose_->tree; }
 
-  /// Does it know facets?
+  /// True if the collider has facets.
   bool has_surface() const { return cover_ != nullptr; }
-  /// Which part of the surface each node owns. Only with a surface.
+  /// The part of the surface that each node owns. Requires a surface.
   const Cover& cover() const { return *cover_; }
-  /// The mesh's facets; none without a surface.
+  /// The mesh's facets; empty without a surface.
   std::span<const Facet> mesh_facets() const { return mesh_facets_; }
   std::size_t vertex_count() const { return rest_ ? rest_->size() : 0; }
-  /// Facets and positions(), not placed. Only with a surface.
+  /// Facets and positions(), without the transform. Requires a surface.
   MeshView surface() const { return {positions(), mesh_facets_}; }
-  /// Facets of which the node's region has a part. A leaf's are ascending, each once; an inner node's are those of the
-  /// leaves below it, one leaf after the other. None without a surface.
+  /// Facets that the node's region contains in whole or in part. A leaf's facets are ascending, each once; an inner
+  /// node's are the lists of the leaves below it, in order. Empty without a surface.
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
     if (facet_begin_.empty()) return {};
     return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
-  /// A vertex where it is now: position, then transform, each rounded to double. These numbers are what exact verdicts
-  /// are about.
+  /// Position of a vertex in the world: the present position, then the transform, each rounded to double. Exact
+  /// verdicts are about these numbers.
   Vec3 vertex(std::uint32_t index) const { return transform_(positions()[index]); }
   Triangle triangle(std::uint32_t facet) const {
     const Facet& f = mesh_facets_[facet];
@@ -99,24 +100,24 @@ class Collider {
  private:
   friend class detail::ColliderAsRead;
   const SphereState* pose_;
-  std::shared_ptr<const void> kept_;  // pose and cover, of a source that shares them
+  std::shared_ptr<const void> kept_;  // sphere state and cover, if the source shares them
   const Cover* cover_ = nullptr;
   std::span<const Facet> mesh_facets_{};
   RigidTransform transform_{};
   std::optional<PositionView> rest_{}, given_{};
   std::uint64_t given_frame_ = 0;
   std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
-  detail::ChangeCount changes_{};  // of the transform and of the positions given
+  detail::ChangeCount changes_{};  // changes of the transform and of the given positions
 };
 
-/// A node of one body and a node of another.
+/// A node of each of two bodies.
 struct NodePair {
   std::uint32_t a, b;
   constexpr bool operator==(const NodePair&) const = default;
 };
 
-/// May queries that look at facets ask this body? ok, or one of the faults of bodies.
-/// body: which one, for the status.
+/// Whether queries on facets may use this collider: ok, or one of the faults of queried bodies.
+/// body: number of the body, for the status.
 Status askable(const Collider& collider, std::uint8_t body = 0);
 
 }  // namespace morula

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contacts frame after frame, of several pairs of bodies under one budget, interrupted and continued.
+// Contacts in every frame, of several pairs of bodies under one budget; queries can be interrupted and resumed.
 #pragma once
 
 #include <memory>
@@ -10,19 +10,19 @@
 
 namespace morula {
 
-/// Refused, or how far it came.
+/// A rejection, or the progress of the call.
 struct [[nodiscard]] ContactStatus : Status {
-  bool finished = false;       ///< as Contacts::finished
-  std::size_t pair_tests = 0;  ///< done by this call
+  bool finished = false;       ///< every contact is final, as in Contacts::finished
+  std::size_t pair_tests = 0;  ///< pair tests of this call
 };
 
-/// Holds pairs of bodies, the front and all memory: a call allocates nothing once that suffices. All pairs share one
-/// queue and one budget. A call that is refused changes nothing.
+/// A contact query owns pairs of bodies, the front and all memory: a call allocates nothing if the memory suffices. All
+/// pairs share one queue and one budget. A rejected call changes nothing.
 ///
-/// The result after any call is sound: every crossing lies within a pair of contacts(). An exception of a callback
-/// (refresh_children, clock, executor) leaves the query without contacts and front, and resume() and carry() refused.
-/// So does a callback that moves a body of the query: its call is refused with changed_during_call. A callback that
-/// calls the query itself is refused, by std::invalid_argument where there is no status.
+/// The result of every call is sound: each crossing lies within a pair of contacts(). An exception of a callback
+/// (refresh_children, clock, executor) leaves the query without contacts and front; resume() and carry() are then
+/// rejected. A callback that moves a body of the query has the same effect: the call fails with changed_during_call. A
+/// callback must not call the query itself: such a call is rejected, by std::invalid_argument if it returns no status.
 class ContactQuery {
  public:
   /// Throws std::invalid_argument, naming the option, as collide() does.
@@ -31,46 +31,46 @@ class ContactQuery {
   ContactQuery(ContactQuery&&) noexcept;
   ContactQuery& operator=(ContactQuery&&) noexcept;
 
-  /// Another pair, by number from 0. Colliders are borrowed until clear(). weight: finite, not negative; of
-  /// Priority::importance. Throws std::invalid_argument for another one. There is no front then.
+  /// Adds a pair and returns its number, from 0. Colliders are borrowed until clear(). weight: factor of
+  /// Priority::importance, finite, not negative; otherwise throws std::invalid_argument. Ends the front.
   std::uint32_t add(const Collider& a, const Collider& b, double weight = 1);
   void clear();
-  /// For the next call. Throws as the constructor does.
+  /// Sets the options of the next call. Throws like the constructor.
   void set_options(CollideOptions options);
   const CollideOptions& options() const;
 
-  /// Does what the first call would do beside answering: memory, tables of the bodies. The first call is then as quick
-  /// as later ones. Keeps no front and no contacts. Cost: a whole query.
+  /// Prepares the memory and the tables of the bodies, so that the first call is as quick as later ones. Keeps no front
+  /// and no contacts. Cost: a whole query.
   Status warm_up(Workers& workers = serial_workers());
 
-  /// All contacts of the pairs as they are now, and no front: the quickest way to a whole answer. Of each pair in turn,
-  /// depth-first, by the nodes of b, then of a. With a budget, or `refresh_children`, as start() finds them.
+  /// Finds all contacts of the pairs in their present state and keeps no front: the quickest way to a complete result.
+  /// Contacts are listed pair by pair, depth-first, by the nodes of b, then of a. With a budget or `refresh_children`
+  /// their order is that of start().
   ContactStatus run(Workers& workers = serial_workers());
-  /// From the roots, with a front that resume() and carry() go on from.
+  /// Starts from the roots and keeps a front for resume() and carry().
   ContactStatus start(Workers& workers = serial_workers());
-  /// Goes on where the front ends, with a new budget. Refused when a body was updated or placed elsewhere.
+  /// Continues from the front, with a new budget. Rejected if a body was updated or has another transform.
   ContactStatus resume(Workers& workers = serial_workers());
-  /// Begins the next frame with what the front knows: pairs are opened without a test where the bodies have moved less
-  /// since they were tested than would change a verdict. The same contacts as by start(), when finished; pairs that
-  /// have separated are dropped with all that was below them, so the front never outgrows a fresh one. With
-  /// `refresh_children`, which may hide what moved, all pairs are tested. Cost besides tests: linear in nodes that
-  /// moved.
+  /// Begins the next frame from the front: pairs are opened without a test if the motion of the bodies since the test
+  /// cannot change a verdict. A finished call has the same contacts as start(). Pairs that have separated are dropped
+  /// with all pairs below them, so the front never outgrows a fresh one. With `refresh_children`, which can hide
+  /// motion, all pairs are tested. Cost besides tests: linear in nodes that moved.
   ContactStatus carry(Workers& workers = serial_workers());
 
-  /// Of the last call that was not refused.
+  /// Contacts of the last call that was not rejected.
   const Contacts& contacts() const;
-  /// The same, moved out of the query, which has none then.
+  /// The contacts, moved out of the query; contacts() is empty afterwards.
   Contacts take_contacts();
-  /// Of any contact of contacts(), also one that is not finished, which may take as long as the whole query: all facets
-  /// of both nodes are looked at. Refused as run() is with `surfaces`: throws std::invalid_argument then, and for a
-  /// contact that is none. Of current colliders.
+  /// The surface of a contact of contacts(). A contact that is not finished may take as long as the whole query,
+  /// because all facets of both nodes are read. Throws std::invalid_argument if run() with `surfaces` would be
+  /// rejected, and for an index out of range. Colliders must be current.
   ContactSurface surface(std::size_t contact);
 
   const Front& front() const;
-  /// Takes the place of the query's own; resume() and carry() check it.
+  /// Replaces the query's own front; resume() and carry() check it.
   void set_front(Front front);
-  /// The complete cut: separated, finished and waiting pairs, each final pair in or below exactly one of them. Of
-  /// current colliders.
+  /// The complete cut: separated, finished and waiting pairs; each final pair is in it or below exactly one pair of it.
+  /// Colliders must be current.
   void cut(std::vector<FrontPair>& pairs) const;
 
  private:

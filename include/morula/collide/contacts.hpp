@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contacts of two bodies: pairs of spheres, at the leaves or at a level, at once or as far as a budget reaches; and
-// whether there are any.
+// Contacts of two bodies: pairs of spheres, at the leaves or at a level, complete or within a budget; and a test for
+// any contact.
 //
 //   const morula::Contacts all = morula::collide(a, b);
 //   const morula::Contacts some = morula::collide(a, b, {.budget = std::chrono::microseconds(200)});
@@ -25,100 +25,102 @@ namespace morula {
 
 /// A pair of nodes, one of each body, whose spheres overlap or are no farther apart than the margin.
 struct Contact {
-  std::uint32_t pair = 0;  ///< which pair of bodies, of a query about several
+  std::uint32_t pair = 0;  ///< pair of bodies, if the query has several
   std::uint32_t node_a = 0, node_b = 0;
-  /// Both nodes are final: leaves or on the level asked for. Otherwise the budget ended before the pair was looked
-  /// into; there may be any number of contacts below it, or none.
+  /// True if both nodes are final: leaves, or nodes of the requested level. False if the budget ended before the pair
+  /// was opened; any number of contacts may lie below it, or none.
   bool finished = false;
-  Vec3 point;              ///< in the world: the middle of the overlap, or of the gap, on the line of centers
-  Vec3 normal;             ///< unit, in the world, from b to a; +x where the centers coincide
-  double depth = 0;        ///< r_a + r_b - distance of centers, at most 2 min(r_a, r_b); minus the gap if there is one
-  double lens_volume = 0;  ///< of the overlap of both spheres
-  /// No common point of both regions is farther from `point`. With a margin: take any point of a's region and one of
-  /// b's that are no farther apart than the margin; the middle between them is no farther from `point`. Of the current
-  /// spheres, rounding included.
+  Vec3 point;              ///< center of the overlap, or of the gap, on the line of centers; world coordinates
+  Vec3 normal;             ///< unit vector from b to a, world coordinates; +x if the centers coincide
+  double depth = 0;        ///< r_a + r_b - distance of centers, at most 2 min(r_a, r_b), mesh units; negative for a gap
+  double lens_volume = 0;  ///< volume of the overlap of both spheres, mesh units³
+  /// Bound of the error of `point`, mesh units: no common point of both regions is farther from `point`. With a margin:
+  /// if a point of a's region and one of b's are no farther apart than the margin, the midpoint between them is no
+  /// farther from `point`. Holds for the current spheres, including rounding.
   double error_bound = 0;
 };
 
-/// What a contact of spheres says of the surfaces in them.
+/// The surfaces within a contact of spheres.
 struct ContactSurface {
-  /// The point nearest to Contact::point of the facets of which the node owns a part, on each body.
+  /// On each body, the point nearest to Contact::point among the facets that the node owns in whole or in part.
   SurfacePoint on_a, on_b;
-  /// Unit, from b to a: between Contact::normal, where the spheres bulge with their regions, and the difference of the
-  /// regions' mean normals, where a sphere stands off its region.
+  /// Unit vector from b to a: between Contact::normal, which fits spheres that bulge with their regions, and the
+  /// difference of the regions' mean normals, which fits a sphere that stands off its region.
   Vec3 normal;
-  /// How far a's region has to move along the normal, or along that of the spheres, to be apart from b's: the lesser of
-  /// these two upper bounds. It leaves out what the spheres stick out of the surface, so a response is not pushed
-  /// outward. 0: the regions are apart.
+  /// Separation distance, mesh units: the distance by which a's region has to move along the normal, or along that of
+  /// the spheres, to be apart from b's; the lesser of these two upper bounds. It excludes the protrusion of the
+  /// spheres, so a response is not pushed outward. 0: the regions are apart.
   double depth;
 };
 
-/// Which components (component_vertices) of one body are inside the other: where the surfaces do not cross, all of the
-/// component is; else the verdict is about one of its vertices. Nothing is inside an open surface.
+/// Components (component_vertices) of one body inside the other. If the surfaces do not cross, the verdict holds for
+/// the whole component; otherwise for one of its vertices. No point is inside an open surface.
 struct MutualContainment {
   Containment a_in_b, b_in_a;
 };
 
-/// Which pair is looked into next, when there is a budget.
+/// Order in which a query with a budget opens pairs.
 enum class Priority : std::uint8_t {
-  level,       ///< the coarsest, all bodies in turn: contacts become equally fine
-  overlap,     ///< that of the deepest overlap, as a share of both radii
-  importance,  ///< the same times the weight of the bodies
+  level,       ///< coarsest pair first, all bodies in turn: contacts become equally fine
+  overlap,     ///< pair of the deepest overlap first, relative to both radii
+  importance,  ///< overlap times the weight of the bodies
 };
 
 struct CollideOptions {
-  /// Contacts at this level set of both trees; nothing: at the leaves. Below the level count of one of the trees.
+  /// Level set of both trees for the contacts, below the level count of one of the trees; no value: the leaves.
   std::optional<std::uint32_t> level{};
-  double margin = 0;  ///< pairs this far apart count too; mesh units, finite, not negative
-  Budget budget{};    ///< not negative
+  double margin = 0;  ///< largest gap that counts as a contact, mesh units; finite, not negative
+  Budget budget{};    ///< limit of the work; not negative
   Priority priority = Priority::overlap;
-  // The next three need current positions of both bodies (Collider::set_positions).
-  bool surfaces = false;  ///< fill Contacts::surfaces; of a budget of time the search gets half then, of pair tests all
-  bool find_crossings = false;  ///< fill Contacts::crossings; on top of any budget
-  bool containment = false;     ///< fill Contacts::containment; making the tests is O(F log F), once per ContactQuery
-  Clock clock{};                ///< of a budget of time; none: std::chrono::steady_clock
-  /// For bodies whose spheres are brought up to date only where a query goes: called before the children of a node are
-  /// tested, from the thread of the query, perhaps more than once per node. True: they are current. False: they
-  /// cannot be had now, and the pairs that need them stay unfinished. None: everything is current.
+  // The next three options need current positions of both bodies (Collider::set_positions).
+  bool surfaces = false;        ///< fill Contacts::surfaces; the search then gets half of a budget of time, or all of a
+                                ///< budget of pair tests
+  bool find_crossings = false;  ///< fill Contacts::crossings; costs extra beyond any budget
+  bool containment = false;     ///< fill Contacts::containment; its preparation costs O(F log F), once per ContactQuery
+  Clock clock{};                ///< clock of a budget of time; empty: std::chrono::steady_clock
+  /// Callback for bodies whose spheres are refreshed only in nodes that a query visits. It runs before the children of
+  /// a node are tested, on the thread of the query, perhaps more than once per node. True: the children are current.
+  /// False: they are not available, and the pairs that need them stay unfinished. Empty: all nodes are current.
   std::function<bool(const Collider& collider, std::uint32_t node)> refresh_children{};
 };
 
 struct [[nodiscard]] Contacts {
-  /// Every crossing of the surfaces lies in the regions of one of these pairs: the finished ones first.
+  /// Every crossing of the surfaces lies in the regions of one of these pairs; finished pairs come first.
   std::vector<Contact> contacts;
-  /// When asked for: of the first contacts. That is all of them without a budget, else the finished ones, of a budget
-  /// of time as far as it reaches. ContactQuery::surface() tells those of others.
+  /// Surfaces of the first contacts, if requested: of all contacts without a budget; of the finished contacts with a
+  /// budget, as far as a budget of time allows. ContactQuery::surface() computes those of other contacts.
   std::vector<ContactSurface> surfaces;
-  /// With `find_crossings`: the facet pairs that really intersect, of the regions in finished contacts; when all is
-  /// finished those are all there are, the same as brute force finds. Of pair of bodies i: [crossings_begin[i],
-  /// crossings_begin[i + 1]), in the order of (facet_a, facet_b).
+  /// With `find_crossings`: the pairs of facets that intersect, among the regions of finished contacts. A finished
+  /// query lists all of them, the same as brute force. Pair of bodies i has [crossings_begin[i], crossings_begin[i +
+  /// 1]), in the order of (facet_a, facet_b).
   std::vector<Crossing> crossings;
   std::vector<std::size_t> crossings_begin;
-  std::vector<MutualContainment> containment;  ///< one per pair of bodies when asked for, else none
-  std::size_t finished_count = 0;              ///< of contacts
-  /// Nothing that was asked for was left undone: finished_count is all, and so are surfaces, crossings and containment.
+  std::vector<MutualContainment> containment;  ///< one per pair of bodies if requested, otherwise empty
+  std::size_t finished_count = 0;              ///< number of finished contacts
+  /// True if the result is complete: all contacts are finished, and surfaces, crossings and containment are filled as
+  /// requested.
   bool finished = false;
-  std::size_t pair_tests = 0;  ///< done by this call
-  /// Per pair of bodies: no pair is above this level set of both trees.
+  std::size_t pair_tests = 0;  ///< pair tests of this call
+  /// One per pair of bodies: no pair is above this level set of both trees.
   std::vector<std::uint32_t> achieved_level;
 };
 
-/// Contacts of two bodies, once. What asks every frame keeps a ContactQuery, which keeps its memory.
+/// Contacts of two bodies, once. A ContactQuery keeps its memory and suits queries in every frame.
 ///
-/// Sound where the spheres cover (SphereState::covers): surfaces that cross, or come as near as the margin, do so
-/// within a pair that is reported, with or without a budget. Order: depth-first, by the nodes of b, then of a, when
-/// there is no budget; else as found, the same every time for a budget of pair tests.
+/// Sound if the spheres cover (SphereState::covers): surfaces that cross, or come as near as the margin, do so within a
+/// reported pair, with or without a budget. Order: without a budget depth-first, by the nodes of b, then of a; with a
+/// budget in the order of the search, which is reproducible for a budget of pair tests.
 ///
-/// Throws std::invalid_argument when the last update of a body was refused, an option is out of range, or surfaces,
-/// crossings or containment are asked for without current positions.
+/// Throws std::invalid_argument if the last update of a body was rejected, if an option is out of range, or if
+/// surfaces, crossings or containment are requested without current positions.
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
 
-/// Does a leaf sphere of a overlap a leaf sphere of b, and all spheres above them? False is a proof, whatever the
-/// rounding: the surfaces have no point in common, where the spheres cover (rules exact and modal, wrapped over those,
-/// or conservative). True says that they are near each other: nearer than the leaves are wide.
+/// True if a leaf sphere of a overlaps a leaf sphere of b, and so do all spheres above them. If the spheres cover
+/// (rules exact and modal, wrapped over those, or conservative), false is a proof under any rounding: the surfaces have
+/// no common point. True means that the bodies are nearer than the leaves are wide.
 ///
-/// Surfaces: a body wholly inside another one is not an overlap by itself. Allocates nothing.
-/// Throws std::invalid_argument when the last update of a body was refused.
+/// The test is about surfaces: a body entirely inside another one does not overlap it. Allocates nothing. Throws
+/// std::invalid_argument if the last update of a body was rejected.
 bool overlap(const Collider& a, const Collider& b);
 
 }  // namespace morula

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Convex hull: a solid shape to ask bodies about, like a half space or a capsule.
+// Convex hull: a solid shape for queries against bodies, like a half space or a capsule.
 #pragma once
 
 #include <morula/geometry/box.hpp>
@@ -11,7 +11,7 @@
 
 namespace morula {
 
-/// All that lies between some points. Plain data, made once; copies are independent.
+/// The convex hull of points. Plain data, made once; copies are independent.
 class ConvexHull {
  public:
   /// normal . x <= offset for every point of the hull, up to rounding; the normal is of unit length.
@@ -20,23 +20,24 @@ class ConvexHull {
     double offset = 0;
   };
 
-  /// Facets are found by exact signs [shewchuk1997], so points on one plane, on one line or given twice do no harm.
-  /// Throws std::invalid_argument for a point that is not finite or is 2^100 or more from the origin, and for points
-  /// that all lie in one plane. Cost: points × facets.
+  /// Facets are found by exact signs [shewchuk1997], so coplanar, collinear and repeated points are handled correctly.
+  /// Throws std::invalid_argument for a point that is not finite or is 2^100 or more from the origin, and if all points
+  /// lie in one plane. Cost: points × facets.
   explicit ConvexHull(std::span<const Vec3> points);
-  /// A box, placed. Throws std::invalid_argument for one that is empty or flat, as above for one that is not finite.
+  /// A box with a transform. Throws std::invalid_argument for an empty, flat or infinite box.
   static ConvexHull box(const Box& box, const RigidTransform& transform = {});
-  /// The same hull elsewhere: a rigid motion needs no new facets. Throws std::invalid_argument for a transform that
-  /// queries would not take (largest_float_deviation), and as above for points too far away. Cost: points + facets.
+  /// The same hull with a transform; a rigid motion needs no new facets. Throws std::invalid_argument for a transform
+  /// that queries do not accept (largest_float_deviation), and for points too far away, like the constructor. Cost:
+  /// points + facets.
   ConvexHull placed(const RigidTransform& transform) const;
 
-  /// Those of the points that facets have, in the order in which they were given.
+  /// The points that facets use, in the given order.
   std::span<const Vec3> vertices() const { return vertices_; }
-  /// Triangles with three different corners, counter-clockwise seen from outside. A flat side has several.
+  /// Triangles with three different corners, counter-clockwise seen from outside. A flat side has several triangles.
   std::span<const Facet> facets() const { return facets_; }
-  /// One per facet.
+  /// One plane per facet.
   std::span<const Plane> planes() const { return planes_; }
-  /// No vertex has a larger |coordinate|.
+  /// The largest |coordinate| of the vertices.
   double largest_coordinate() const { return largest_; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Pair walk: down the tree of node pairs of two sphere states. For queries of one's own.
+// Pair walk: traverses the tree of node pairs of two sphere states, for the caller's own queries.
 #pragma once
 
 #include <cstddef>
@@ -11,29 +11,29 @@
 
 namespace morula {
 
-/// What a walk does with a pair of nodes whose spheres are no farther apart than the margin.
+/// Action of a walk at a pair of nodes whose spheres are no farther apart than the margin.
 enum class Step : std::uint8_t {
-  open,  ///< look at the pairs below
-  skip,  ///< leave it, and all below
+  open,  ///< visit the pairs below
+  skip,  ///< skip all pairs below
   stop,  ///< end the walk
 };
 
 struct PairWalkOptions {
-  /// Final pairs are of this level set of both trees; none: of the leaves.
+  /// Level set of both trees for the final pairs; no value: the leaves.
   std::optional<std::uint32_t> level{};
-  double margin = 0;  ///< mesh units, finite, not negative
+  double margin = 0;  ///< largest gap of visited pairs, mesh units; finite, not negative
 };
 
-/// Visits the pairs of nodes whose spheres are no farther apart than the margin, as are those of all pairs above them:
-/// depth-first, by the nodes of b, then of a. A pair opens into all pairs of children, of the one node where the other
-/// is final.
+/// Visits the pairs of nodes whose spheres, and the spheres of all pairs above them, are no farther apart than the
+/// margin: depth-first, by the nodes of b, then of a. A pair opens into all pairs of children; if one node is final, it
+/// is paired with the children of the other.
 ///
-/// visit(pair, is_final): called once for each such pair, the pair of roots first. What it returns for a final pair
-/// decides only between stop and going on. Tests err on the near side, so no pair that is near enough is left out; a
-/// pair that is farther by rounding may be visited. Asks for spheres alone: any two colliders will do.
-/// Returns the pair tests done. Throws std::invalid_argument for a body that may not be asked, a margin out of range,
-/// and a level that neither tree has; at its end, where a visit that did not stop it has moved a body. Cost: half a
-/// nanosecond per pair test, in blocks of children against children.
+/// visit(pair, is_final): called once for each such pair, the pair of roots first, and returns a Step. At a final pair
+/// only stop has an effect. Tests err on the near side: no pair within the margin is missed, and a pair slightly beyond
+/// it may be visited. The walk reads spheres alone, so any two colliders serve. Returns the number of pair tests.
+/// Throws std::invalid_argument for a body that queries reject, a margin out of range, and a level that neither tree
+/// has; and at its end if a visit has moved a body, unless that visit stopped the walk. Cost: half a nanosecond per
+/// pair test, in blocks of children against children.
 template <class Visit>
 std::size_t walk_pairs(const Collider& a, const Collider& b, const PairWalkOptions& options, const Visit& visit);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Penetration volume: how much space two solid bodies share, between two bounds.
+// Penetration volume: the volume that two solid bodies share, between two bounds.
 #pragma once
 
 #include <memory>
@@ -11,46 +11,47 @@
 namespace morula {
 
 struct PenetrationOptions {
-  /// Ends when the bounds are so near each other, as a share of the upper one. Finite, not negative.
+  /// Largest gap of the bounds of a finished result, relative to the upper bound. Finite, not negative.
   double tolerance = 0.25;
-  /// Or this near, mesh units cubed.
+  /// Largest absolute gap of the bounds of a finished result, mesh units³; either tolerance suffices.
   double volume_tolerance = 0;
-  /// In tests: points at which a body is asked for its distance. Half a gap takes four times as many.
+  /// Limit in tests: each test computes the distance of a point to a body. Half a gap takes four times as many.
   Budget budget{20000};
-  Clock clock{};  ///< of a budget of time
+  Clock clock{};  ///< clock of a budget of time
 };
 
 struct [[nodiscard]] Penetration {
   Status status;
-  double lower = 0, upper = 0;  ///< the volume is between them
-  double estimate = 0;          ///< between them, too: as if surfaces were planes where it is undecided
-  Vec3 center{};                ///< of the estimated volume; where there is none (0, 0, 0)
-  /// The tolerance was reached; else the budget ended before, and the bounds are as they are.
+  double lower = 0, upper = 0;  ///< bounds of the volume, mesh units³
+  double estimate = 0;  ///< estimate between the bounds, mesh units³; it treats surfaces as planes in undecided cells
+  Vec3 center{};        ///< centroid of the estimated volume; (0, 0, 0) if the volume is 0
+  /// True if a tolerance was reached; false if the budget ended first. The bounds hold in both cases.
   bool finished = false;
-  bool certified = false;  ///< SphereState::covers of both; else the bounds are no proofs
-  std::size_t probes = 0;  ///< done by this call
+  bool certified = false;  ///< SphereState::covers of both bodies; if false, the bounds are not proven
+  std::size_t probes = 0;  ///< probes of this call
 };
 
-/// Penetration query: asks again and again, and keeps its memory. For one thread at a time.
+/// Penetration query: repeated queries with kept memory. For one thread at a time.
 ///
-/// Around a point inside a body, as far away as the surface is, lies a ball that is inside: an inner ball. Around one
-/// outside lies an empty one. A cell of space that is within inner balls of both bodies counts for the lower bound, one
-/// that is within an empty ball of either for nothing; all others count by the balls about their middles, and are
-/// divided into eight, the largest first. So both bounds hold at every interruption, and more work only narrows them.
-/// Bodies deform and are placed as always; inside is what InsideQuery says.
+/// Around a point inside a body lies an inner ball, whose radius is the distance to the surface; around a point outside
+/// lies an empty ball. A cell of space within inner balls of both bodies counts fully for the lower bound; a cell
+/// within an empty ball of either body counts for neither bound. All other cells are estimated by the balls about their
+/// centers and divided into eight, the largest cell first. So both bounds hold at every interruption, and more work
+/// only narrows them. Bodies may deform and move; inside is defined by InsideQuery.
 class PenetrationQuery {
  public:
-  /// Borrows both. Throws std::invalid_argument for an open surface, as InsideQuery does. Cost: O(F log F), once.
+  /// Borrows both colliders. Throws std::invalid_argument for an open surface, like InsideQuery. Cost: O(F log F),
+  /// once.
   PenetrationQuery(const Collider& a, const Collider& b);
   ~PenetrationQuery();
   PenetrationQuery(PenetrationQuery&&) noexcept;
   PenetrationQuery& operator=(PenetrationQuery&&) noexcept;
 
-  /// From the beginning. The status says what was refused: bad_option for a tolerance or a budget out of range, what a
-  /// body lacks as InsideQuery does.
+  /// Starts from the beginning. Rejects a tolerance or a budget out of range with bad_option, and bodies like
+  /// InsideQuery.
   Penetration run(const PenetrationOptions& options = {});
-  /// Narrows what is there, with a new budget. Refused with no_front when nothing was started, and with other_frame or
-  /// other_transform when a body has moved since.
+  /// Narrows the present bounds with a new budget. Rejected with no_front if no run was started, and with other_frame
+  /// or other_transform if a body has moved since.
   Penetration resume(const PenetrationOptions& options = {});
 
  private:

@@ -14,7 +14,7 @@ struct Box {
   Vec3 upper{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
              -std::numeric_limits<double>::infinity()};
 
-  /// A new box is empty: it holds no point and grows to whatever is added.
+  /// The box holds no point. A new box is empty and grows to every point and box that is added.
   constexpr bool is_empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
   constexpr Vec3 center() const { return (lower + upper) * 0.5; }
   constexpr Vec3 extent() const { return upper - lower; }
@@ -27,14 +27,14 @@ struct Box {
     lower = min(lower, b.lower);
     upper = max(upper, b.upper);
   }
-  /// 0, 1 or 2; the first of equals.
+  /// Axis of the largest extent: 0, 1 or 2; the lowest of equals.
   constexpr int longest_axis() const {
     const Vec3 e = extent();
     return e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
   }
 };
 
-/// Squared distance from p to the box; zero inside.
+/// Squared distance from p to the box; 0 inside.
 constexpr double squared_distance(const Box& b, const Vec3& p) {
   const Vec3 outside = max(max(b.lower - p, p - b.upper), Vec3{0, 0, 0});
   return squared_length(outside);

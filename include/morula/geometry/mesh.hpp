@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A triangle mesh: positions and triangles, nothing else. Vertex order is the file's; motions refer to it.
+// A triangle mesh: positions and triangles, nothing else. The vertex order is that of the file; motions refer to it.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A view of somebody else's mesh: positions wherever they are, facets, nothing copied. What only reads a mesh takes
-// one.
+// A view of a mesh that the caller owns: positions in any layout, facets, no copy. Functions that only read a mesh take
+// a view.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,10 @@ using Facet = std::array<std::uint32_t, 3>;
 
 struct Mesh;
 
-/// Cheap to copy. Positions and facets must stay where they are while the view is used: a view of a mesh that is made
-/// for a call (`inspect(read_mesh(path))`) ends with the call.
+/// A mesh view is cheap to copy. Positions and facets must stay in place while the view is used: the view of a
+/// temporary mesh, as in `inspect(read_mesh(path))`, ends with the call.
 struct MeshView {
-  PositionView positions;  ///< one per vertex, float or double, at rest or deformed
+  PositionView positions;  ///< one position per vertex, float or double, at rest or deformed
   std::span<const Facet> facets;
 
   MeshView(const Mesh& mesh);
@@ -39,21 +39,21 @@ struct MeshView {
 };
 
 /// Throws std::invalid_argument, naming the first offender, unless the mesh has at least one facet, all indices are in
-/// range and all positions used by facets are finite. Every function that takes a mesh may assume it passed.
+/// range, and all positions used by facets are finite. Every function that takes a mesh may assume this.
 void require_usable(const MeshView& mesh);
 
-/// Box of the vertices that facets use (unused vertices are not part of the surface).
+/// Box of the vertices that facets use; unused vertices are not part of the surface.
 Box bounding_box(const MeshView& mesh);
 /// The largest |coordinate| of the vertices that facets use; 0 without facets. Ranges and pads are relative to it.
 double largest_coordinate(const MeshView& mesh);
-/// The same of all points of a box that is not empty.
+/// The largest |coordinate| of all points of a box that is not empty.
 inline double largest_coordinate(const Box& box) {
   return std::max(max_norm(box.lower), max_norm(box.upper));
 }
 double surface_area(const MeshView& mesh);
-/// Σ signed tetrahedra about the box center: the enclosed volume when the mesh is closed and oriented outward.
+/// Sum of the signed tetrahedra about the box center: the enclosed volume if the mesh is closed and oriented outward.
 double signed_volume(const MeshView& mesh);
-/// 64-bit FNV-1a over positions and facets, byte order fixed: equal meshes, equal hashes.
+/// 64-bit FNV-1a over positions and facets, with a fixed byte order: equal meshes have equal hashes.
 std::uint64_t mesh_hash(const MeshView& mesh);
 
 }  // namespace morula

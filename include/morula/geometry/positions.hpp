@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A view of somebody else's vertex array: float or double, any stride, in any order, nothing copied.
+// A view of a vertex array that the caller owns: float or double, any stride, any order, no copy.
 #pragma once
 
 #include <cstddef>
@@ -24,18 +24,19 @@ class PositionView {
   PositionView(const std::vector<Vec3f>& positions) : PositionView(std::span<const Vec3f>(positions)) {}
   PositionView(const std::vector<Vec3>& positions) : PositionView(std::span<const Vec3>(positions)) {}
 
-  /// count vertices; the x, y, z of vertex i start stride_bytes × i after the first. The data must outlive the view.
+  /// A view of `count` vertices: x, y, z of vertex i start stride_bytes × i after the first. The data must outlive the
+  /// view.
   static PositionView strided(const float* first, std::size_t count, std::size_t stride_bytes) {
     return {first, count, stride_bytes, false};
   }
   static PositionView strided(const double* first, std::size_t count, std::size_t stride_bytes) {
     return {first, count, stride_bytes, true};
   }
-  /// A surface inside a larger node array: vertex i is nodes[index[i]]. An entry may occur more than once.
+  /// A view of a surface inside a larger node array: vertex i is nodes[index[i]]. An entry may occur more than once.
   ///
-  /// nodes: any view that is not indexed itself. Nodes and index must outlive the view; a view stays good while they
-  /// stay where they are, so it need not be made anew for each frame.
-  /// Throws std::invalid_argument, naming the first entry that is no node. Cost: linear in the index.
+  /// nodes: any view that is not indexed itself. Nodes and index must outlive the view. A view stays valid for all
+  /// frames if their memory stays in place.
+  /// Throws std::invalid_argument, naming the first entry that is not a node. Cost: linear in the index.
   static PositionView indexed(const PositionView& nodes, std::span<const std::uint32_t> index);
 
   std::size_t size() const { return count_; }
@@ -45,11 +46,11 @@ class PositionView {
     if (is_double_) return load<double>(p);
     return Vec3(load<float>(p));
   }
-  /// A copy in double, one vertex after the other.
+  /// A copy in double, one vertex after another.
   std::vector<Vec3> to_vector() const;
-  /// Floats one vertex after the other, nothing between them.
+  /// True for floats without gaps between vertices.
   bool is_packed_float() const { return !is_double_ && !index_ && stride_bytes_ == sizeof(Vec3f); }
-  /// Where the x of vertex i is, a float or a double; y and z follow it.
+  /// Address of the x of vertex i, a float or a double; y and z follow it.
   const std::byte* address(std::size_t i) const { return first_ + (index_ ? index_[i] : i) * stride_bytes_; }
 
  private:
@@ -70,7 +71,7 @@ class PositionView {
   const std::byte* first_;
   std::size_t count_;
   std::size_t stride_bytes_;
-  const std::uint32_t* index_ = nullptr;  // nothing: vertex i is the i-th of the array
+  const std::uint32_t* index_ = nullptr;  // nullptr: vertex i is the i-th of the array
   bool is_double_;
 };
 

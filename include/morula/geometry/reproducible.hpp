@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Random numbers, sine, cosine and arctangent with the same bits on every machine. Those of the standard library differ
-// between processors and implementations.
+// Random numbers, sine, cosine and arctangent with the same bits on every machine. The functions of the standard
+// library differ between processors and implementations.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
   }
-  /// Uniform in [0, 1).
+  /// A number, uniform in [0, 1).
   constexpr double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   constexpr double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
 
@@ -29,12 +29,13 @@ class Random {
 struct SinCos {
   double sin, cos;
 };
-/// Absolute error below 3e-16 for |radians| ≤ 1000; it grows with the number of turns, but sine and cosine are those of
-/// one angle for every finite number. NaN for what is not finite. sin_cos(0) is exactly {0, 1}.
+/// Sine and cosine with an absolute error below 3e-16 for |radians| ≤ 1000. The error grows with the number of turns,
+/// but both values belong to one angle for every finite number. NaN for input that is not finite. sin_cos(0) is exactly
+/// {0, 1}.
 SinCos sin_cos(double radians);
 
-/// Angle of the point (x, y) from the positive x axis, -π…π: what std::atan2(y, x) approximates. Relative error below
-/// 5e-16; zeros and infinities as there.
+/// Angle of the point (x, y) from the positive x axis, -π…π, like std::atan2(y, x). The relative error is below 5e-16;
+/// zeros and infinities give the same results as std::atan2.
 double angle_of(double y, double x);
 
 }  // namespace morula

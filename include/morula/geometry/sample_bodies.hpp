@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Closed bodies made by formula, for trying things out: no files needed.
+// Generated closed meshes for first experiments, without files.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
@@ -9,7 +9,7 @@
 
 namespace morula {
 
-/// The names that sample_body knows, in the order below.
+/// The names that sample_body accepts, in the order below.
 std::span<const std::string_view> sample_body_names();
 
 /// A closed, oriented, manifold mesh (`two` has two components), deterministic to the bit.
@@ -21,10 +21,11 @@ std::span<const std::string_view> sample_body_names();
 ///   blob     a ball with six smooth lobes
 ///   plate    thin box, 4 × 0.1 × 2
 ///   two      two links of a chain that do not touch: two components
-///   tool     a probe to touch others with: a handle, a thin shaft and a narrow round tip, 3 long
-/// Bodies lie along x and about the origin.
-/// resolution: edges around or along the body; 48 gives 2,700 to 5,800 facets, and their number grows with its square.
-/// Throws std::invalid_argument for an unknown name (listing the known ones) or a resolution outside 3…4096.
+///   tool     a probe: a handle, a thin shaft and a narrow round tip, 3 long
+/// Bodies lie along x, about the origin.
+/// resolution: edges around or along the body, 3…4096; 48 gives 2,700 to 5,800 facets, and their number grows with its
+/// square.
+/// Throws std::invalid_argument for an unknown name (listing the known names) or a resolution out of range.
 Mesh sample_body(std::string_view name, int resolution = 48);
 
 }  // namespace morula

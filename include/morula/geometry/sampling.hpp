@@ -10,8 +10,8 @@
 
 namespace morula {
 
-/// `count` points spread over the surface, area-proportional and stratified (one low-discrepancy sequence over the
-/// facets laid end to end by area). Facets of no area get none. Same seed, same points.
+/// `count` points on the surface, stratified and proportional to area: one low-discrepancy sequence over the facets,
+/// placed end to end by area. Facets without area get none. The same seed gives the same points.
 std::vector<SurfacePoint> sample_surface(const MeshView& mesh, std::size_t count, std::uint64_t seed = 1);
 
 /// `count` nearly uniform unit directions (Fibonacci lattice).

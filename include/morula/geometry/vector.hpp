@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Three-component vectors: double for everything that is built or measured, float for what moves every frame.
+// Three-component vectors: double for all that is built or measured, float for all that moves every frame.
 #pragma once
 
-// MSVC says so in a macro of its own, unless /Zc:__cplusplus is given.
+// MSVC defines a macro of its own for the language version, unless /Zc:__cplusplus is given.
 #if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
 #error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
 #endif
@@ -19,7 +19,7 @@ struct Vector3 {
 
   constexpr Vector3() = default;
   constexpr Vector3(Scalar x_, Scalar y_, Scalar z_) : x(x_), y(y_), z(z_) {}
-  /// Between float and double only on request: narrowing rounds.
+  /// Conversion between float and double is explicit, because narrowing rounds.
   template <class Other>
   constexpr explicit Vector3(const Vector3<Other>& v)
       : x(static_cast<Scalar>(v.x)), y(static_cast<Scalar>(v.y)), z(static_cast<Scalar>(v.z)) {}
@@ -68,7 +68,7 @@ template <class Scalar>
 Scalar distance(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
   return length(a - b);
 }
-/// The unit vector along a; `fallback` where a is zero.
+/// The unit vector along a; `fallback` if a is zero.
 template <class Scalar>
 Vector3<Scalar> normalized(const Vector3<Scalar>& a, const Vector3<Scalar>& fallback = {Scalar(1), 0, 0}) {
   const Scalar l = length(a);

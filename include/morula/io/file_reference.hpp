@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Files that a file names: what the text means, and whether such a file may be opened.
+// Files that a file names: interpretation of the reference, and permission to open the file.
 #pragma once
 
 #include <filesystem>
@@ -11,34 +11,34 @@
 
 namespace morula {
 
-/// A text that names a file, as URIs and paths do.
+/// A reference to a file, like those of URIs and paths.
 struct FileReference {
   std::string scheme;              ///< lower case, without "://"; empty for a path and for "file"
-  std::vector<std::string> paths;  ///< its spellings, to be tried in this order: %XX decoded, and as written
+  std::vector<std::string> paths;  ///< spellings of the path, to be tried in this order: %XX decoded, and as written
 };
 
-/// "file:///a%20b" is the path "/a b", also with the host "localhost". A path is tried as it is written first: a file's
-/// name may hold a percent sign. Backslashes behind the letter of a drive become slashes.
+/// Parses a reference. "file:///a%20b" is the path "/a b", also with the host "localhost". A plain path is first tried
+/// as it is written, because a file's name may contain a percent sign. Backslashes after a drive letter become slashes.
 FileReference parse_file_reference(std::string_view text);
-/// "C:/robots/arm.stl": absolute on the machine where it was written.
+/// True for paths like "C:/robots/arm.stl", which are absolute on the machine that wrote them.
 bool begins_with_drive(std::string_view path);
 
-/// The file that a text means: of its spellings the first one that is there, else the first. Relative ones are looked
-/// for in `folder`.
+/// The file that a reference means: the first of its spellings that exists, otherwise the first spelling. Relative
+/// paths start from `folder`.
 std::filesystem::path referenced_file(std::string_view text, const std::filesystem::path& folder);
 
-/// The folders in which files have to lie that another file names. All links are resolved before anything is compared:
-/// those in the folders' names, and those that a file's name leads through.
+/// The folders that may contain files that another file names. All links are resolved ahead of the comparison, in the
+/// folders' names and in the file's name.
 class FileRoots {
  public:
   FileRoots() = default;
-  /// An empty path is the working folder. Folders that are not there hold nothing.
+  /// An empty path is the working folder. A folder that does not exist contains nothing.
   explicit FileRoots(const std::vector<std::filesystem::path>& folders);
   void add(const std::filesystem::path& folder);
 
   bool hold(const std::filesystem::path& file) const;
-  /// Nothing where the file may be opened, or is not there at all. Else the reason and the remedy, to stand behind the
-  /// file's name: "lies outside A and B; allow its folder with --root DIR". For a folder of frames, DIR is that folder.
+  /// No value if the file may be opened or does not exist. Otherwise the reason and the remedy, to follow the file's
+  /// name: "lies outside A and B; allow its folder with --root DIR". For a folder of frames, DIR is that folder.
   std::optional<std::string> refusal(const std::filesystem::path& file, std::string_view option) const;
 
  private:

@@ -9,9 +9,9 @@
 
 namespace morula {
 
-/// path: a .npy of float32 or float64 in C order, shape (modes, vertices, 3): displacements in mesh units per unit of a
-/// mode's coordinate. Throws FileError that names the file, the shape found and the shape needed, or the first number
-/// that is not finite.
+/// Reads modes. path: a .npy of float32 or float64 in C order, shape (modes, vertices, 3): displacements in mesh units
+/// per unit of a mode's coordinate. Throws FileError that names the file, the actual and the required shape, or the
+/// first number that is not finite.
 Modes read_modes(const std::filesystem::path& path, const MeshView& mesh);
 
 /// Coordinates of a motion, one per frame and mode.
@@ -25,13 +25,12 @@ struct ModalCoordinates {
   }
 };
 
-/// path: a .npy of float32 or float64 in C order, shape (frames, modes), at least one frame. Throws FileError like
-/// read_modes.
+/// Reads coordinates. path: a .npy of float32 or float64 in C order, shape (frames, modes), at least one frame. Throws
+/// FileError like read_modes.
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count);
 
-/// Arrays of float64 that read_modes and read_coordinates read back to the bit. A file appears when it is complete, in
-/// the place of an older one. Throws FileError when it cannot be written, std::invalid_argument for sizes that do not
-/// fit.
+/// Writes float64 arrays that read_modes and read_coordinates read back to the bit. The write is atomic and replaces an
+/// existing file. Throws FileError if the file cannot be written, std::invalid_argument for sizes that do not match.
 void write_modes(const std::filesystem::path& path, const Modes& modes);
 void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates);
 

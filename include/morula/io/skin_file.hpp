@@ -10,9 +10,9 @@
 
 namespace morula {
 
-/// path: a .npy of float32 or float64 in C order, shape (vertices, bones), whose rows add up to 1 within 1e-3 and are
-/// then divided by their sum; or a .gltf or .glb with the mesh's vertices, of which nodes that are drawn without a skin
-/// count as bones of their own. Throws FileError that names the file and what does not fit.
+/// Reads a skin. path: a .npy of float32 or float64 in C order, shape (vertices, bones), with rows that add up to 1
+/// within 1e-3 and are then divided by their sum; or a .gltf or .glb with the mesh's vertices, whose nodes without a
+/// skin count as bones of their own. Throws FileError that names the file and the mismatch.
 Skin read_skin(const std::filesystem::path& path, const MeshView& mesh);
 
 /// Transforms of a motion, one per frame and bone.
@@ -26,15 +26,15 @@ struct BoneFrames {
   }
 };
 
-/// path: a .npy, shape (frames, bones, 3, 4), one matrix [A | t] a frame and bone, x ↦ A x + t, relative to rest; or
-/// the .gltf or .glb of the skin, whose animation is sampled by the options and must move no morph targets. Throws
-/// FileError like read_skin.
+/// Reads transforms. path: a .npy, shape (frames, bones, 3, 4), one matrix [A | t] per frame and bone, x ↦ A x + t,
+/// relative to rest; or the .gltf or .glb of the skin, whose animation is sampled by the options and must move no morph
+/// targets. Throws FileError like read_skin.
 BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count,
                             const MotionOptions& options = {});
 
-/// Arrays of float64, of the shapes above. Transforms come back to the bit, and so do weights whose rows add up to
-/// exactly 1. A file appears when it is complete, in the place of an older one. Throws FileError when it cannot be
-/// written, std::invalid_argument for sizes that do not fit.
+/// Writes float64 arrays of the shapes above. Transforms read back to the bit, and so do weights with rows that add up
+/// to exactly 1. The write is atomic and replaces an existing file. Throws FileError if the file cannot be written,
+/// std::invalid_argument for sizes that do not match.
 void write_skin(const std::filesystem::path& path, const Skin& skin);
 void write_bone_frames(const std::filesystem::path& path, const BoneFrames& frames);
 

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Files and folders that appear whole or not at all: everything that the library writes goes through here.
+// Atomic writes of files and folders: all outputs of the library use them.
 //
-// What is written stands under a hidden name of its own (.morula-*.tmp, exclusively created) beside its target until it
-// is complete and on the disk; then it takes the target's name in one step. Nobody ever reads half a file, a failure
-// leaves the old one alone, and what a killed program leaves behind is in nobody's way. A target that is a link stays
-// one: what it leads to is replaced. An existing target keeps its permissions; a new one has those of the umask.
+// Output is written under a hidden name of its own (.morula-*.tmp, exclusively created) next to its target. When it is
+// complete and on the disk, it is renamed to the target's name in one step. So no reader sees half a file, a failure
+// leaves the old file unchanged, and remains of a killed program do no harm. If the target is a link, the link stays
+// and the file that it leads to is replaced. An existing target keeps its permissions; a new one has those of the
+// umask.
 #pragma once
 
 #include <cstdint>
@@ -14,54 +15,54 @@
 
 namespace morula {
 
-/// Makes the file hold exactly these bytes. Throws FileError.
+/// Writes a file with exactly these bytes, atomically. Throws FileError.
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
 
-/// A file written piece by piece.
+/// A file that is written in parts.
 class WholeFile {
  public:
-  /// Throws FileError when the folder is missing or may not be written to, or the target is anything but a file.
+  /// Throws FileError if the folder is missing or not writable, or if the target exists and is not a file.
   explicit WholeFile(const std::filesystem::path& target);
-  /// Removes what was not committed.
+  /// Removes uncommitted output.
   ~WholeFile();
   WholeFile(WholeFile&& other) noexcept;
   WholeFile& operator=(WholeFile&&) = delete;
 
-  /// Appends. Throws FileError, and nothing was changed.
+  /// Appends bytes. Throws FileError, and then changes nothing.
   void write(std::string_view bytes);
-  /// Puts bytes over some that were written before.
+  /// Overwrites bytes that were written earlier.
   void overwrite(std::uint64_t offset, std::string_view bytes);
-  /// Once, at the end: the file appears. Throws FileError, and nothing was changed.
+  /// Completes the file, which then appears; called once. Throws FileError, and then changes nothing.
   void commit();
 
  private:
   [[noreturn]] void fail(int error) const;
 
-  std::filesystem::path named_, target_, temporary_;  // as the caller says; where its links lead; empty: none
+  std::filesystem::path named_, target_, temporary_;  // path as given; path with links resolved; empty: none
   int file_ = -1;
 };
 
-/// A folder filled aside.
+/// A folder that is filled under a hidden name.
 class WholeFolder {
  public:
   enum class Mode {
-    /// The folder changes in one step, where the system can exchange two names, and else in two. What else is in the
-    /// old one is carried over. Where that cannot be (a mount point, the current folder, a parent that may not be
-    /// written to) as `merge`.
+    /// The folder is replaced in one step if the system can exchange two names, otherwise in two. Other files of the
+    /// old folder are carried over. If this is not possible (a mount point, the current folder, a parent that is not
+    /// writable), works like `merge`.
     exchange,
-    /// Files move into a folder that exists one by one; a failure moves them back. For folders that are in use.
+    /// Files move into an existing folder one by one; a failure moves them back. For folders that are in use.
     merge,
   };
-  /// Throws FileError when the target is not a folder, or cannot be made.
+  /// Throws FileError if the target is not a folder, or cannot be created.
   explicit WholeFolder(const std::filesystem::path& target, Mode mode = Mode::exchange);
-  /// Removes what was not committed.
+  /// Removes uncommitted output.
   ~WholeFolder();
   WholeFolder(WholeFolder&& other) noexcept;
   WholeFolder& operator=(WholeFolder&&) = delete;
 
-  /// Where to write until then.
+  /// The folder to write to until commit().
   const std::filesystem::path& path() const { return stage_; }
-  /// Once, at the end. Throws FileError, and nothing was changed.
+  /// Completes the folder; called once. Throws FileError, and then changes nothing.
   void commit();
 
  private:
@@ -74,15 +75,14 @@ class WholeFolder {
   bool merges_ = false;
 };
 
-/// For a program that ends in the middle of its work: removes what is written and not committed, and lets nobody commit
-/// or begin anything from then on; whoever tries waits for ever. Call it from a thread, not from a signal handler, and
-/// leave with _exit.
+/// Prepares a program for its end: removes all uncommitted output, and lets later calls that begin or commit output
+/// block forever. To be called from a thread, not from a signal handler, and followed by _exit.
 void abandon_unfinished() noexcept;
 
-/// Throws FileError when the disk of `path`, which need not exist yet, plainly has no room for so many more bytes.
+/// Throws FileError if the disk of `path`, which need not exist yet, clearly has no room for so many more bytes.
 void require_room(const std::filesystem::path& path, std::uint64_t bytes);
 
-/// Are both there, and one and the same file or folder, whatever links lead to it?
+/// True if both exist and are the same file or folder, through any links.
 bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace morula

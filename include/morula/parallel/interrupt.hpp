@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Interrupt: ends long calls of a thread from within: for Ctrl-C, a cancel button, a deadline of the caller's own.
+// Interrupt: ends long calls of a thread from within, for Ctrl-C, a cancel button or the caller's own deadline.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,25 @@ namespace detail {
 struct Interruption;
 }
 
-/// While one lives, calls that its thread makes into the library ask now and then whether to go on.
+/// While an Interrupt lives, calls of its thread into the library call a function at intervals; an exception of the
+/// function ends the call.
 ///
 ///     const morula::Interrupt interrupt([&] { if (is_cancelled()) throw Cancelled(); });
 ///     query.run(a, b, workers);
 ///
-/// The call ends with what `ask` throws, and leaves behind what a callback that throws leaves (docs/conventions.md):
-/// the object is as it was before, or empty, and may be asked again. The same exception ends every later call, until
+/// The call passes the exception of `ask` on. The object stays as after an exception of a callback
+/// (docs/conventions.md): as it was, or empty, and ready for the next call. Every later call ends the same way until
 /// the Interrupt is destroyed.
 ///
-/// ask: called on the thread that made the Interrupt: up to a million times a second, mostly every 10 ms at least, and
-/// at times only after some tenths of a second. Look at a clock in it, and do what costs more every 20 ms. A write
-/// that ends so leaves no file, or the one that was there. Workers of a pool end with the chunks that they are in.
-/// Where an executor of the host keeps the caller's thread out of its loops, nobody asks during a loop. Calls that are
-/// noexcept, and SurfaceTree::update and follow, do not ask: they take a frame's time. Nor do tinygltf while it decodes
-/// the JSON of a glTF file, tinyxml2 while it reads a robot's, and the system while it brings a file to the disk.
+/// ask: runs on the thread that made the Interrupt, up to a million times a second, usually at least every 10 ms, and
+/// at times only after a few tenths of a second. It should read a clock and do expensive work every 20 ms at most. An
+/// interrupted write leaves no file, or the existing one. Workers of a pool finish their current chunks.
+/// `ask` does not run during a loop if an executor of the host keeps the caller's thread out of its loops. It does not
+/// run in noexcept calls, nor in SurfaceTree::update and follow: they take a frame's time. It does not run while
+/// tinygltf decodes the JSON of a glTF file, while tinyxml2 reads a robot's file, and while the system writes a file to
+/// disk.
 ///
-/// Of several, the one made last is asked. Destroyed by the thread that made it, the last one first.
+/// If several exist, the last one made is used. The thread that made them destroys them, the last one first.
 class Interrupt {
  public:
   /// Throws std::invalid_argument for an empty function.

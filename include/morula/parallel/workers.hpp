@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Workers: one thread, a pool of ours, or the host's own executor. Results never depend on which.
+// Workers: one thread, a pool of the library, or the host's own executor. Results do not depend on the choice.
 #pragma once
 
 #include <algorithm>
@@ -28,11 +28,12 @@ class Workers {
  public:
   /// One thread: the caller's.
   Workers();
-  /// A pool of thread_count threads, the caller's included; 0 means one per processor. Without MORULA_THREADS always 1.
-  /// After a loop threads stay awake for 50 us, where there is a processor for each, since waking one takes as long.
+  /// A pool of thread_count threads, including the caller's; 0 means one per processor. A build without MORULA_THREADS
+  /// always has 1. After a loop threads stay awake for 50 us if each has a processor, because waking a thread takes as
+  /// long.
   explicit Workers(unsigned thread_count);
-  /// The host's own: run must call chunk(i) once for every i < count, in any order and on any threads, and return after
-  /// the last.
+  /// The host's own executor: run must call chunk(i) once for every i < count, in any order and on any threads, and
+  /// return after the last.
   using Executor = std::function<void(std::size_t count, ChunkFunction chunk)>;
   Workers(Executor run, unsigned thread_count);
   ~Workers();
@@ -40,10 +41,11 @@ class Workers {
   Workers& operator=(Workers&&) noexcept;
 
   unsigned thread_count() const;
-  /// Does an executor of the host run the loops?
+  /// True if an executor of the host runs the loops.
   bool is_of_host() const { return static_cast<bool>(executor_); }
-  /// Calls chunk(i) once for every i < count; after one that throws some are left out. The exception of the lowest i is
-  /// thrown again here. No allocation. One call at a time; a call from inside a chunk runs on the calling thread.
+  /// Calls chunk(i) once for every i < count. If a chunk throws, some others are skipped, and the exception of the
+  /// lowest i is rethrown. Allocates nothing. Only one call may run at a time; a call from inside a chunk runs on the
+  /// calling thread.
   void run(std::size_t count, ChunkFunction chunk);
 
  private:
@@ -56,8 +58,8 @@ class Workers {
 /// Shared default for functions that take workers: runs on the caller's thread.
 Workers& serial_workers();
 
-/// Workers of one call of a function that works for long: those that the caller gives, else a thread per processor, for
-/// this call alone. Where the caller is itself a chunk of a loop, it stays the only thread.
+/// Workers for one call of a long function: the caller's workers if given, otherwise one thread per processor for this
+/// call alone. If the caller is itself a chunk of a loop, its thread stays the only one.
 class WorkersOrAll {
  public:
   WorkersOrAll() = default;
@@ -71,8 +73,8 @@ class WorkersOrAll {
   Workers* used_ = nullptr;
 };
 
-/// f(begin, end) over [0, count) in chunks of `grain`. Chunks depend on count and grain alone, so partial results that
-/// are joined in chunk order have the same bits for any number of workers.
+/// Calls f(begin, end) over [0, count) in chunks of `grain`. Chunks depend on count and grain alone, so partial results
+/// that are joined in chunk order have the same bits for any number of workers.
 template <class F>
 void parallel_for(Workers& workers, std::size_t count, std::size_t grain, const F& f) {
   if (count == 0) return;

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The power diagram of spheres, cut into facets: the mechanism behind every partition and every certificate.
+// The power diagram of spheres, cut into facets: the basis of every partition and every certificate.
 //
-// Cell i holds the points x with power |x − c_i|² − r_i² least for sphere i. The difference of two powers is affine, so
-// a facet falls apart into convex polygons. On its own cell a sphere's power is the least of all and it is convex,
-// hence: spheres cover a surface if and only if every polygon's corners lie in the polygon's own sphere.
+// Cell i is the set of points x at which the power |x − c_i|² − r_i² is least for sphere i. The difference of two
+// powers is affine, so a facet is divided into convex polygons. On its own cell a sphere's power is the least of all,
+// and it is convex. Hence spheres cover a surface if and only if every polygon's corners lie in the polygon's own
+// sphere.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +16,11 @@
 
 namespace morula {
 
-/// Convex polygons inside one facet, with their owners. Cleared and refilled by each cut; reuse it to avoid allocation.
+/// Convex polygons inside one facet, with their owners. Each cut clears and refills it; reuse avoids allocation.
 struct CutFacet {
   std::vector<Barycentric> corners;
   std::vector<std::uint32_t> corner_begin{0};  ///< polygon k has corners [corner_begin[k], corner_begin[k + 1])
-  std::vector<std::uint32_t> owner;            ///< index into the spheres
+  std::vector<std::uint32_t> owner;            ///< index of the owning sphere
 
   std::size_t size() const { return owner.size(); }
   std::span<const Barycentric> polygon(std::size_t k) const {
@@ -32,40 +33,40 @@ struct CutFacet {
   }
 };
 
-/// A facet with what makes its cuts agree bit for bit with those of its neighbors: vertex indices give each mesh edge
-/// a direction that both sides see.
+/// A facet, with vertex indices that make its cuts agree bit for bit with those of its neighbors: they give each mesh
+/// edge a direction that is the same from both sides.
 struct FacetGeometry {
   Triangle corners;
   std::array<std::uint32_t, 3> vertices;
 };
 
-/// Cut one convex polygon of a facet by the power diagram of a few spheres.
+/// Cuts one convex polygon of a facet by the power diagram of a few spheres.
 ///
-/// polygon: barycentric corners in order, at least 3. candidates: indices into spheres that may own a part, not empty.
-/// Appends to `cut` polygons that tile the input: every cut is made once and shared by both sides, so they tile
-/// whatever the rounding. Each polygon's owner has the least power at all its corners, up to rounding; ties go to the
-/// lower index. A facet with a repeated vertex is never cut. Cost: O(candidates × pieces).
+/// polygon: barycentric corners in order, at least 3. candidates: indices of spheres that may own a part, not empty.
+/// Appends polygons to `cut` that tile the input: both sides share every cut, so they tile under any rounding. The
+/// owner of each polygon has the least power at all its corners, up to rounding; ties go to the lower index. A facet
+/// with a repeated vertex is never cut. Cost: O(candidates × polygons).
 void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,
                   std::span<const std::uint32_t> candidates, CutFacet& cut);
 
-/// An index over many spheres that finds the few whose cells can meet a facet.
+/// An index over many spheres that finds the few spheres whose cells can meet a facet.
 class PowerDiagram {
  public:
-  /// spheres: at least one; borrowed, must outlive the index. Cost: O(n log n).
+  /// spheres: at least one; borrowed, so they must outlive the index. Cost: O(n log n).
   explicit PowerDiagram(std::span<const Sphere> spheres);
 
-  /// Spheres whose cell may meet the triangle, ascending; always contains the true owners.
+  /// Finds spheres whose cell may meet the triangle, ascending; they always include the true owners.
   void candidates(const Triangle& triangle, std::vector<std::uint32_t>& found) const;
-  /// The whole facet cut into cells.
+  /// Cuts the whole facet into cells.
   void cut(const FacetGeometry& facet, std::vector<std::uint32_t>& scratch, CutFacet& cut) const;
-  /// Sphere of least power at x; the lowest index among equals.
+  /// The sphere of least power at x; the lowest index among equals.
   std::uint32_t owner(const Vec3& x) const;
 
   struct Growth {
     std::uint32_t sphere;
-    double amount;  ///< max over the points of |x − c| − r; negative when the sphere contains them all
+    double amount;  ///< max over the points of |x − c| − r, mesh units; negative if the sphere contains all of them
   };
-  /// The sphere that contains all points after the least growth of its radius; the lowest index among equals. For one
+  /// The sphere that needs the least growth of its radius to contain all points; the lowest index among equals. For one
   /// point the amount is its signed distance to the union's nearest sphere. points: at least one.
   Growth least_growth(std::span<const Vec3> points) const;
 
@@ -74,7 +75,7 @@ class PowerDiagram {
     Vec3 lower, upper;  // box of the centers
     double largest_radius;
     std::uint32_t begin, end;  // range in order_
-    std::uint32_t left;        // children are left and left + 1; 0 in a leaf
+    std::uint32_t left;        // children are left and left + 1; 0 for a leaf
   };
   void split(std::uint32_t node);
 
@@ -83,7 +84,7 @@ class PowerDiagram {
   std::vector<Node> nodes_;
 };
 
-/// The same as PowerDiagram::least_growth for a few spheres, without an index. spheres: at least one.
+/// PowerDiagram::least_growth for a few spheres, without an index. spheres: at least one.
 PowerDiagram::Growth least_growth(std::span<const Sphere> spheres, std::span<const Vec3> points);
 
 }  // namespace morula

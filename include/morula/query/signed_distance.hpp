@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Signed distance to a mesh, negative inside, and the volume of a ball inside and outside it.
+// Signed distance to a mesh, negative inside, and the volumes of a ball inside and outside the mesh.
 #pragma once
 
 #include <limits>
@@ -9,49 +9,50 @@
 
 namespace morula {
 
-/// How inside is told from outside.
+/// The rule that separates inside from outside.
 enum class SignMethod {
   pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes
                    ///< [baerentzen2005]
-  winding_number,  ///< generalized winding number above ½: a sensible answer on open, non-manifold or overlapping
+  winding_number,  ///< generalized winding number above ½: a sensible result for open, non-manifold or overlapping
                    ///< meshes
 };
 
 class SignedDistance {
  public:
-  /// Chooses pseudo_normal when the mesh is closed, oriented and manifold, and at a thousand facets spread over it one
-  /// side is inside and the other outside (shells that overlap, or nest without turning, fail here); else
-  /// winding_number. An inside-out closed mesh is recognized by its negative volume and read the right way round.
-  /// Copies what it needs; the mesh may go. Cost: that of the index and of inspect().
+  /// Selects pseudo_normal if the mesh is closed, oriented and manifold, and if it has inside and outside on opposite
+  /// sides of a thousand facets spread over it (overlapping shells, and nested shells of the same orientation, do not);
+  /// otherwise winding_number. A closed mesh that is inside out is recognized by its negative volume and handled
+  /// correctly. Copies the required data, so the mesh need not outlive it. Cost: that of the index and of inspect().
   explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
   SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());
 
-  /// p must be finite, and nearer than 2^200 to the origin along each axis; what is not is NaN away.
+  /// Signed distance of p. p must be finite and nearer than 2^200 to the origin along each axis; otherwise the distance
+  /// is NaN.
   double operator()(const Vec3& p) const { return at(p).distance; }
   struct Result {
-    double distance;  ///< negative inside; 0 on the surface
+    double distance;  ///< signed distance, mesh units: negative inside; 0 on the surface
     ClosestFacetPoint closest;
   };
-  /// known: surface is no farther than that from p, as the caller knows (from a sample, say). The result is the same,
-  /// found sooner; where no surface is that near it takes longer, no more.
+  /// Signed distance and nearest point. known: an upper bound of the distance, for example from a sample. It speeds up
+  /// the search and does not change the result; if it is too small, the search only takes longer.
   Result at(const Vec3& p, double known = std::numeric_limits<double>::infinity()) const;
   bool is_inside(const Vec3& p) const { return at(p).distance < 0; }
 
-  /// Upper bound of how far the ball sticks out of the object, (r + φ(c))⁺: exact for convex objects.
+  /// Upper bound of the ball's protrusion out of the object, (r + φ(c))⁺, mesh units: exact for convex objects.
   double protrusion_bound(const Sphere& ball) const { return std::max(0.0, ball.radius + (*this)(ball.center)); }
 
   SignMethod method() const { return method_; }
-  /// Closed and consistently oriented: inside is a property of the surface, not a guess.
+  /// True if the mesh is closed and consistently oriented: inside is then a property of the surface, not an estimate.
   bool has_volume() const { return has_volume_; }
-  /// −1 for an inside-out mesh, else 1.
+  /// −1 for a mesh that is inside out, otherwise 1.
   double orientation() const { return orientation_; }
   const TriangleBvh& bvh() const { return bvh_; }
 
  private:
-  // For pseudo_normal only, beside the normals of facets. One is zero where slivers make it meaningless.
+  // Used by pseudo_normal only, in addition to the normals of facets. A normal is zero if slivers make it meaningless.
   struct Normals {
     std::vector<Vec3> of_vertex;                          // angle-weighted average
-    std::vector<std::array<std::uint32_t, 3>> neighbors;  // the facet across the edge opposite to corner k
+    std::vector<std::array<std::uint32_t, 3>> neighbors;  // neighbor across the edge opposite to corner k
 
     Normals() = default;
     Normals(const MeshView& mesh, const Connectivity& connectivity, Workers& workers);
@@ -68,14 +69,14 @@ class SignedDistance {
   double orientation_ = 1.0;
 };
 
-/// Volume of ball ∩ object by summing, over the facets that meet the ball, the signed volume of ball ∩ cone(center,
-/// facet) in closed form; the far facets count through their total solid angle.
+/// Volume of ball ∩ object: the sum, over the facets that meet the ball, of the signed volume of ball ∩ cone(center,
+/// facet) in closed form; far facets count through their total solid angle.
 ///
-/// The mesh must be closed and oriented. Then the error is about 1e-12 of the ball's volume wherever the center lies,
-/// on edges and vertices too, and as long as the ball is not smaller than the spacing of its coordinates. Of an open
-/// mesh it is the integral of the winding number, to about a percent of the ball. Where layers overlap, each counts,
-/// up to the whole ball. Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F), k facets
-/// met.
+/// The mesh must be closed and oriented. The error is then about 1e-12 of the ball's volume for any center, even on
+/// edges and vertices, if the ball is not smaller than the spacing of its coordinates. For an open mesh the result is
+/// the integral of the winding number, to about a percent of the ball. Overlapping layers all count, up to the whole
+/// ball. Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F) for k facets that meet
+/// the ball.
 double inside_volume(const SignedDistance& object, const Sphere& ball);
 
 /// Volume of ball minus object: the sphere outside volume [wang2006].

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Broad phase: which of many boxes overlap, while some of them move.
+// Broad phase: the overlapping pairs of many boxes of which some move.
 #pragma once
 
 #include <cstddef>
@@ -13,18 +13,18 @@
 
 namespace morula {
 
-/// Two boxes that overlap, by their numbers; a < b.
+/// The numbers of two boxes that overlap; a < b.
 struct BoxPair {
   std::uint32_t a, b;
   bool operator==(const BoxPair&) const = default;
   auto operator<=>(const BoxPair&) const = default;
 };
 
-/// Boxes in a dynamic tree. A box is kept there somewhat larger than it is, so it can move a little before the tree has
-/// to know; pairs of such larger boxes are remembered, and each update compares those of which one box has moved.
+/// Boxes in a dynamic tree. The tree stores each box slightly enlarged, so that a small motion does not change the
+/// tree. Pairs of enlarged boxes are kept, and each update compares the pairs with a box that has moved.
 ///
-/// Exact: pairs() are all pairs of boxes that have a point in common, but for those of two static boxes. For one thread
-/// at a time. Cost of an update: 5 ns per remembered pair, a microsecond or two per box that has left its larger one.
+/// Exact: pairs() are all pairs of boxes with a common point, except pairs of two static boxes. For one thread at a
+/// time. Cost of an update: 5 ns per kept pair, and one or two microseconds per box that has left its enlarged box.
 class BroadPhase {
  public:
   BroadPhase();
@@ -32,29 +32,32 @@ class BroadPhase {
   BroadPhase(BroadPhase&&) noexcept;
   BroadPhase& operator=(BroadPhase&&) noexcept;
 
-  /// Another box; its number is the lowest that is free. Static boxes form no pairs with each other; they may be moved
-  /// all the same. Throws std::invalid_argument for a box that is empty or not finite.
+  /// Adds a box and returns its number, the lowest free one. Static boxes form no pairs with each other; they may move
+  /// nevertheless. Throws std::invalid_argument for a box that is empty or not finite.
   std::uint32_t add(const Box& box, bool is_static = false);
-  /// Its number is free from the next update() on. Throws std::invalid_argument when there is no such box: one that was
-  /// removed already, for instance.
+  /// Removes a box; its number is free after the next update(). Throws std::invalid_argument if there is no such box,
+  /// such as one that was removed already.
   void remove(std::uint32_t number);
-  /// Refused with bad_option, and `index` the number: a box that is none, or that is empty or not finite.
+  /// Moves a box. Rejected with bad_option, and `index` the number, if there is no such box or the box is empty or not
+  /// finite.
   Status move(std::uint32_t number, const Box& box);
   bool has(std::uint32_t number) const;
   const Box& box(std::uint32_t number) const;
-  std::size_t size() const;  ///< boxes there are
+  std::size_t size() const;  ///< number of boxes
 
-  /// Brings pairs() up to date. No allocation when there have been as many boxes and pairs before. Where memory runs
-  /// out (std::bad_alloc), here as in add(), nothing has changed, and the call may be made again.
+  /// Brings pairs() up to date. Allocates nothing if the numbers of boxes and pairs have been reached earlier. If
+  /// memory runs out (std::bad_alloc), here or in add(), nothing changes, and the call may be repeated.
   void update();
-  /// As of the last update, ascending.
+  /// The pairs of the last update, ascending.
   std::span<const BoxPair> pairs() const;
-  /// All boxes that have a point in common with this one, ascending: as they were added and moved, updated or not.
+  /// Finds all boxes that have a common point with this one, ascending. The boxes count as added and moved, even
+  /// without an update().
   void find(const Box& box, std::vector<std::uint32_t>& found) const;
-  /// Those that reach the half space normal . x <= offset; none is left out, some that only just miss it may be there.
+  /// Finds the boxes that reach the half space normal . x <= offset. No such box is missed; a box that only just misses
+  /// the half space may be included.
   void find_behind(const Vec3& normal, double offset, std::vector<std::uint32_t>& found) const;
-  /// Those that the points origin + t direction, 0 <= t <= t_end, go through; none in between is left out, some that
-  /// are only just missed may be there.
+  /// Finds the boxes that meet the points origin + t direction, 0 <= t <= t_end. No such box is missed; a box that the
+  /// points only just miss may be included.
   void find_along(const Vec3& origin, const Vec3& direction, double t_end, std::vector<std::uint32_t>& found) const;
 
  private:

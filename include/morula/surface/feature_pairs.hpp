@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of features: what queries of surface trees find, which pairs they leave out, and how far they came.
+// Pairs of features: the results of queries on surface trees, the filters of pairs, and the progress of queries.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +14,16 @@
 
 namespace morula {
 
-/// Which features a pair has, of surface a and of surface b.
+/// The features of a pair: the first of surface a, the second of surface b.
 enum class PairKind : std::uint8_t {
-  vertex_facet,  ///< of one surface with itself, this and edge_edge are all there are
+  vertex_facet,  ///< for one surface with itself, only this and edge_edge occur
   facet_vertex,
   edge_edge,
-  facet_facet,  ///< of crossings
+  facet_facet,  ///< for crossings
 };
 
-/// Two features by their numbers: a vertex of the mesh, a facet of it, an edge of SurfaceTree::edges(). Numbers do not
-/// change while a tree lives, so a pair is known again in later frames by all three together.
+/// Two features by number: a vertex or facet of the mesh, or an edge of SurfaceTree::edges(). Numbers do not change
+/// while a tree lives, so kind, a and b identify a pair in later frames.
 struct FeaturePair {
   PairKind kind{};
   std::uint32_t a = 0, b = 0;
@@ -31,39 +31,42 @@ struct FeaturePair {
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-/// Who may meet whom, a bit per group: facets i of a and j of b are looked at when of[i] & with[j] and of[j] & with[i]
-/// are not 0. Edges and vertices are of all groups of their facets and meet what one of them meets.
+/// Groups of facets, one bit per group: facets i of a and j of b are compared if category[i] & mask[j] and category[j]
+/// & mask[i] are not 0. Edges and vertices belong to all groups of their facets, and form a pair if one of these facets
+/// does.
 struct FacetMasks {
-  std::vector<std::uint32_t> category{}, mask{};  ///< one per facet each; empty: all ones
+  std::vector<std::uint32_t> category{}, mask{};  ///< one per facet each; empty: all bits set
 };
 
-/// Pairs that are left out. Of one surface with itself, pairs that share a vertex always are.
+/// Pairs to skip. For one surface with itself, pairs that share a vertex are always skipped.
 ///
-/// The pairs that `rings` and `rest_distance` leave out are a table, which the first query with these values makes and
-/// the surface keeps: at most 512 bytes per facet, and the last four tables. Without a table, which would be larger,
-/// every query tests those pairs one by one.
+/// The first query with given `rings` and `rest_distance` makes a table of the pairs that these skip, which the surface
+/// keeps: at most 512 bytes per facet, and the last four tables. If the table would be larger, every query tests these
+/// pairs one by one.
 struct PairFilter {
-  /// Of one surface with itself: pairs of which some two vertices are at most so many edges apart. 0: the same vertex.
+  /// Number of edges, for one surface with itself: skips pairs with two vertices at most this many edges apart. 0: only
+  /// pairs that share a vertex.
   std::uint32_t rings = 0;
-  /// Of one surface with itself: pairs that are this close at rest, mesh units. 0: none.
+  /// Distance at rest, for one surface with itself, mesh units: skips pairs that are at most this far apart at rest. 0:
+  /// none.
   double rest_distance = 0;
-  /// Of one surface with itself: pairs of one piece, as components_by_vertices() finds them.
+  /// Skips pairs of one component (components_by_vertices), for one surface with itself.
   bool same_component = false;
-  FacetMasks masks_a{}, masks_b{};  ///< for one surface with itself a alone
-  /// Keeps a pair when it returns true. Called by workers at the same time, for pairs whose boxes are near; must give
-  /// the same answer for the same pair.
+  FacetMasks masks_a{}, masks_b{};  ///< groups of both surfaces; for one surface with itself only masks_a is read
+  /// Filter: returns true to keep a pair. Workers call it concurrently, for pairs whose boxes are near; it must give
+  /// the same result for the same pair.
   std::function<bool(const FeaturePair&)> accepts{};
 };
 
-/// Refused, or how far it came. Whatever has been found so far stays found; what was not looked at is open().
+/// A rejection, or the progress of the call. Results found stay valid; open() lists the rest.
 struct [[nodiscard]] SurfaceQueryStatus : Status {
   bool finished = false;
-  std::size_t box_tests = 0;   ///< done by this call
-  std::size_t candidates = 0;  ///< pairs of features whose boxes are near, of all calls since the start
+  std::size_t box_tests = 0;   ///< tests of this call
+  std::size_t candidates = 0;  ///< pairs of features with near boxes, of all calls since the start
 };
 
-/// Facets of a and of b that an interrupted query has not compared: all pairs that are missing are of such facets, of
-/// their edges and of their vertices.
+/// Facets of a and of b that an interrupted query has not compared: all missing pairs are of such facets, their edges
+/// and their vertices.
 struct OpenFacets {
   std::span<const std::uint32_t> a, b;
 };

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Crossings of surfaces: pairs of facets that really intersect, of two surfaces or of one with itself.
+// Crossings of surfaces: pairs of facets that intersect, of two surfaces or of one with itself.
 //
 //   morula::SurfaceTree surface(mesh);
 //   morula::SurfaceCrossingQuery query;
-//   if (!surface.update(positions) || !query.run(surface)) std::puts("refused");
+//   if (!surface.update(positions) || !query.run(surface)) std::puts("rejected");
 //   for (const morula::FeaturePair& pair : query.pairs()) std::printf("%u crosses %u\n", pair.a, pair.b);
 #pragma once
 
@@ -22,8 +22,8 @@ struct SurfaceCrossingOptions {
   Clock clock{};
 };
 
-/// Crossing query of surface trees: exact, as intersect() is: touching and coplanar facets count. Of one surface with
-/// itself, facets that share a vertex are left out. Surfaces that are in a step are asked where it begins.
+/// Crossing query on surface trees, exact like intersect(): touching and coplanar facets count. For one surface with
+/// itself, facets that share a vertex are skipped. A surface in a step is tested at its beginning.
 class SurfaceCrossingQuery {
  public:
   explicit SurfaceCrossingQuery(SurfaceCrossingOptions options = {});
@@ -37,7 +37,7 @@ class SurfaceCrossingQuery {
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
   SurfaceQueryStatus resume(Workers& workers = serial_workers());
 
-  /// In the order of (a, b), each once, a < b of one surface with itself.
+  /// Pairs in the order of (a, b), each once; a < b for one surface with itself.
   std::span<const FeaturePair> pairs() const;
   const std::vector<OpenFacets>& open() const;
 

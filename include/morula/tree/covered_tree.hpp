@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A tree with its cover: which part of the surface each node answers for, and the report of how they were made. Plain
-// data; tree/cover.hpp has the functions.
+// A tree with its cover: the part of the surface that each node owns, and the report of how both were made. Plain data;
+// tree/cover.hpp has the functions.
 #pragma once
 
 #include <array>
@@ -17,28 +17,28 @@
 namespace morula {
 
 /// A point of the surface that is not a mesh vertex: Σ weight[k] × position of vertex[k]. On a mesh edge, weight[2] is
-/// 0 and vertex[2] repeats vertex[1]; the same point is stored once for both facets.
+/// 0 and vertex[2] repeats vertex[1]; the point is stored once for both facets.
 struct CutPoint {
   std::array<std::uint32_t, 3> vertex;
   std::array<double, 3> weight;
   bool operator==(const CutPoint&) const = default;
 };
 
-/// Patches are convex polygons inside one facet, in the order of the leaves they belong to (depth first), so the region
-/// of every node, inner ones too, is one range of patches. A patch moves with its facet: its corners are fixed convex
-/// combinations of vertices, so a sphere that contains the moved corners contains the moved patch.
+/// Patches are convex polygons inside one facet. They are in the order of their leaves (depth first), so the region of
+/// every node is one range of patches. A patch moves with its facet: its corners are fixed convex combinations of
+/// vertices, so a sphere that contains the moved corners contains the moved patch.
 struct Cover {
-  std::uint32_t vertex_count = 0;  ///< of the mesh it belongs to
+  std::uint32_t vertex_count = 0;  ///< number of vertices of the mesh
   std::uint32_t facet_count = 0;
   std::vector<CutPoint> cut_points;
-  std::vector<std::uint32_t> patch_facet;   ///< one per patch
+  std::vector<std::uint32_t> patch_facet;   ///< facet of each patch
   std::vector<std::uint32_t> corner_begin;  ///< patch p has corners [corner_begin[p], corner_begin[p + 1]), at least 3
-  std::vector<std::uint32_t> corners;       ///< < vertex_count: a mesh vertex; else cut_points[corner − vertex_count]
+  std::vector<std::uint32_t> corners;  ///< mesh vertex if < vertex_count; otherwise cut_points[corner − vertex_count]
   std::vector<std::uint32_t> region_begin;  ///< one per node: its region is the patches [begin, end)
   std::vector<std::uint32_t> region_end;
 
   std::size_t patch_count() const { return patch_facet.size(); }
-  /// The most patches that any one facet is cut into. Cost: linear in patches and facets.
+  /// The largest number of patches of one facet. Cost: linear in patches and facets.
   std::size_t most_patches_of_a_facet() const;
   std::span<const std::uint32_t> patch(std::size_t p) const {
     return std::span(corners).subspan(corner_begin[p], corner_begin[p + 1] - corner_begin[p]);
@@ -51,41 +51,44 @@ struct Cover {
 };
 
 struct LevelGrowth {
-  std::size_t grown = 0;        ///< spheres whose radius had to grow (or that were moved) to contain their region
-  double largest_factor = 1.0;  ///< largest new radius over old
+  std::size_t grown = 0;        ///< spheres that grew or moved to contain their region
+  double largest_factor = 1.0;  ///< largest ratio of the new radius to the old one
   double largest_growth = 0.0;  ///< largest increase of a radius, mesh units
 };
 
-/// What a builder or cover() did; travels with the tree and is written into native files.
+/// The report of a builder or of cover(). It travels with the tree and is written into native files.
 struct BuildReport {
   std::string method;  ///< "octree", "grid", …; "imported" from cover()
   std::uint32_t branching = 0;
-  std::uint32_t depth = 0;  ///< as asked for
+  std::uint32_t depth = 0;  ///< requested depth
   std::uint64_t seed = 0;
   std::uint64_t mesh_hash = 0;
-  std::vector<LevelGrowth> growth;   ///< per level; from cover() only
+  std::vector<LevelGrowth> growth;   ///< growth per level; empty except after cover()
   std::size_t early_leaves = 0;      ///< leaves above the last level
-  std::size_t leftover_patches = 0;  ///< patches outside their own sphere, handed to the one that grew least
-  std::size_t dropped_spheres = 0;   ///< spheres that owned nothing
-  std::vector<std::string> notes;    ///< fallbacks taken, in words
+  std::size_t leftover_patches = 0;  ///< patches outside their own sphere, assigned to the leaf that grew least
+  std::size_t dropped_spheres = 0;   ///< spheres without a region
+  std::vector<std::string> notes;    ///< fallbacks taken, as text
 
-  // Of the cover, which files have: not written into them, but there after reading.
-  std::size_t most_patches_of_a_facet = 0;  ///< no facet is cut into more
+  // Properties of the cover, which files contain: these are recomputed when a file is read.
+  std::size_t most_patches_of_a_facet = 0;  ///< largest number of patches of one facet
 
-  // Of the run that built the tree; not written into files.
-  bool complete = true;               ///< false: ended by a time limit, or short of the protrusion asked for
-  std::vector<double> level_seconds;  ///< wall seconds that went into dividing for each level; the first: preparations
-  std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves; when spheres or max_protrusion asked
+  // Properties of the run that built the tree; not written into files.
+  bool complete = true;  ///< false: a time limit ended the run, or the requested protrusion was not reached
+  /// Wall time of the division for each level, seconds; the first entry is the preparation.
+  std::vector<double> level_seconds;
+  std::optional<double> protrusion_bound;  ///< max of (r + φ(c))⁺ over the leaves, mesh units; set if spheres or
+                                           ///< max_protrusion is requested
 };
 
 struct CoveredTree;
 
-/// Another tree of the same mesh, made for a pose that the mesh is known to come to: what it covers there, it covers in
-/// every pose, only more tightly the nearer that is.
+/// Another tree of the same mesh, made for a known pose. Its cover holds in every pose, and is tighter near the known
+/// one.
 struct KnownPose {
   std::string name;
-  std::vector<Vec3> positions;               ///< one per mesh vertex
-  std::shared_ptr<const CoveredTree> model;  ///< of the mesh with these positions; carries no poses of its own
+  std::vector<Vec3> positions;  ///< one per mesh vertex
+  /// Covered tree of the mesh with these positions; it has no known poses of its own.
+  std::shared_ptr<const CoveredTree> model;
 };
 
 /// A tree with its proof.
@@ -93,7 +96,8 @@ struct CoveredTree {
   SphereTree tree;
   Cover cover;
   BuildReport report;
-  /// Made by add_known_poses (update/known_poses.hpp), written into native files, used by RebuiltBody.
+  /// Trees for known poses: made by add_known_poses (update/known_poses.hpp), written into native files, used by
+  /// RebuiltBody.
   std::vector<KnownPose> poses{};
 };
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Nearest-first walk: down one sphere tree, past everything that is too far. What rays, shapes and insides ask with.
+// Nearest-first walk through one sphere tree, which prunes nodes that are too far. Queries for rays, shapes and insides
+// use it.
 #pragma once
 
 #include <array>
@@ -11,10 +12,10 @@ namespace morula {
 
 /// Walks from the root to leaves, nearest child first; equal bounds go by index. Allocates nothing.
 ///
-/// bound_of(node): a number below what is sought in the node's region, in any unit. A bound that holds for a node holds
-/// for those below it. limit(): nodes of a greater bound are passed by; it may fall during the walk. leave(bound): told
-/// of everything that is passed by or was not reached. look(leaf, bound): false ends the walk.
-/// Cost: one bound per child of each node that is opened.
+/// bound_of(node): a lower bound of the quantity in the node's region, in any unit. A bound of a node holds for
+/// the nodes below it. limit(): nodes with a greater bound are pruned; it may fall during the walk. prune(bound):
+/// called for every node that is pruned or not reached. visit(leaf, bound): returns false to end the walk.
+/// Cost: one bound per child of each opened node.
 template <class BoundOf, class Limit, class Leave, class Look>
 void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const Limit& limit, const Leave& prune,
                         const Look& visit) {
@@ -22,7 +23,7 @@ void walk_nearest_first(const SphereTree& tree, const BoundOf& bound_of, const L
     double bound;
     std::uint32_t node;
   };
-  // One path's siblings at most wait, on max_depth levels.
+  // At most the siblings along one path wait, on max_depth levels.
   std::array<Waiting, max_depth * max_branching + 1> stack;
   std::size_t top = 0;
   stack[top++] = {bound_of(0), 0};

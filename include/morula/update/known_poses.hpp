@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Known poses: trees made beforehand for poses that a mesh will come to, so that a RebuiltBody is tight there at once.
+// Known poses: trees built in advance for expected poses of a mesh, so that a RebuiltBody is tight there at once.
 #pragma once
 
 #include <cstddef>
@@ -18,41 +18,42 @@ struct NamedPose {
 };
 
 struct KnownPoseOptions {
-  /// Of every pose; branching and depth as those of the tree that they are added to.
+  /// Method of the trees for all poses; branching and depth are those of the model that receives them.
   Method method = Method::optimized;
   Quality quality = Quality::standard;
   std::uint64_t seed = 1;
-  /// A pose gets a tree of its own when the tightest of those there are has a level that is this many times as loose
-  /// there as that of a tree built for the pose; above 1.
+  /// A pose gets its own tree if the tightest of the existing trees has a level that is this many times as loose there
+  /// as that of a tree built for the pose; above 1.
   double pose_threshold = 1.2;
-  std::size_t max_trees =
-      24;  ///< largest number of trees added; principal_strains() up to twice the size has as many poses
+  /// Largest number of trees added; principal_strains() with max_stretch up to 2 has as many poses.
+  std::size_t max_trees = 24;
   std::stop_token stop{};
-  /// At first, and after every tree that was built or added: KnownPosesReport::trees_built and worst so far. May be
-  /// empty.
+  /// Called at the start, and after every tree that was built or added, with KnownPosesReport::trees_built and worst up
+  /// to then. May be empty.
   std::function<void(std::size_t count, double worst)> progress{};
 };
 
 struct KnownPosesReport {
-  /// Trees, at most one for each pose: those added, and those that only show how tight a pose can be.
+  /// Trees that were built, at most one per pose: added ones, and others that only measure how tight a pose can be.
   std::size_t trees_built = 0;
   std::size_t added = 0;
-  /// Over all poses that have no tree of their own, and levels: how many times as loose the tightest tree is as one
-  /// built for the pose; at least 1. Poses for which none was built count beside the tightest of all trees, each at its
-  /// own.
+  /// Largest ratio, over levels and all poses without their own tree, of the looseness of the tightest tree to that of
+  /// a tree built for the pose; at least 1. A pose for which no tree was built is compared with the tightest of all
+  /// trees, each at its own pose.
   double worst = 1;
 };
 
-/// Chooses among `poses` those that no tree serves, the worst served first, and adds a tree for each to built.poses.
-/// Cost: a build for each pose that might be one of them, which may be all (their trees are kept until it is done), up
-/// to 16 side by side where there are workers; an update and an estimate of looseness for each pose and tree added.
-/// Same bits for any number of workers. Throws as build and Body do, std::invalid_argument for options out of range and
-/// for a pose of another size, before anything is changed; BuildStopped.
+/// Selects among `poses` those without a fitting tree, the worst first, and adds a tree for each to model.poses.
+///
+/// Cost: a build for each candidate pose, possibly for all (their trees are kept until the end), up to 16 in parallel
+/// if there are workers; an update and an estimate of looseness for each pose and added tree. The result has the same
+/// bits for any number of workers. Throws like build and Body; std::invalid_argument for options out of range and for a
+/// pose of another size, and then changes nothing; BuildStopped.
 KnownPosesReport add_known_poses(const MeshView& mesh, CoveredTree& model, std::span<const NamedPose> poses,
                                  const KnownPoseOptions& options = {}, WorkersOrAll workers = {});
 
-/// Candidates where no motion is known: the mesh stretched along each axis, at constant volume, by steps of a tenth up
-/// to `max_stretch` times. Axes along which the mesh has no extent are left out. Throws std::invalid_argument unless
+/// Candidate poses for an unknown motion: the mesh stretched along each axis, at constant volume, in steps of a tenth
+/// up to `max_stretch` times. Axes along which the mesh has no extent are skipped. Throws std::invalid_argument unless
 /// 1 < max_stretch ≤ 10.
 std::vector<NamedPose> principal_strains(const MeshView& mesh, double max_stretch = 2);
 

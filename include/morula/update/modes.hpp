@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A modal model: how the vertices of a mesh move, as a few displacement fields and a coordinate for each.
+// A modal model: the motion of a mesh's vertices as a few displacement fields and a coordinate for each.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@
 namespace morula {
 
 /// Displacement fields U of a mesh's vertices: at the coordinates q, vertex i is at rest_i + sum_j q_j U_ij.
-/// Coordinates have no unit, displacements that of the mesh; what a mode is scaled by is up to the caller.
+/// Coordinates have no unit; displacements are in mesh units. The caller chooses the scale of each mode.
 struct Modes {
-  std::size_t vertex_count = 0;     ///< of the mesh, vertices that no facet uses included
+  std::size_t vertex_count = 0;     ///< number of the mesh's vertices, including unused ones
   std::size_t mode_count = 0;       ///< 0: no modal model
-  std::vector<Vec3> displacements;  ///< mode after mode, one per vertex: mode_count × vertex_count
+  std::vector<Vec3> displacements;  ///< mode after mode, one displacement per vertex: mode_count × vertex_count
 
   bool empty() const { return mode_count == 0; }
   std::span<const Vec3> mode(std::size_t j) const {
@@ -24,9 +24,10 @@ struct Modes {
   }
 };
 
-/// positions[i] = rest[i] + sum_j coordinates[j] U_ij, in double, modes added in order: what Body::update_modal
-/// follows. All sizes must be those of the modes. Modes whose coordinate is 0 are passed over, so that at rest the
-/// positions are `rest` bit for bit. No allocation. Same bits for any number of workers. Cost: vertices × modes.
+/// positions[i] = rest[i] + sum_j coordinates[j] U_ij, in double, with modes added in order, as Body::update_modal
+/// moves vertices. All sizes must be those of the modes. Modes with coordinate 0 are skipped, so at rest the positions
+/// equal `rest` bit for bit. Allocates nothing. The result has the same bits for any number of workers. Cost: vertices
+/// × modes.
 void move_by_modes(const Modes& modes, std::span<const Vec3> rest, std::span<const double> coordinates,
                    std::span<Vec3> positions, Workers& workers = serial_workers()) noexcept;
 

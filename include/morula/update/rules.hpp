@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The update rules, as plain values, what the paper leaves open about them, and what making and moving a body reports.
+// The update rules as plain values, the options that the paper leaves open, and the reports of construction and
+// updates.
 #pragma once
 
 #include <array>
@@ -16,33 +17,36 @@
 
 namespace morula {
 
-/// How a node's sphere follows the deformed surface [garcia2005, sec. 3]. rule_table says what is known of each.
+/// The way a node's sphere follows the deformed surface [garcia2005, sec. 3]. rule_table has the properties of each
+/// rule.
 enum class Rule : std::uint8_t {
-  traditional,  ///< center: mean displacement of the enclosed vertices; radius: farthest of them
-  weighted,     ///< as traditional, vertices weighted by their share of the area [james2004]
+  traditional,  ///< center: mean displacement of the enclosed vertices; radius: the farthest of them
+  weighted,     ///< like traditional, with vertices weighted by their share of the area [james2004]
   approach1,    ///< linked vertices; radius by the largest ratio of distances (eq. 2–4)
   approach2,    ///< boxes of linked vertices or child spheres; radius by the ratio of farthest box corners (eq. 1, 5)
-  exact,        ///< Morula's: owned patches, every corner inside; covers by construction
-  wrapped,      ///< bottom-up: a sphere around the children's, hence nested; covers when they do. Leaves: `exact`
-  modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers likewise
-  skinned,      ///< moved and resized by the transforms of a skin's bones [jones2017]; may leave surface bare
+  exact,        ///< Morula's own: owned patches, every corner inside; covers by construction
+  wrapped,      ///< bottom-up: a sphere around the children's, hence nested; covers if they do. Leaves: `exact`
+  modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers for these
+                ///< coordinates
+  skinned,      ///< moved and resized by the transforms of a skin's bones [jones2017]; surface may stay uncovered
 };
 
-/// What is known of a rule, written once: names, checks and certificates ask here.
+/// The properties of a rule, in one place for names, checks and certificates.
 struct RuleTraits {
-  /// Which update moves it: Body::update, update_modal or update_skinned. All of them move rules that follow positions.
+  /// The update that moves the rule: Body::update, update_modal or update_skinned. All three move rules that follow
+  /// positions.
   enum class Follows : std::uint8_t { positions, modes, bones };
-  /// What it looks at in every frame: the corners that nodes own; vertices that they are linked with, and children's
-  /// spheres; these alone (a leaf, which has none, then follows `exact`); or what it follows and nothing else.
+  /// The input of a rule in every frame: the corners that nodes own; linked vertices and children's spheres; children's
+  /// spheres alone (leaves then follow `exact`); or only the coordinates or transforms that it follows.
   enum class Reads : std::uint8_t { corners, links, children, nothing };
 
   Rule rule;
   std::string_view name;
   Follows follows;
   Reads reads;
-  bool covers;  ///< by construction; one that reads children covers as far as they do
+  bool covers;  ///< covers by construction; a rule that reads children covers if the children do
 };
-/// One row per rule, in the order of the enumerators: rules.cpp does not compile otherwise.
+/// One row per rule, in the order of the enumerators; rules.cpp checks this at compile time.
 inline constexpr std::array rule_table{
     RuleTraits{Rule::traditional, "traditional", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
     RuleTraits{Rule::weighted, "weighted", RuleTraits::Follows::positions, RuleTraits::Reads::links, false},
@@ -54,71 +58,72 @@ inline constexpr std::array rule_table{
     RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, false},
 };
 
-/// Is it an enumerator, not just some number?
+/// True for an enumerator, false for other numbers.
 constexpr bool is_rule(Rule rule) {
   return static_cast<std::size_t>(rule) < rule_table.size();
 }
-/// Of an enumerator.
+/// The properties of a rule. rule: an enumerator.
 constexpr const RuleTraits& traits(Rule rule) {
   return rule_table[static_cast<std::size_t>(rule)];
 }
-/// Does it cover by construction, whatever the other levels follow?
+/// True if the rule covers by construction, with any rules on other levels.
 constexpr bool covers_alone(Rule rule) {
   return traits(rule).covers && traits(rule).reads != RuleTraits::Reads::children;
 }
 std::string_view name(Rule rule);
 std::optional<Rule> rule_from_name(std::string_view name);
 std::span<const Rule> all_rules();
-/// Those that follow positions, which need nothing but a mesh and its tree.
+/// The rules that follow positions; they need only a mesh and its tree.
 std::span<const Rule> position_rules();
 
-/// Questions that the papers leave open. Defaults are the literal readings, but for modal_bound.
+/// Choices that the papers leave open. Defaults are the literal readings, except modal_bound.
 struct RuleOptions {
   enum class Weights : std::uint8_t { uniform, inverse_distance, area };
-  Weights approach1_weights = Weights::uniform;  ///< of linked vertices in a leaf's center
+  Weights approach1_weights = Weights::uniform;  ///< weights of linked vertices in a leaf's center
   enum class InnerCenter : std::uint8_t { children, linked_vertices };
   InnerCenter approach1_inner_center = InnerCenter::children;
   enum class InnerBoxes : std::uint8_t { child_spheres, child_centers };
   InnerBoxes approach2_inner_boxes = InnerBoxes::child_spheres;
-  /// Of `wrapped`: the center moves with the mean of the children's, or from there to where it has to reach least,
-  /// within a few percent: the smallest sphere around theirs.
+  /// Center of `wrapped`. children: it moves with the mean of the children's. smallest: it then moves to where the
+  /// radius is least, within a few percent: the smallest sphere around theirs.
   enum class WrappedCenter : std::uint8_t { children, smallest };
   WrappedCenter wrapped_center = WrappedCenter::children;
   /// Distances below this share of the radius are raised before ratios are taken (τ of D.4): 0 is the paper, which then
   /// skips vertices nearer than 1e-9 of the radius; 0.25 is robust.
   double distance_floor = 0.0;
-  /// How `modal` bounds the corners of a node. shift: one displacement per mode and node, and how far corners stray
-  /// from it, which is the paper. gradient: also with a linear field per mode and node, which follows strain and
-  /// turning; per node the smaller sphere. Four times the work, and tighter by far where modes are smooth.
+  /// Bound of `modal` for the corners of a node. shift: one displacement per mode and node, and the largest deviation
+  /// of corners from it, as in the paper. gradient: also with a linear field per mode and node, which follows strain
+  /// and rotation; each node uses the smaller sphere. gradient takes four times the work and is far tighter for smooth
+  /// modes.
   enum class ModalBound : std::uint8_t { gradient, shift };
   ModalBound modal_bound = ModalBound::gradient;
 };
 
-/// One rule per level from the root; the last one serves all deeper levels.
+/// One rule per level from the root; the last rule serves all deeper levels.
 struct UpdateOptions {
   std::vector<Rule> rules{Rule::exact};
-  /// Radii of the other rules grow to what owned corners need, where that is more: every level then covers the surface,
-  /// in the cheapest way that is sound. One more walk over the owned corners. Those of `wrapped` also grow to what
-  /// children that have grown need.
+  /// true: grow radii of the other rules to contain owned corners, so that every level covers the surface in the
+  /// cheapest sound way. It costs one more pass over the owned corners. Radii of `wrapped` also grow with their
+  /// children.
   bool conservative = false;
   RuleOptions details{};
-  Modes modes{};  ///< what update_modal() moves the body by; `modal` needs them
-  Skin skin{};    ///< what update_skinned() moves the body by; `skinned` needs it
+  Modes modes{};  ///< modes of update_modal(); required by `modal`
+  Skin skin{};    ///< skin of update_skinned(); required by `skinned`
 };
-/// Do all levels cover the surface by construction, whatever it does?
+/// True if all levels cover the surface by construction, in any motion.
 bool covers(const UpdateOptions& options);
-/// Do levels that follow this rule, among those of the options?
+/// True if the levels of this rule, with these options, cover by construction.
 bool covers(const UpdateOptions& options, Rule rule);
 
-/// Refused, or the work done: the same on every run; all 0 when nothing was changed.
+/// A rejection, or the work done, which is the same in every run; all 0 if nothing was changed.
 struct [[nodiscard]] UpdateStatus : Status {
   std::size_t nodes_updated = 0;
-  std::size_t vertices_read = 0;  ///< 0 when no level looks at points
+  std::size_t vertices_read = 0;  ///< 0 if no level reads points
   std::size_t cut_points_moved = 0;
-  std::size_t points_tested = 0;  ///< vertices and corners that nodes looked at: measured or, by approach2, boxed
+  std::size_t points_tested = 0;  ///< vertices and corners that nodes read: measured, or boxed by approach2
 };
 
-/// A status of a fault. index: of the vertex, coordinate or bone it is about.
+/// A status of a fault. index: the number of the vertex, coordinate or bone.
 inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
   UpdateStatus status;
   status.code = code;
@@ -126,18 +131,19 @@ inline UpdateStatus refused(Status::Code code, std::size_t index = 0) {
   return status;
 }
 
-/// Degenerate cases met when the body was made.
+/// Degenerate cases found when the body was made.
 struct BindReport {
-  std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted): they follow a linked facet
-  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet: linked to the nearest one (approaches 1 and 2)
-  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors: they follow their mean
-  std::size_t carried_centers = 0;  ///< centers far outside the hull of their anchors: the remainder turns with these
-  std::size_t corners_owned = 0;    ///< points tested by a leaf level of `exact`
+  std::size_t void_spheres = 0;  ///< nodes that enclose no vertex (traditional, weighted); they follow a linked facet
+  std::size_t unlinked_spheres = 0;    ///< leaves that touch no facet; linked to the nearest one (approaches 1 and 2)
+  std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors; they follow their mean
+  /// Centers far outside the hull of their anchors; the remainder rotates with the anchors.
+  std::size_t carried_centers = 0;
+  std::size_t corners_owned = 0;  ///< points tested by a leaf level of `exact`
 };
 
-/// The rule of a level: the last one serves all deeper levels.
+/// The rule of a level; the last rule serves all deeper levels.
 Rule rule_of_level(std::span<const Rule> rules, std::size_t level);
-/// "exact", or "exact on levels 0-1, approach2 on levels 2-3" when levels differ.
+/// The rules as text: "exact", or "exact on levels 0-1, approach2 on levels 2-3" if levels differ.
 std::string describe_rules(std::span<const Rule> rules, std::size_t level_count);
 
 }  // namespace morula

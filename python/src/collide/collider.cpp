@@ -101,7 +101,7 @@ void bind_collider(nb::module_& m) {
               return all;
             }));
           },
-          (std::string("(vertices, 3) float64: a copy of all. ") + doc::Collider_vertex).c_str())
+          (std::string("(vertices, 3) float64: a copy of all positions. ") + doc::Collider_vertex).c_str())
       .def(
           "facets",
           [](const Side& self, std::uint32_t node) {

@@ -77,18 +77,18 @@ void bind_contact_query(nb::module_& m) {
   const std::initializer_list<std::pair<const char*, const char*>> arguments{
       {"level", doc::CollideOptions_level},
       {"margin", doc::CollideOptions_margin},
-      {"budget", "None: all there is; an int: pair tests; a datetime.timedelta or a text such as '200us': time"},
-      {"priority", "level, overlap or importance: which pair is looked into next, when there is a budget"},
+      {"budget", "None: no limit; an int: pair tests; a datetime.timedelta or a text such as '200us': time"},
+      {"priority", "level, overlap or importance: order in which a query with a budget opens pairs"},
       {"surfaces", doc::CollideOptions_surfaces},
       {"find_crossings", doc::CollideOptions_find_crossings},
       {"containment", doc::CollideOptions_containment},
-      {"refresh_children", "brings nodes of lazily updated bodies up to date where the query goes"}};
-  nb::enum_<FrontPair::State>(m, "FrontPairState", nb::is_arithmetic(), "What is known of a pair of the cut.")
+      {"refresh_children", "refreshes nodes of lazily updated bodies that the query visits"}};
+  nb::enum_<FrontPair::State>(m, "FrontPairState", nb::is_arithmetic(), "The verdict on a pair of the cut.")
       .value("separated", FrontPair::State::separated)
       .value("finished", FrontPair::State::finished)
       .value("waiting", FrontPair::State::waiting);
   Record<FrontPairs>(m, "FrontPairs", "The complete cut of a query: pairs of nodes.")
-      .property("pair", MORULA_COLUMN(FrontPairs, rows, pair), "(n,) uint32: which pair of bodies.")
+      .property("pair", MORULA_COLUMN(FrontPairs, rows, pair), "(n,) uint32: pair of bodies.")
       .property("node_a", MORULA_COLUMN(FrontPairs, rows, a), "(n,) uint32.")
       .property("node_b", MORULA_COLUMN(FrontPairs, rows, b), "(n,) uint32.")
       .property(
@@ -219,7 +219,7 @@ void bind_contact_query(nb::module_& m) {
       nb::arg("budget") = nb::none(), nb::arg("priority") = "overlap", nb::arg("surfaces") = false,
       nb::arg("find_crossings") = false, nb::arg("containment") = false, nb::arg("refresh_children") = false,
       (with_arguments(doc::collide, arguments) +
-       "\n\nA body may stand in for its collider; making one costs as much as its tree is large.")
+       "\n\nA body can replace its collider; the cost of making one is linear in its tree.")
           .c_str());
 }
 

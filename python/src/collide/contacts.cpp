@@ -15,19 +15,19 @@ void bind_contacts(nb::module_& m) {
       .field("facet", &SurfacePoint::facet)
       .field("barycentric", &SurfacePoint::barycentric)
       .field("point", &SurfacePoint::point);
-  Record<Crossings>(m, "Crossings", "Pairs of facets that really intersect, in the order of (facet_a, facet_b).")
+  Record<Crossings>(m, "Crossings", "Pairs of facets that intersect, in the order of (facet_a, facet_b).")
       .property("facet_a", MORULA_COLUMN(Crossings, pairs, facet_a), "(n,) uint32.")
       .property("facet_b", MORULA_COLUMN(Crossings, pairs, facet_b), "(n,) uint32.")
-      .property("segment_from", MORULA_COLUMN3(Crossings, pairs, segment.from), "(n, 3) float64, in the world.")
-      .property("segment_to", MORULA_COLUMN3(Crossings, pairs, segment.to), "(n, 3) float64, in the world.")
+      .property("segment_from", MORULA_COLUMN3(Crossings, pairs, segment.from), "(n, 3) float64, world coordinates.")
+      .property("segment_to", MORULA_COLUMN3(Crossings, pairs, segment.to), "(n, 3) float64, world coordinates.")
       .table([](const Crossings& self) { return self.pairs.size(); });
   Record<ContactSurfaces>(m, "ContactSurfaces", doc::ContactSurface)
       .property("facet_a", MORULA_COLUMN(ContactSurfaces, rows, on_a.facet), "(n,) uint32.")
       .property("facet_b", MORULA_COLUMN(ContactSurfaces, rows, on_b.facet), "(n,) uint32.")
       .property("barycentric_a", MORULA_COLUMN3(ContactSurfaces, rows, on_a.barycentric), "(n, 3) float64.")
       .property("barycentric_b", MORULA_COLUMN3(ContactSurfaces, rows, on_b.barycentric), "(n, 3) float64.")
-      .property("point_a", MORULA_COLUMN3(ContactSurfaces, rows, on_a.point), "(n, 3) float64, in the world.")
-      .property("point_b", MORULA_COLUMN3(ContactSurfaces, rows, on_b.point), "(n, 3) float64, in the world.")
+      .property("point_a", MORULA_COLUMN3(ContactSurfaces, rows, on_a.point), "(n, 3) float64, world coordinates.")
+      .property("point_b", MORULA_COLUMN3(ContactSurfaces, rows, on_b.point), "(n, 3) float64, world coordinates.")
       .property("normal", MORULA_COLUMN3(ContactSurfaces, rows, normal), doc::ContactSurface_normal)
       .property("depth", MORULA_COLUMN(ContactSurfaces, rows, depth), doc::ContactSurface_depth)
       .table([](const ContactSurfaces& self) { return self.rows.size(); });
@@ -42,8 +42,8 @@ void bind_contacts(nb::module_& m) {
   Record<MutualContainment>(m, "MutualContainment", doc::MutualContainment)
       .field("a_in_b", &MutualContainment::a_in_b)
       .field("b_in_a", &MutualContainment::b_in_a);
-  Record<Contacts> contacts(m, "Contacts",
-                            "Pairs of nodes whose spheres meet; every crossing of the surfaces lies in one of them.");
+  Record<Contacts> contacts(
+      m, "Contacts", "Pairs of nodes whose spheres overlap; every crossing of the surfaces lies in one of them.");
   contacts.property("pair", MORULA_COLUMN(Contacts, contacts, pair), doc::Contact_pair);
   contact_columns(contacts)
       .property(

@@ -98,9 +98,9 @@ void bind_crossings(nb::module_& m) {
       nb::sig("def walk_pairs(a: morula.typing.ColliderLike, b: morula.typing.ColliderLike, "
               "visit: collections.abc.Callable[[int, int, bool], str | None], *, level: int | None = None, margin: "
               "float = 0.0) -> int"),
-      "Down the tree of node pairs. visit(node_a, node_b, is_final) is called for each pair whose spheres are no "
-      "farther apart than the margin and returns None or 'open', 'skip' or 'stop'. Returns the pair tests done. It "
-      "must not update the bodies.");
+      "Walks down the tree of node pairs. visit(node_a, node_b, is_final) is called for each pair whose spheres are no "
+      "farther apart than the margin, and returns None or 'open', 'skip' or 'stop'. Returns the number of pair tests. "
+      "visit must not update the bodies.");
 }
 
 }  // namespace morula::python

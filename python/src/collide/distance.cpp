@@ -13,7 +13,7 @@ namespace morula::python {
 
 void bind_distance(nb::module_& m) {
   Record<DistanceBounds>(m, "DistanceBounds",
-                         "Bounds of a distance that hold, with the points that show the upper one.")
+                         "Guaranteed bounds of a distance, with the points that attain the upper one.")
       .field("lower", &DistanceBounds::lower, doc::DistanceBounds_lower)
       .field("upper", &DistanceBounds::upper)
       .field("a", &DistanceBounds::a, doc::DistanceBounds_a)
@@ -68,7 +68,7 @@ void bind_distance(nb::module_& m) {
       },
       nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("to_facets") = true, nb::arg("tolerance") = 0.0,
       nb::arg("budget") = nb::none(), nb::arg("stop_above") = infinity, nb::arg("stop_below") = 0.0,
-      with_arguments("Distance of two bodies' surfaces: bounds that hold, with the points that show the upper one.",
+      with_arguments("Distance of two bodies' surfaces: guaranteed bounds, with the points that attain the upper one.",
                      arguments)
           .c_str());
 }

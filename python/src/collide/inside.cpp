@@ -19,7 +19,7 @@ using HeldInside = HeldQuery<InsideQuery, SeenSides>;
 }  // namespace
 
 void bind_inside(nb::module_& m) {
-  Record<PointLocation>(m, "PointLocation", "Where a point is.")
+  Record<PointLocation>(m, "PointLocation", "The location of a point.")
       .field("inside", &PointLocation::inside, doc::PointLocation_inside)
       .field("on_surface", &PointLocation::on_surface, doc::PointLocation_on_surface)
       .field("winding", &PointLocation::winding, doc::PointLocation_winding)
@@ -71,7 +71,8 @@ void bind_inside(nb::module_& m) {
             }));
             return Copy<bool, -1>(reinterpret_cast<bool*>(values->data()), {values->size()}, owner);
           },
-          nb::arg("points"), "Is each point inside the solid or on its surface? points: (n, 3); returns (n,) bool.")
+          nb::arg("points"),
+          "True for each point inside the solid or on its surface. points: (n, 3); returns (n,) bool.")
       .def(
           "probe",
           [](HeldInside& self, Sphere ball) {

@@ -27,7 +27,7 @@ void bind_rays(nb::module_& m) {
     std::vector<std::uint32_t> facet;
     std::vector<Vec3> point, normal;
   };
-  Record<RayHits>(m, "RayHits", "First hits of many rays; t is infinite and facet morula.no_node where a ray misses.")
+  Record<RayHits>(m, "RayHits", "First hits of many rays; t is infinite and facet morula.no_node if a ray misses.")
       .property(
           "t", [](nb::handle self) { return numbers(nb::cast<RayHits&>(self).t, self); }, doc::RayPoint_t)
       .property(

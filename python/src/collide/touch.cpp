@@ -80,12 +80,12 @@ void bind_touch(nb::module_& m) {
       },
       nb::arg("body"), nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
       nb::arg("stop_at_first") = false, nb::arg("collect_all") = false,
-      with_arguments("Does the body's surface touch a half space, a capsule, a ConvexHull or a sphere (x, y, z, "
-                     "radius), and where?",
-                     {{"margin", doc::TouchOptions_margin},
-                      {"nearest", doc::TouchOptions_nearest},
-                      {"stop_at_first", doc::TouchOptions_stop_at_first},
-                      {"collect_all", doc::TouchOptions_collect_all}})
+      with_arguments(
+          "The contact of the body's surface with a half space, a capsule, a ConvexHull or a sphere (x, y, z, radius).",
+          {{"margin", doc::TouchOptions_margin},
+           {"nearest", doc::TouchOptions_nearest},
+           {"stop_at_first", doc::TouchOptions_stop_at_first},
+           {"collect_all", doc::TouchOptions_collect_all}})
           .c_str());
 }
 

@@ -82,7 +82,8 @@ void bind_broad_phase(nb::module_& m) {
             });
           },
           nb::arg("numbers"), nb::arg("lower"), nb::arg("upper"),
-          "move() for many. numbers: (n,); lower, upper: (n, 3). Those before the first that is refused have moved.")
+          "move() for many boxes. numbers: (n,); lower, upper: (n, 3). If one is rejected, the boxes ahead of it have "
+          "moved.")
       .def(
           "has",
           [](const HeldBroadPhase& self, std::uint32_t number) {
@@ -119,7 +120,7 @@ void bind_broad_phase(nb::module_& m) {
             const std::scoped_lock lock(self.mutex);
             return own_pairs(self.boxes.pairs());
           },
-          "(n, 2) uint32. As of the last update, ascending.")
+          "(n, 2) uint32, ascending; the state of the last update.")
       .def(
           "find",
           [ask](const HeldBroadPhase& self, Vec3 lower, Vec3 upper) {

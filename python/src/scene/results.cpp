@@ -61,7 +61,7 @@ void bind_scene_results(nb::module_& m) {
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
   Record<SceneContacts> contacts(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.");
   contact_columns(contacts).table([](const SceneContacts& self) { return self.contacts.size(); });
-  Record<SceneRow>(m, "ScenePair", "Two bodies in contact, as of the update that they were read after.")
+  Record<SceneRow>(m, "ScenePair", "Two bodies in contact after the update that it was read from.")
       .property(
           "a", [](const SceneRow& row) { return row.pair.a; }, doc::ScenePair_a)
       .property("b", [](const SceneRow& row) { return row.pair.b; })
@@ -76,7 +76,7 @@ void bind_scene_results(nb::module_& m) {
       .field("crossings", &SceneRow::crossings, doc::ScenePair_crossings);
   Record<SceneRows> rows(m, "ScenePairs",
                          "Bodies in contact, in the order of their places: pairs[i] and loops give ScenePair objects, "
-                         "attributes are columns of all of them. A copy: the next update leaves it alone.");
+                         "attributes are columns of all of them. A copy, which later updates do not change.");
   rows.property("place_a", MORULA_COLUMN(SceneRows, pairs, a.place), "(n,) uint32: BodyId.place.")
       .property("place_b", MORULA_COLUMN(SceneRows, pairs, b.place), "(n,) uint32: BodyId.place.")
       .property(
@@ -101,7 +101,7 @@ void bind_scene_results(nb::module_& m) {
           [](nb::handle self) { return indices(nb::cast<const SceneRows&>(self).contacts_begin, self); },
           "(n + 1,) uint32: contacts of pair i are [contacts_begin[i], contacts_begin[i + 1]).")
       .property(
-          "contacts", [](const SceneRows& self) { return self.contacts; }, "Of all pairs, one pair after the other.")
+          "contacts", [](const SceneRows& self) { return self.contacts; }, "The contacts of all pairs, pair by pair.")
       .property(
           "surfaces", [](const SceneRows& self) { return self.surfaces; }, doc::ScenePair_surfaces)
       .property(
@@ -132,12 +132,12 @@ void bind_scene_results(nb::module_& m) {
       .field("a", &EndedPair::a)
       .field("b", &EndedPair::b)
       .field("id", &EndedPair::id, doc::ScenePair_id);
-  Record<SceneStatus>(m, "SceneStatus", "How far an update came.")
+  Record<SceneStatus>(m, "SceneStatus", "The progress of an update.")
       .field("finished", &SceneStatus::finished, doc::SceneStatus_finished)
       .field("near_pairs", &SceneStatus::near_pairs, doc::SceneStatus_near_pairs)
       .field("open_pairs", &SceneStatus::open_pairs, doc::SceneStatus_open_pairs)
       .field("pair_tests", &SceneStatus::pair_tests, doc::SceneStatus_pair_tests);
-  Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and where.")
+  Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and the touch.")
       .field("body", &FoundTouch::body)
       .field("touch", &FoundTouch::touch);
   Record<SceneRayHit>(m, "SceneRayHit", "What Scene.first_hit() found.")

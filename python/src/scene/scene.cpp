@@ -129,8 +129,8 @@ void bind_scene_bodies(Class& scene) {
           nb::arg("collider"), nb::kw_only(), nb::arg("is_static") = false, nb::arg("category") = 1,
           nb::arg("mask") = ~std::uint32_t{0}, nb::arg("weight") = 1.0, nb::arg("user_data") = 0,
           with_arguments(doc::Scene_add, {{"collider",
-                                           "kept until remove() or replace(); a body may stand in for its "
-                                           "own, and collider() gives it then"},
+                                           "kept until remove() or replace(); a body can replace its own collider, and "
+                                           "collider() then returns it"},
                                           {"is_static", doc::SceneBodyOptions_is_static},
                                           {"category", doc::SceneBodyOptions_category},
                                           {"with_", "`with` of C++"},
@@ -302,9 +302,9 @@ void bind_scene_class(nb::module_& m) {
       {"surfaces", doc::SceneOptions_surfaces},
       {"find_crossings", doc::SceneOptions_find_crossings},
       {"accepts",
-       "called with two BodyIds. Keeps a pair when it returns True. Asked once when two bodies come near each "
-       "other; it may ask the scene whose they are, and must not move bodies. What it raises comes out of "
-       "update(), and who was not asked is asked by the next one"}};
+       "called with two BodyIds; returns True to keep a pair. It is called once when two bodies come near each other. "
+       "It may call the scene's methods that identify bodies, and must not move bodies. Its exceptions come out of "
+       "update(), and the next update calls it for the remaining pairs"}};
   nb::class_<HeldScene> scene(m, "Scene", collected<HeldScene>(), doc::Scene);
   scene
       .def(
@@ -351,7 +351,7 @@ void bind_scene_class(nb::module_& m) {
               self.scene.set_options(self.options);
             });
           },
-          nb::arg("budget").none(), "For the next update; other options stay.")
+          nb::arg("budget").none(), "Sets options of the next update; others stay unchanged.")
       .def("__repr__", [](const HeldScene& self) {
         const std::size_t count = locked(self, [&] { return self.scene.size(); });
         return "<morula.Scene: " + std::to_string(count) + (count == 1 ? " body>" : " bodies>");

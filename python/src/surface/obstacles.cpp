@@ -109,10 +109,9 @@ using HeldObstacleQuery = HeldSurfaceQuery<Query, ObstacleOptions, SeenObstacle>
 constexpr const char* obstacle_query_arguments = R"(
 
 Args:
-    margin: what is this far outside counts too, mesh units.
-    features: facets, or vertices: those that facets use, which are enough for a floor.
-    accepts: called with the number of every vertex or facet that is near; False leaves it out. Slow: it holds the
-        interpreter's lock.
+    margin: largest distance outside that counts as a contact, mesh units.
+    features: facets; or the vertices that facets use, which are sufficient for a floor.
+    accepts: called with the number of every near vertex or facet; False skips it. Slow, because it needs the GIL.
     budget: box tests, or a time.)";
 
 template <class Query>
@@ -174,12 +173,12 @@ void bind_obstacles(nb::module_& m) {
                   "float], *, lipschitz: float = 1.0, tolerance: float = 0.0, gradient: "
                   "collections.abc.Callable[[tuple[float, float, float]], morula.typing.Vector] | None = None) -> "
                   "None"),
-          with_arguments("A function of Python is called with the interpreter's lock, for one point at a time; a "
-                         "SignedDistance without.",
-                         {{"value", doc::DistanceField_value},
-                          {"lipschitz", doc::DistanceField_lipschitz},
-                          {"tolerance", doc::DistanceField_tolerance},
-                          {"gradient", doc::DistanceField_gradient}})
+          with_arguments(
+              "A Python function is called with the GIL, for one point at a time; a SignedDistance needs no GIL.",
+              {{"value", doc::DistanceField_value},
+               {"lipschitz", doc::DistanceField_lipschitz},
+               {"tolerance", doc::DistanceField_tolerance},
+               {"gradient", doc::DistanceField_gradient}})
               .c_str())
       .def_ro("lipschitz", &HeldField::lipschitz)
       .def_ro("tolerance", &HeldField::tolerance);
@@ -192,7 +191,7 @@ void bind_obstacles(nb::module_& m) {
       .property("normal", MORULA_COLUMN3(ObstacleContacts, rows, normal), doc::ObstacleContact_normal)
       .table([](const ObstacleContacts& self) { return self.rows.size(); });
   Record<ObstacleImpacts>(m, "ObstacleImpacts", doc::ObstacleImpact)
-      .property("feature", MORULA_COLUMN(ObstacleImpacts, rows, feature), "(n,) uint32: a vertex or a facet.")
+      .property("feature", MORULA_COLUMN(ObstacleImpacts, rows, feature), "(n,) uint32: vertices or facets.")
       .property("time", MORULA_COLUMN(ObstacleImpacts, rows, time), doc::ObstacleImpact_time)
       .table([](const ObstacleImpacts& self) { return self.rows.size(); });
 

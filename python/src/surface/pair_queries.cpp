@@ -82,12 +82,12 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
 constexpr const char* query_arguments = R"(
 
 Args:
-    rings: pairs of which some two vertices are at most so many edges apart are left out, of one surface with itself.
-    rest_distance: pairs that are this close at rest are left out, mesh units.
-    same_component: pairs of one piece are left out.
-    masks_a: two arrays of bits per facet, of and with: facets i of a and j of b are looked at when of[i] & with[j]
-        and of[j] & with[i] are not 0. masks_b: the same of the other surface.
-    accepts: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow.
+    rings: for one surface with itself, skips pairs with two vertices at most this many edges apart.
+    rest_distance: skips pairs that are at most this far apart at rest, mesh units.
+    same_component: skips pairs of one component.
+    masks_a: two arrays of bits per facet, category and mask: facets i of a and j of b are compared if
+        category[i] & mask[j] and category[j] & mask[i] are not 0. masks_b: the arrays of the other surface.
+    accepts: called with (kind, a, b) of every pair with near boxes; False skips it. Slow.
     budget: box tests, or a time.)";
 
 /// __init__() of a pair query: arguments `own` of its own, of types Own, which are the first members of its options;
@@ -122,7 +122,7 @@ void bind_init(nb::class_<HeldPairQuery<Query, Options>>& query, const char* own
 }  // namespace
 
 void bind_pair_queries(nb::module_& m) {
-  Record<SurfaceQueryStatus>(m, "SurfaceQueryStatus", "How far a query came.")
+  Record<SurfaceQueryStatus>(m, "SurfaceQueryStatus", "The progress of a query.")
       .field("finished", &SurfaceQueryStatus::finished)
       .field("box_tests", &SurfaceQueryStatus::box_tests, doc::SurfaceQueryStatus_box_tests)
       .field("candidates", &SurfaceQueryStatus::candidates, doc::SurfaceQueryStatus_candidates);
@@ -166,7 +166,7 @@ void bind_pair_queries(nb::module_& m) {
   using Crossing = HeldPairQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
   auto crossing = bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(
       m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery, doc::ProximityQuery_run);
-  bind_init(crossing, "", "Pairs of facets that really intersect, as far as a budget reaches.");
+  bind_init(crossing, "", "Pairs of facets that intersect, as far as a budget allows.");
   crossing.def(
       "pairs",
       [](Crossing& self) { return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); }); },

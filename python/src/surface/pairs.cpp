@@ -31,12 +31,11 @@ void ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* work
 constexpr const char* filter_arguments = R"(
 
 Args:
-    b: another surface; none: one surface with itself. Pairs that share a vertex are left out then.
-    rings: pairs of which some two vertices are at most so many edges apart are left out.
-    rest_distance: pairs that are this close at rest are left out, mesh units.
-    same_component: pairs of one piece are left out.
-    accepts: called with (kind, a, b) of every pair whose boxes are near; False leaves it out. Slow: it holds the
-        interpreter's lock.)";
+    b: another surface; None: one surface with itself, without pairs that share a vertex.
+    rings: skips pairs with two vertices at most this many edges apart.
+    rest_distance: skips pairs that are at most this far apart at rest, mesh units.
+    same_component: skips pairs of one component.
+    accepts: called with (kind, a, b) of every pair with near boxes; False skips it. Slow, because it needs the GIL.)";
 
 }  // namespace
 

@@ -59,7 +59,8 @@ void bind_surface_tree(nb::module_& m) {
           nb::arg("positions"), nb::arg("to") = nb::none(), nb::arg("workers") = nb::none(),
           nb::sig("def update(self, positions: morula.typing.FloatArray, to: morula.typing.FloatArray | None = None, "
                   "workers: Workers | None = None) -> None"),
-          (std::string(doc::SurfaceTree_update) + "\n\nto: where vertices go in a step. " + doc::SurfaceTree_update_2)
+          (std::string(doc::SurfaceTree_update) + "\n\nto: positions at the end of a step. " +
+           doc::SurfaceTree_update_2)
               .c_str())
       .def(
           "follow",

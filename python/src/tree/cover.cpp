@@ -35,7 +35,7 @@ void bind_cover(nb::module_& m) {
           },
           nb::arg("vertex_count"), nb::arg("facet_count"), nb::arg("cut_vertices"), nb::arg("cut_weights"),
           nb::arg("patch_facet"), nb::arg("corner_begin"), nb::arg("corners"), nb::arg("region_begin"),
-          nb::arg("region_end"), "Of its arrays, copied; CoveredTree checks them.")
+          nb::arg("region_end"), "A cover of these arrays, copied; CoveredTree checks them.")
       .def_ro("vertex_count", &Cover::vertex_count, doc::Cover_vertex_count)
       .def_ro("facet_count", &Cover::facet_count)
       .def_prop_ro("patch_count", &Cover::patch_count)
@@ -95,7 +95,7 @@ void bind_cover(nb::module_& m) {
                std::to_string(self.facet_count) + " facets, " + std::to_string(self.cut_points.size()) + " cut points>";
       });
 
-  Record<LevelGrowth>(m, "LevelGrowth", "What had to grow on a level for an imported tree to cover.")
+  Record<LevelGrowth>(m, "LevelGrowth", "The growth on a level that an imported tree needed to cover.")
       .field("grown", &LevelGrowth::grown, doc::LevelGrowth_grown)
       .field("largest_factor", &LevelGrowth::largest_factor, doc::LevelGrowth_largest_factor)
       .field("largest_growth", &LevelGrowth::largest_growth, doc::LevelGrowth_largest_growth);

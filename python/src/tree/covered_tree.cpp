@@ -47,13 +47,13 @@ void bind_covered_tree(nb::module_& m) {
           },
           nb::arg("tree"), nb::arg("cover"), nb::arg("report") = nb::none(),
           nb::arg("poses") = std::vector<KnownPose>{},
-          "ValueError, with what is wrong, where the arrays of tree and cover do not agree.")
+          "ValueError, with the fault, if the arrays of tree and cover do not agree.")
       .def_prop_ro(
           "tree", [](CoveredTree& self) -> SphereTree& { return self.tree; }, nb::rv_policy::reference_internal,
           "The SphereTree.")
       .def_prop_ro(
           "cover", [](CoveredTree& self) -> Cover& { return self.cover; }, nb::rv_policy::reference_internal,
-          "Which part of the surface each node answers for.")
+          "The part of the surface that each node owns.")
       .def_prop_ro(
           "report", [](const CoveredTree& self) { return self.report; }, doc::BuildReport)
       .def_prop_ro(
@@ -122,7 +122,7 @@ void bind_covered_tree(nb::module_& m) {
       },
       nb::arg("mesh"), nb::arg("model"), nb::arg("workers") = nb::none(), doc::with_fewer_cuts);
 
-  Record<Certificate>(m, "Certificate", "What certify() found. True when all is covered.")
+  Record<Certificate>(m, "Certificate", "The result of certify(). True if the surface is covered.")
       .field("covered", &Certificate::covered)
       .field("worst_excess", &Certificate::worst_excess, doc::Certificate_worst_excess)
       .field("worst_node", &Certificate::worst_node)
@@ -150,7 +150,7 @@ void bind_covered_tree(nb::module_& m) {
         return std::make_pair(mesh, tree);
       },
       nb::arg("model"), nb::arg("mesh"), nb::arg("order"),
-      (std::string("Mesh and tree with vertices renumbered. ") + doc::renumbered).c_str());
+      (std::string("Mesh and model with renumbered vertices. ") + doc::renumbered).c_str());
 }
 
 }  // namespace morula::python

@@ -34,7 +34,7 @@ void bind_sphere_tree(nb::module_& m) {
           },
           nb::arg("spheres"), nb::arg("first_child"), nb::arg("child_count"), nb::arg("parent"), nb::arg("level_begin"),
           nb::arg("branching") = 8, nb::arg("nested") = false,
-          "Of its arrays, copied. ValueError, with what is wrong, for arrays that are no tree.")
+          "A tree of these arrays, copied. ValueError, with the fault, for arrays that are not a tree.")
       .def_prop_ro(
           "spheres", [](nb::handle self) { return sphere_rows(nb::cast<SphereTree&>(self).spheres, self); },
           "(nodes, 4) float64: x, y, z, radius in mesh units, read-only; no copy.")

@@ -175,10 +175,9 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                   "changed: collections.abc.Iterable[tuple[int, int]] | None = None, workers: Workers | None = None) "
                   "-> UpdateStatus"),
           (std::string(doc::Body_update) +
-           "\n\npositions: (vertices, 3) float32 or float64, mesh units; not copied where the numbers of a vertex lie "
-           "together. What is refused raises ValueError. The array is kept until the next update, since queries that "
-           "look "
-           "at facets read it then.\n\nchanged: ranges [begin, end) of vertices. " +
+           "\n\npositions: (vertices, 3) float32 or float64, mesh units; not copied if the numbers of a vertex are "
+           "contiguous. Rejected positions raise ValueError. The array is kept until the next update, because queries "
+           "on facets read it.\n\nchanged: ranges [begin, end) of vertices. " +
            doc::Body_update_2)
               .c_str())
       .def(
@@ -207,8 +206,8 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                   "numpy.typing.NDArray[numpy.float64]"),
           "A whole motion in one call. frames: (frames, vertices, 3) float32 or float64, not copied. Returns the "
           "spheres of every frame, (frames, nodes, 4) float64 in mesh coordinates. The body stays in the last frame. "
-          "ValueError names the frame that is refused; the body stays in the one before, and after Ctrl-C in the one "
-          "that it had reached.")
+          "ValueError names a rejected frame; the body then stays in the previous frame, and after Ctrl-C in the frame "
+          "that it reached.")
       .def(
           "update_modal",
           [](PosedBody& self, ArrayGiven given, Threads* workers) {
@@ -351,7 +350,7 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
             for (const Rule rule : self.owned->options().rules) names.emplace_back(name(rule));
             return names;
           },
-          "One per level from the root; the last one serves all deeper levels.")
+          "One rule per level from the root; the last rule serves all deeper levels.")
       .def_prop_ro(
           "bind_report", [](const PosedBody& self) { return self.owned->bind_report(); }, doc::BindReport)
       .def_prop_ro(
@@ -359,8 +358,8 @@ void bind_body_questions(nb::class_<PosedBody>& body) {
       .def_prop_ro("vertex_count", [](const PosedBody& self) { return self.owned->vertex_count(); })
       .def(
           "__copy__", [](const PosedBody& self) { return copied(self); },
-          "A body of its own in the same frame. The mesh, the tree and the positions of the frame, which nobody writes "
-          "to, are shared.")
+          "An independent body in the same frame. Both share the mesh, the tree and the positions of the frame, which "
+          "neither changes.")
       .def(
           "__deepcopy__", [](const PosedBody& self, nb::handle) { return copied(self); }, nb::arg("memo"),
           nb::sig("def __deepcopy__(self, memo: object) -> Body"), "As __copy__().")

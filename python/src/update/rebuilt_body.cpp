@@ -45,7 +45,7 @@ void bind_rebuilt_body(nb::module_& m) {
       .field("failure", &RebuildReport::failure)
       .field("looseness", &RebuildReport::looseness)
       .field("looseness_at_build", &RebuildReport::looseness_at_build);
-  Record<RebuildStatus>(m, "RebuildStatus", "What an update of a rebuilding body did.")
+  Record<RebuildStatus>(m, "RebuildStatus", "The result of an update of a rebuilding body.")
       .field("update", &RebuildStatus::update, doc::RebuildStatus_update)
       .field("swapped", &RebuildStatus::swapped, doc::RebuildStatus_swapped);
 
@@ -150,9 +150,9 @@ void bind_looseness_estimate(nb::module_& m) {
             }));
           },
           nb::arg("body"), nb::arg("positions"),
-          "Looseness of every level set of a body, from the root; object volumes. The root's is exact where it "
-          "contains the object. positions: those of the body's last update, finite. The same bits on every run. Cost: "
-          "linear in facets (the volume) and samples.")
+          "Looseness of every level set of a body, from the root; in object volumes. The root's value is exact if the "
+          "root contains the object. positions: those of the body's last update, finite. The same bits in every run. "
+          "Cost: linear in facets (the volume) and samples.")
       .def_prop_ro(
           "has_volume", [](const HeldEstimator& self) { return self.estimator.has_volume(); },
           doc::LoosenessEstimator_has_volume);

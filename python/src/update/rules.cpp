@@ -13,7 +13,7 @@
 namespace morula::python {
 
 void bind_rules(nb::module_& m) {
-  Record<UpdateStatus>(m, "UpdateStatus", "The work that an update did: the same on every run.")
+  Record<UpdateStatus>(m, "UpdateStatus", "The work of an update, the same in every run.")
       .field("nodes_updated", &UpdateStatus::nodes_updated)
       .field("vertices_read", &UpdateStatus::vertices_read, doc::UpdateStatus_vertices_read)
       .field("cut_points_moved", &UpdateStatus::cut_points_moved)
@@ -55,7 +55,7 @@ void bind_rules(nb::module_& m) {
       "position_rules", [] { return names_of(position_rules()); }, doc::position_rules);
   m.def(
       "rule_table", [] { return std::vector<RuleTraits>(rule_table.begin(), rule_table.end()); },
-      "What is known of each rule.");
+      "The properties of each rule.");
   const auto rules_of = [](const std::vector<std::string>& names) {
     if (names.empty()) throw std::invalid_argument("rules: at least one is needed");
     std::vector<Rule> rules;

@@ -27,19 +27,19 @@ nb::object copy_of(nb::handle self) {
 void bind_spheres_view(nb::module_& m) {
   nb::class_<SpheresView>(
       m, "SpheresView", collected_and_only_returned<SpheresView>(),
-      "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. Reads "
-      "as an array and gives copies; once the body has moved on, reading it is a RuntimeError.")
+      "The spheres of one frame, (nodes, 4) float32: x, y, z about the body's origin, and radius. It reads as an array "
+      "and gives copies; after the next update of the body, reading it raises RuntimeError.")
       .def_prop_ro("frame", [](const SpheresView& self) { return self.frame; })
-      .def_prop_ro("is_current", &SpheresView::is_current, "False when the body has moved on.")
+      .def_prop_ro("is_current", &SpheresView::is_current, "False if the body has moved on.")
       .def_prop_ro(
           "origin", [](const SpheresView& self) { return self.sphere_state().origin; },
-          "Add it to the centers: mesh units.")
+          "Offset of the centers, mesh units.")
       .def_prop_ro(
           "shape",
           [](const SpheresView& self) { return std::make_tuple(self.posed->sphere_state().spheres.size(), 4); })
       .def_prop_ro(
           "memory", [](nb::handle self) { return memory_of(nb::cast<const SpheresView&>(self), self); },
-          "The body's own memory, without a copy: the next update writes over it, and nothing warns.")
+          "The body's own memory, without a copy: the next update overwrites it without a warning.")
       .def(
           "__array__",
           [](nb::handle self, nb::handle dtype, nb::handle copy) -> nb::object {
@@ -57,7 +57,7 @@ void bind_spheres_view(nb::module_& m) {
           nb::sig(
               "def __dlpack__(self, *, stream: object = None, max_version: tuple[int, int] | None = None, dl_device: "
               "tuple[int, int] | None = None, copy: bool | None = None) -> typing.Any"),
-          "Of a copy: what takes it may write to it.")
+          "A DLPack capsule of a copy, which the consumer may write to.")
       .def(
           "__dlpack_device__", [](nb::handle) { return std::make_tuple(static_cast<int>(nb::device::cpu::value), 0); },
           "The processor's memory.")

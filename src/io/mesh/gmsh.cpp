@@ -101,11 +101,11 @@ class GmshReader {
     in_.line();
     if (binary == 1) {
       in_.set_binary(std::endian::little);
-      const std::int64_t one = in_.integer<std::int32_t>("the number that tells the order of bytes");
+      const std::int64_t one = in_.integer<std::int32_t>("the number that marks the order of bytes");
       if (one == 0x01000000) {
         in_.set_binary(std::endian::big);
       } else if (one != 1) {
-        in_.fail("the number that tells the order of bytes is " + std::to_string(one) + ", not 1");
+        in_.fail("the number that marks the order of bytes is " + std::to_string(one) + ", not 1");
       }
     }
     if (in_.word() != "$EndMeshFormat") in_.fail("'$EndMeshFormat' does not follow the format");
@@ -137,7 +137,7 @@ class GmshReader {
     in_.begin_row();
     if (mesh_.vertex_count() == std::numeric_limits<std::uint32_t>::max()) in_.fail("more nodes than 32 bits count");
     if (!index_of_.emplace(tag, static_cast<std::uint32_t>(mesh_.vertex_count())).second)
-      in_.fail("two nodes have the number " + std::to_string(tag) + "; number them anew");
+      in_.fail("two nodes have the number " + std::to_string(tag) + "; renumber them");
     mesh_.positions.push_back(p);
   }
 

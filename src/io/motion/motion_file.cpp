@@ -149,7 +149,7 @@ ByteSource detail::motion_in_archive(const ByteSource& archive) {
   if (arrays.empty()) throw FileError(file + ": holds no arrays; write one with numpy.savez(FILE, positions=array)");
   for (const ZipEntry& entry : arrays)
     if (entry.name == "spheres.npy")
-      throw FileError(file + ": holds spheres, not positions of vertices; it stands where a tree is asked for");
+      throw FileError(file + ": holds spheres, not positions of vertices; use it in place of a tree");
   throw FileError(file + ": holds the arrays " + names + ", and none is called 'positions'; save it under this name");
 }
 

@@ -123,7 +123,7 @@ std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree
         // mutant owned-check-sees-nothing: `allowed` -> `2 + allowed`
         if (!at.on_facet || surrounding.empty() || separation(at, surrounding) > allowed + 0x1p-58L)
           faults.push_back("node " + std::to_string(node) + " owns corner " + std::to_string(c) + " of facet " +
-                           std::to_string(f) + ", which lies outside the hull of what it tests");
+                           std::to_string(f) + ", which lies outside the hull of the points that it tests");
       }
     }
   }

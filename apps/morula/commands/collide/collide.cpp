@@ -251,17 +251,17 @@ int collide_command(const CollideArguments& o) {
 void add_side(CLI::App& command, SideFiles& side, const std::string& mesh_name) {
   const std::string x(1, side.letter);
   add_option(command, "--tree-" + x, side.tree,
-             fmt::format("Tree of {}, or a flat set (.ply); default: built now, in quality fast", mesh_name))
+             fmt::format("Tree of {}, or a flat set (.ply); default: a new tree in quality fast", mesh_name))
       ->type_name("FILE");
   add_option(command, "--motion-" + x, side.motion,
              fmt::format("Positions of {}: {}; it stays in its last frame", mesh_name, motion_kinds()))
       ->type_name("PATH");
   add_option(command, "--translate-" + x, side.translate,
-             fmt::format("Where {} is moved to, on top of its motion", mesh_name))
+             fmt::format("Translation of {}, in addition to its motion", mesh_name))
       ->type_name("X,Y,Z")
       ->take_last();
   add_option(command, "--rotate-" + x, side.rotate,
-             fmt::format("Turn {} first, about an axis through the origin", mesh_name))
+             fmt::format("Rotation of {} about an axis through the origin, applied first", mesh_name))
       ->type_name("X,Y,Z,DEGREES")
       ->take_last();
 }
@@ -278,28 +278,28 @@ void add_collide(CLI::App& app, Run& run) {
   add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/scene.md")
       ->type_name("FILE");
   add_option(*command, "--root", o->roots,
-             "Folder, besides the scene file's own, in which files that it names may lie; may be repeated")
+             "Folder besides the scene file's own that may contain the files that it names; may be repeated")
       ->type_name("DIR")
       ->allow_extra_args(false);
   add_flag(*command, "--self", o->with_self,
-           "Facets of a body that cross each other, and those of A and B; no spheres");
+           "Facets of a body that cross each other, and facets of A and B that cross; no spheres");
   add_option(*command, "--within", o->within,
-             "Vertices and facets, edges and edges that are no farther apart; no spheres")
+             "Pairs of vertex and facet, edge and edge, at most this far apart; no spheres")
       ->type_name("LENGTH")
       ->transform(real_number());
-  add_flag(*command, "--crossings", o->find_crossings, "Also the pairs of facets that really intersect");
-  add_option(*command, "--budget", o->budget, "Most pair tests, such as 5000, or most time, such as 200us, per frame")
+  add_flag(*command, "--crossings", o->find_crossings, "Also list the pairs of facets that intersect");
+  add_option(*command, "--budget", o->budget, "Limit per frame: pair tests, such as 5000, or time, such as 200us")
       ->type_name("N|TIME");
-  add_option(*command, "--priority", o->priority, "What a budget goes to first: overlap (default) or level")
+  add_option(*command, "--priority", o->priority, "Order of the search under a budget: overlap (default) or level")
       ->type_name("NAME");
-  add_option(*command, "--level", o->level, "Contacts of this level of both trees; default: of the leaves")
+  add_option(*command, "--level", o->level, "Level of both trees for the contacts; default: the leaves")
       ->type_name("N")
       ->transform(whole_number(0, max_depth));
-  add_option(*command, "--margin", o->margin, "Spheres this far apart count too; default: 0")
+  add_option(*command, "--margin", o->margin, "Largest gap of spheres that counts as a contact; default: 0")
       ->type_name("LENGTH")
       ->transform(real_number());
-  add_flag(*command, "--carry", o->carry, "Start each frame from where the one before ended");
-  add_option(*command, "--rule", o->rule, "How spheres follow the motion; default: exact")->type_name("RULE");
+  add_flag(*command, "--carry", o->carry, "Start each frame from the result of the previous one");
+  add_option(*command, "--rule", o->rule, "Update rule of the spheres; default: exact")->type_name("RULE");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "-o,--output", o->output, "All contacts, or with --crossings all pairs of facets, as FILE.csv")
       ->type_name("FILE");

@@ -149,7 +149,8 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   if (body.is_static && (!body.motion.empty() || !body.path.empty()))
     place.at("static").refuse("a static body has neither motion nor path: leave them out, or say false");
   if (place.has("groups")) body.category = place.at("groups").mask();
-  if (body.category == 0) place.at("groups").refuse("a body of no group meets nobody: name one, or leave the key out");
+  if (body.category == 0)
+    place.at("groups").refuse("a body without a group forms no pair: name one, or leave the key out");
   if (place.has("meets")) body.mask = place.at("meets").mask();
   if (place.has("weight")) body.weight = place.at("weight").number();
   if (body.weight < 0) place.at("weight").refuse("weights are 0 or more");

@@ -45,7 +45,7 @@ Mesh read_mujoco_mesh(const std::filesystem::path& path) {
   }
   const std::uint64_t facets_at = head + 12 * counts[0] + 12 * counts[1] + 8 * counts[2];
   if (facets_at + 12 * counts[3] != bytes.size()) {
-    throw refuse(fmt::format("has {} bytes where its numbers of vertices and facets ask for {}", bytes.size(),
+    throw refuse(fmt::format("has {} bytes where its numbers of vertices and facets require {}", bytes.size(),
                              facets_at + 12 * counts[3]));
   }
   if (counts[3] == 0) throw refuse("has no facets, and the hull of its vertices, which is meant, is not computed");

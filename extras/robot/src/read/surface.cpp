@@ -147,7 +147,7 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
   if (is_blank_stl(file, ending)) return {};
   if (ending != ".dae" && !shape.part.empty()) {
     throw FileError(
-        fmt::format("{}: submesh {} is asked for, and only those of COLLADA files are read: save it as a "
+        fmt::format("{}: submesh {} is required, but only submeshes of COLLADA files are read: save it as a "
                     "file of its own",
                     file.string(), shape.part));
   }

@@ -76,7 +76,7 @@ std::vector<Column> make_columns(const Plan& plan, const Result& result) {
   for (MovedFrames& motion : motions) {
     const std::vector<Vec3>& positions = motion.frames.front();
     if (!second.update(positions) || !exact.update(positions))
-      throw std::logic_error("the study's own motion was refused by update");
+      throw std::logic_error("the study's own motion was rejected by update");
     columns.push_back({motion.name, positions, second.current_tree(), exact.current_tree()});
   }
   return columns;

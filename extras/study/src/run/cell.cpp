@@ -29,7 +29,7 @@ class UpdatedTree final : public Follower {
  public:
   UpdatedTree(const Mesh& mesh, const CoveredTree& model, const UpdateOptions& options) : body_(mesh, model, options) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
-    if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
+    if (!body_.update(positions)) throw std::logic_error("the study's own motion was rejected by update");
     return body_.current_tree();
   }
   std::optional<std::uint64_t> hash() const override { return body_.hash(); }
@@ -48,7 +48,7 @@ class RebuiltTree final : public Follower {
   RebuiltTree(const Mesh& mesh, const CoveredTree& model)
       : body_(mesh, model, {.check_every = 1, .thread = RebuildThread::caller, .executor = {}}) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
-    if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
+    if (!body_.update(positions)) throw std::logic_error("the study's own motion was rejected by update");
     return body_.body().current_tree();
   }
   std::optional<std::uint64_t> hash() const override { return body_.body().hash(); }

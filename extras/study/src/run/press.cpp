@@ -183,7 +183,7 @@ PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, cons
   PressCell cell{source, rule, {}};
   const Mesh& mesh = plan.bodies[scene.body].mesh;
   Body moving(mesh, model, plan.press_rules[rule].options);  // one for both sides: they are in the same pose
-  if (!moving.update(scene.positions)) throw std::logic_error("the study's own motion was refused by update");
+  if (!moving.update(scene.positions)) throw std::logic_error("the study's own motion was rejected by update");
   Collider a(mesh, moving);
   Collider b(mesh, moving);
   a.set_positions(scene.positions);

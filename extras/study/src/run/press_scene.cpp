@@ -36,7 +36,7 @@ class Pair {
  public:
   Pair(const Mesh& mesh, const CoveredTree& model, const std::vector<Vec3>& positions)
       : body_(mesh, model, {.rules = {Rule::exact}, .details = {}, .modes = {}}), a_(mesh, body_), b_(mesh, body_) {
-    if (!body_.update(positions)) throw std::logic_error("the study's own motion was refused by update");
+    if (!body_.update(positions)) throw std::logic_error("the study's own motion was rejected by update");
     a_.set_positions(positions);
     b_.set_positions(positions);
   }

@@ -30,7 +30,7 @@ class TouchingBody {
 
   void move_to(double parameter) {
     positions_ = deform(mesh_, motion_, parameter);
-    if (!body_.update(positions_)) throw std::logic_error("the study's own motion was refused by update");
+    if (!body_.update(positions_)) throw std::logic_error("the study's own motion was rejected by update");
     collider_.set_positions(positions_);
   }
   const Collider& collider() const { return collider_; }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The page of bodies that collide: all as one, their spheres below one root, and a mark at each contact.
+// The page of bodies that collide: all as one motion, their spheres below one root, and a mark at each contact.
 #pragma once
 
 #include <morula/collide/collider.hpp>
@@ -12,19 +12,19 @@
 
 namespace morula {
 
-/// Adds a mark for each finished contact. surfaces: one per contact, or empty; with them a mark has their normal and
-/// depth, and regions that lie apart have none.
+/// Adds a mark for each finished contact. surfaces: one per contact, or empty; if given, marks use their normal and
+/// depth, and contacts whose regions are apart get no mark.
 void add_marks(std::span<const Contact> contacts, std::span<const ContactSurface> surfaces,
                std::vector<PageContact>& marks);
 
 /// The page that `morula collide --page` writes.
 class CollidePage {
  public:
-  /// The bodies at rest, where they are placed; borrowed, at least one, each with a surface. rule: how their spheres
-  /// follow, as the page names it.
+  /// bodies: at rest, at their transforms; borrowed, at least one, each with a surface. rule: the rule of their
+  /// spheres, as the page names it.
   CollidePage(const std::string& title, std::vector<const Collider*> bodies, const std::string& rule);
 
-  /// A frame: the bodies where they are now, and what was found of them.
+  /// Adds a frame: the bodies at their present positions, and their contacts.
   void add(const std::string& frame_name, std::vector<PageContact> marks);
   /// The file's text, after the last frame.
   std::string text() const;

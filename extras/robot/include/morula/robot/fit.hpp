@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spheres for a robot: a set for every link that covers its shapes, proven for the very numbers that files hold.
+// Spheres for a robot: a set for every link that covers its shapes, proven for the exact numbers in files.
 #pragma once
 
 #include <functional>
@@ -13,80 +13,89 @@
 
 namespace morula::robot {
 
-/// Half of space in a link's axes: what is kept has normal · x ≥ offset.
+/// A half space in a link's axes: the kept part has normal · x ≥ offset.
 struct ClipPlane {
-  Vec3 normal{0, 0, 1};  ///< unit, towards what is kept
+  Vec3 normal{0, 0, 1};  ///< unit vector toward the kept part
   double offset = 0;
   bool operator==(const ClipPlane&) const = default;
 };
 
 struct FitOptions {
-  std::size_t spheres = 16;  ///< most of a link; 0: as many as max_protrusion needs
-  /// Most of the whole robot, 1 or more, shared so that the next sphere goes where it takes away most outside volume.
+  std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as max_protrusion needs
+  /// Largest number of spheres of the whole robot, 1 or more. Each next sphere goes to the link where it reduces
+  /// outside volume most.
   std::optional<std::size_t> max_total{};
-  std::map<std::string, std::size_t> link_spheres{};  ///< most of single links, instead of these two
-  std::optional<double> max_protrusion{};  ///< as few as needed to stick out by at most so much, above 0, mesh units
-  std::optional<double> max_protrusion_share{};  ///< the same as a share of the diagonal of each link's box
-  double padding = 0;                            ///< added to every radius, 0 or more
-  double min_radius = 0;                         ///< smaller ones are enlarged
-  std::optional<double> max_radius{};            ///< above 0; as many spheres as it takes for none to be larger
-  bool visual = false;                           ///< the visual shapes, not those of collision
-  std::set<std::string> skip{};                  ///< links that get none
-  std::map<std::string, std::vector<Sphere>> fixed_spheres{};  ///< links that keep these, which are certified anew
-  /// What lies beyond one of a link's planes is left out, up to rounding: it need not be covered.
+  std::map<std::string, std::size_t> link_spheres{};  ///< largest number for single links, instead of the two above
+  /// Largest protrusion, above 0, mesh units; links then use as few spheres as they can.
+  std::optional<double> max_protrusion{};
+  std::optional<double> max_protrusion_share{};  ///< largest protrusion as a share of the diagonal of each link's box
+  double padding = 0;                            ///< length added to every radius, 0 or more, mesh units
+  double min_radius = 0;                         ///< smallest radius, mesh units; smaller spheres are enlarged
+  /// Largest radius, above 0, mesh units; links use as many spheres as this requires.
+  std::optional<double> max_radius{};
+  bool visual = false;           ///< true: fit the visual shapes instead of the collision shapes
+  std::set<std::string> skip{};  ///< links without spheres
+  std::map<std::string, std::vector<Sphere>> fixed_spheres{};  ///< links with given spheres, which are certified again
+  /// Planes by link: the part of a link beyond one of its planes need not be covered, up to rounding.
   std::map<std::string, std::vector<ClipPlane>> clip{};
-  /// What is nearer to a plane than this is left out, too, and no sphere reaches beyond one, however many it takes. It
-  /// has to be more than the padding and 2e-6 of the largest |coordinate| where something is that near.
+  /// Distance to a plane within which the link need not be covered either, mesh units; no sphere then reaches beyond a
+  /// plane, with any number of spheres. It must exceed the padding and 2e-6 of the largest |coordinate| if the link
+  /// comes that near to a plane.
   std::optional<double> clip_margin{};
-  std::size_t inner = 0;  ///< how many spheres each link also gets inside its shapes, at most
+  std::size_t inner = 0;  ///< largest number of additional spheres inside the shapes of each link
   Method method = Method::optimized;
   Quality quality = Quality::fast;
   std::uint64_t seed = 1;
-  double density = 1000;  ///< of links without a mass, mass over mesh units cubed
+  double density = 1000;  ///< density of links without a mass, mass per mesh unit³
   std::stop_token stop{};
-  std::function<void(double share, const std::string& link)> progress{};  ///< on any thread, one call at a time
+  std::function<void(double share, const std::string& link)> progress{};  ///< called on any thread, one call at a time
 };
 
 struct LinkFigures {
   std::size_t facets = 0;
-  bool covered = false;  ///< proven: every point of the shapes is in a sphere, also when numbers are read as float
-  double uncovered_distance = 0;  ///< largest distance of a point of the shapes from the spheres; 0 when covered
-  double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;  ///< over spheres, of (r + φ(c))⁺: upper bounds
-  std::optional<double> object_volume;   ///< nothing: the shapes tell no inside from outside, or overlap with spheres
-  std::optional<double> outside_volume;  ///< inside the spheres and outside the shapes
-  std::optional<double> beyond_clip;     ///< how far a sphere reaches beyond a clip plane; nothing: there is none
+  bool covered = false;  ///< proven: every point of the shapes is in a sphere, even if numbers are read as float
+  /// Largest distance of a point of the shapes from the spheres, mesh units; 0 if covered.
+  double uncovered_distance = 0;
+  /// Upper bounds of the spheres' protrusion (r + φ(c))⁺, mesh units.
+  double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;
+  /// Volume of the shapes, mesh units³; no value if they have no inside, or overlap with spheres.
+  std::optional<double> object_volume;
+  std::optional<double> outside_volume;  ///< volume inside the spheres and outside the shapes, mesh units³
+  /// Largest distance of a sphere beyond a clip plane, mesh units; no value without planes.
+  std::optional<double> beyond_clip;
   UnionMass solid{};
-  double mass = 0;  ///< the robot's own where it gives one, else density × volume of the union
+  double mass = 0;  ///< mass of the robot's file if given, otherwise density × volume of the union
 };
 
 struct LinkSpheres {
   std::size_t link = none;
-  std::vector<Sphere> spheres;       ///< in the link's axes, in decimals that files hold
-  std::size_t same_shape_as = none;  ///< the link whose shapes are the same, where there was one before
+  std::vector<Sphere> spheres;       ///< spheres in the link's axes, in decimals that files keep
+  std::size_t same_shape_as = none;  ///< earlier link with the same shapes; none if there is none
   LinkSurface surface;
-  std::shared_ptr<const CoveredTree> tree;  ///< whose leaves became these, without padding; none for spheres alone
+  /// Tree whose leaves became these spheres, without padding; nullptr for given spheres.
+  std::shared_ptr<const CoveredTree> tree;
   LinkFigures figures;
-  /// Each proven to be inside a closed surface of the shapes, and on the side of all clip planes that is kept, also
-  /// when its numbers are read as float.
+  /// Inner spheres, each proven to be inside a closed surface of the shapes, and on the kept side of all clip planes,
+  /// even if its numbers are read as float.
   std::vector<Sphere> inner;
-  double inner_volume = 0;  ///< of the union of the inner spheres
+  double inner_volume = 0;  ///< volume of the union of the inner spheres, mesh units³
   std::vector<std::string> notes;
 };
 
 struct RobotSpheres {
-  std::vector<LinkSpheres> links;  ///< those with shapes and not left out, in the robot's order
-  std::vector<std::string> notes;  ///< about links that are not among them
-  bool visual = false;             ///< the spheres cover the visual shapes, not those of collision
+  std::vector<LinkSpheres> links;  ///< links with shapes, without skipped links, in the robot's order
+  std::vector<std::string> notes;  ///< notes about the other links
+  bool visual = false;             ///< the spheres cover the visual shapes instead of the collision shapes
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;
-  /// The inner spheres in the place of those that cover, of the links that have some: for writers.
+  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some.
   RobotSpheres with_inner_spheres() const;
 };
 
-/// Throws std::invalid_argument for options out of range and links that are not there, FileError for meshes that cannot
-/// be used, BuildStopped. The same bits for any number of workers.
+/// Fits spheres to all links. Throws std::invalid_argument for options out of range and for missing links, FileError
+/// for meshes that cannot be used, BuildStopped. The result has the same bits for any number of workers.
 RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula::robot

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Robots' spheres as files of other programs.
+// The spheres of robots in the file formats of other programs.
 #pragma once
 
 #include <morula/robot/self_collision.hpp>
@@ -8,18 +8,18 @@
 namespace morula::robot {
 
 struct OutputOptions {
-  std::filesystem::path folder;            ///< where the files will be: relative names of meshes are written from there
-  std::vector<std::string> tool_frames{};  ///< none: guess_tool
-  std::optional<std::filesystem::path> srdf{};  ///< what the SRDF that is written adds to
-  std::uint64_t seed = 1;                       ///< of the sampled configurations
-  double density = 1000;                        ///< for MorphIt's masses of links that have none
-  /// In files of simulators, too, links without a mass weigh as much as their spheres of this density. Otherwise they
-  /// weigh nothing, or where the format does not allow that 1e-6.
+  std::filesystem::path folder;                 ///< folder of the files, from which meshes get relative names
+  std::vector<std::string> tool_frames{};       ///< empty: guess_tool
+  std::optional<std::filesystem::path> srdf{};  ///< existing SRDF that the written one extends
+  std::uint64_t seed = 1;                       ///< seed of the sampled configurations
+  double density = 1000;                        ///< density for MorphIt's masses of links without a mass
+  /// true: also in files for simulators, links without a mass get the mass of their spheres at this density. false:
+  /// they get mass 0, or 1e-6 if the format requires a mass.
   bool fill_masses = false;
-  bool inner = false;  ///< the spheres are inside the links and do not cover them, which files with comments say
+  bool inner = false;  ///< the spheres are inside the links and do not cover them; formats with comments note it
 };
 
-/// Everything that is written about a robot.
+/// The data of a robot that files contain.
 struct Description {
   const Robot& robot;
   const RobotSpheres& spheres;
@@ -28,25 +28,25 @@ struct Description {
 };
 
 struct OutputFile {
-  std::string name;  ///< in the folder, with folders below it
+  std::string name;  ///< name in the folder, possibly with folders below it
   std::string bytes;
 };
 
 struct OutputFormat {
-  std::string_view name;  ///< as the command takes it
+  std::string_view name;  ///< name for the command
   std::string_view files;
-  std::string_view reader;  ///< who reads it
+  std::string_view reader;  ///< program that reads it
   std::vector<OutputFile> (*write)(const Description&);
 };
-/// All of them, in the order of the documentation.
+/// All formats, in the order of the documentation.
 std::span<const OutputFormat> output_formats();
-/// Nothing where there is none of this name.
+/// The format of this name; nullptr if there is none.
 const OutputFormat* output_format(std::string_view name);
 
-/// The link at the end of the longest chain of joints that move by themselves; of equals the first.
+/// The link at the end of the longest chain of independent joints; of equals the first.
 std::string guess_tool(const Robot& robot);
 
-/// The spheres of a spheres.json, by link. Throws FileError.
+/// Reads the spheres of a spheres.json, by link. Throws FileError.
 std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesystem::path& path);
 
 }  // namespace morula::robot

@@ -55,7 +55,7 @@ class MjcfReader {
     each("equality", [&](const XMLElement& at) { read_equalities(at); });
     drop_world();
     if (scenery_ > 0) {
-      robot().notes.push_back(fmt::format("{} of the world itself {} not of the robot and passed over",
+      robot().notes.push_back(fmt::format("{} of the world itself {} not part of the robot and skipped",
                                           scenery_ == 1 ? std::string("a geom") : fmt::format("{} geoms", scenery_),
                                           scenery_ == 1 ? "is" : "are"));
     }
@@ -228,9 +228,8 @@ class MjcfReader {
     }
     if (type == "fixed") {
       // Not MuJoCo's: other simulators read it in its files. A body without a joint is fixed anyway.
-      robot().notes.push_back(
-          fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is passed over",
-                      robot().links[body.link].name, at.GetLineNum()));
+      robot().notes.push_back(fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is skipped",
+                                          robot().links[body.link].name, at.GetLineNum()));
       return;
     }
     if (type != "hinge" && type != "slide" && type != "ball") {

@@ -50,7 +50,7 @@ void MjcfValues::read_compiler(const XMLElement& at) {
     degrees_ = text == "degree";
   }
   if (const char* text = e.find("coordinate"); text != nullptr && std::string_view(text) != "local") {
-    files_.fail(at, fmt::format("coordinate=\"{}\" is not supported: write poses relative to what is around", text));
+    files_.fail(at, fmt::format("coordinate=\"{}\" is not supported: write poses relative to the parent", text));
   }
   if (const char* text = e.find("eulerseq")) {
     sequence_ = text;

@@ -12,26 +12,27 @@
 
 namespace morula::study {
 
-/// Places in the plan.
+/// Indices in the plan.
 struct MotionRunKey {
   std::size_t source = 0;
   std::size_t motion = 0;
-  std::size_t rule = 0;  ///< in Plan::rules, or in Plan::mixes
+  std::size_t rule = 0;  ///< index in Plan::rules or Plan::mixes
   auto operator<=>(const MotionRunKey&) const = default;
 };
 
-/// One level set in one pose. What has no answer on an open mesh is empty, and so is what the plan does not measure.
+/// One level set in one pose. Values are empty if an open mesh does not define them, or if the plan does not measure
+/// them.
 struct LevelFigures {
   std::size_t level = 0;
   std::size_t spheres = 0;
-  double diagonal = 0;               ///< of the body's box at rest
-  double box_volume = 0;             ///< of that box
-  std::optional<Looseness> grid;     ///< on the paper's grid
-  std::optional<Looseness> lattice;  ///< on one lattice for all samples
+  double diagonal = 0;               ///< diagonal of the body's box at rest, mesh units
+  double box_volume = 0;             ///< volume of that box, mesh units³
+  std::optional<Looseness> grid;     ///< looseness on the paper's grid
+  std::optional<Looseness> lattice;  ///< looseness on one lattice for all samples
   Coverage coverage;
   std::optional<Protrusion> protrusion;
 
-  /// On the paper's grid, over the object's volume; over the volume of the box at rest.
+  /// Looseness on the paper's grid, relative to the object's volume; relative to the volume of the box at rest.
   std::optional<double> looseness() const;
   std::optional<double> looseness_box() const;
   std::optional<double> looseness_fixed() const;
@@ -52,17 +53,17 @@ struct Sample {
 
 struct MotionRun {
   MotionRunKey key;
-  std::optional<bool> returns_to_rest;     ///< the same bits; nothing for `fresh`
+  std::optional<bool> returns_to_rest;     ///< the body returns to the same bits; no value for `fresh`
   std::optional<Certificate> certificate;  ///< over all samples: covered in all, the worst excess of any
-  std::optional<double> update_seconds;    ///< of one update, median over all samples and repeats, one thread
+  std::optional<double> update_seconds;    ///< seconds of one update, median over all samples and repeats, one thread
   std::vector<Sample> samples;
 
-  /// Of a sample's level; nullptr when it was not measured.
+  /// The figures of a sample's level; nullptr if it was not measured.
   const LevelFigures* at(std::size_t sample, std::size_t level) const;
-  /// The largest over all samples and levels; an unknown looseness counts as 0.
+  /// The largest value over all samples and levels; an unknown looseness counts as 0.
   double worst_looseness_fixed() const;
   double worst_uncovered_area() const;
-  /// In mesh units.
+  /// The largest distance, mesh units.
   double worst_uncovered_distance() const;
 };
 

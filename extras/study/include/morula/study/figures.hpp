@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Figures and tables of a study: curves over the samples of a motion, and what does not fit into curves.
+// Figures and tables of a study: curves over the samples of a motion, and data without curves.
 #pragma once
 
 #include <cstdint>
@@ -23,44 +23,44 @@ struct Series {
   std::vector<std::optional<double>> y;
 };
 
-/// One measure of several curves.
+/// One measure with several curves.
 struct Figure {
   std::string id;
   std::string group;  ///< figures of one group are drawn above each other, over the same axis
   std::string title;
   std::string note;
-  std::string motion;  ///< its first word: stretch; or press
+  std::string motion;  ///< its first word, such as stretch; or press
   std::size_t body = 0;
   std::string y_label;
   std::string y_unit;
   bool y_log = false;
   std::vector<Series> series;
-  std::vector<std::string> x_names{};  ///< of x = 0, 1, …; none: x is the sample of the motion
+  std::vector<std::string> x_names{};  ///< names of x = 0, 1, …; empty: x is the sample of the motion
 };
 
-/// Of the first body. Fig. 2 of the paper, and every rule on every tree.
+/// Figures of the first body: Fig. 2 of the paper, and every rule on every tree.
 std::vector<Figure> make_figures(const Plan& plan, const Result& result);
-/// What contacts say of a press: generators with exact, then the rules on one tree.
+/// Figures of contacts in presses: generators with exact, then the rules on one tree.
 std::vector<Figure> make_press_figures(const Plan& plan, const Result& result);
 
-/// Nothing, a word, a count or a number.
+/// Empty, a word, a count or a number.
 using TableValue = std::variant<std::monostate, std::string, std::size_t, double>;
 
 struct Table {
   std::string id;
   std::string title;
   std::string note;
-  bool timed = false;  ///< holds times, which differ from run to run
+  bool timed = false;  ///< contains times, which differ from run to run
   std::vector<std::string> columns;
   std::vector<std::vector<TableValue>> rows;
 };
 
-/// Trees and void spheres, means and worst samples of every rule, the floor, contacts, mixes, cost, bodies.
-/// of_bodies: the claims of each body, in their order.
+/// Trees and void spheres, means and worst samples of every rule, the floor, contacts, mixes, cost, bodies. of_bodies:
+/// the claims of each body, in their order.
 std::vector<Table> make_tables(const Plan& plan, const Result& result, const Cost& cost,
                                const std::vector<std::vector<Claim>>& of_bodies);
 
-/// What errors are called, and their unit.
+/// The label of an error, and its unit.
 std::string error_label(ErrorUnit unit);
 std::string error_unit(ErrorUnit unit);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Running a study: trees, then all cells, in parallel and out of the cache where they are there already.
+// Run of a study: trees, then all cells, in parallel, and from the cache if it has them.
 #pragma once
 
 #include <functional>
@@ -17,17 +17,17 @@ namespace morula::study {
 /// One level of one tree at rest.
 struct TreeLevel {
   std::size_t nodes = 0;
-  std::size_t void_spheres = 0;  ///< that enclose no vertex of the mesh
-  std::size_t grown = 0;         ///< of trees from files: radii that had to grow for the tree to cover
+  std::size_t void_spheres = 0;  ///< spheres that enclose no vertex of the mesh
+  std::size_t grown = 0;         ///< for trees from files: radii that had to grow for the tree to cover
 };
 
 struct TreeFigures {
   std::size_t source = 0;
   std::vector<TreeLevel> levels;
-  double build_seconds = 0;  ///< when the plan asks for times
+  double build_seconds = 0;  ///< seconds of the build, if the plan requests times
 };
 
-/// A motion or a press that a body cannot make, and why.
+/// A motion or press that is impossible for a body, and the reason.
 struct Skipped {
   std::size_t body = 0;
   std::string reason;
@@ -35,17 +35,17 @@ struct Skipped {
 
 struct Result {
   std::vector<TreeFigures> trees;    ///< one per source
-  std::vector<TreeFigures> needles;  ///< the same generators on the prism of long thin triangles
-  std::vector<MotionRun> cells;      ///< ascending by key; those that cannot be made are left out
+  std::vector<TreeFigures> needles;  ///< trees of the same generators on the prism of long thin triangles
+  std::vector<MotionRun> cells;      ///< ascending by key, without impossible ones
   std::vector<MotionRun> mixes;      ///< motions × mixes of the first source
   std::vector<PressCell> presses;    ///< ascending by body
-  std::vector<PressScene> scenes;    ///< of the presses, one per body that is pressed
+  std::vector<PressScene> scenes;    ///< scenes of the presses, one per pressed body
   std::vector<Skipped> skipped;
-  std::vector<CoveredTree> model;    ///< one per source; empty but for the first body's, unless the plan keeps them
-  std::size_t taken_from_cache = 0;  ///< cells that were there already
+  std::vector<CoveredTree> model;    ///< one per source; empty except for the first body's, unless the plan keeps them
+  std::size_t taken_from_cache = 0;  ///< cells that came from the cache
 
   std::size_t cell_count() const { return cells.size() + mixes.size() + presses.size(); }
-  /// nullptr when there is none.
+  /// The run with this key; nullptr if there is none.
   const MotionRun* find(const MotionRunKey& key) const;
 };
 
@@ -55,24 +55,24 @@ class Stopped : public std::runtime_error {
   Stopped() : std::runtime_error("study: stopped on request") {}
 };
 
-/// Called with the share done and what is being done, one call at a time, on any thread.
+/// Called with the completed share and the present step, one call at a time, on any thread.
 using Progress = std::function<void(double share, std::string what)>;
 
 struct RunOptions {
-  const Cache* cache = nullptr;  ///< nullptr: nothing is kept
+  const Cache* cache = nullptr;  ///< nullptr: no cache
   std::stop_token stop{};
-  Progress progress{};  ///< or none
+  Progress progress{};  ///< may be empty
 };
 
-/// The same figures for any number of workers, and however often the study was interrupted; times differ.
-/// Throws Stopped; std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for
-/// a plan that names what is not in it.
+/// Runs a study. The figures are the same for any number of workers and interruptions; times differ. Throws Stopped;
+/// std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for a plan that
+/// refers to missing entries.
 Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
-/// Nodes per level, and how many of them are void.
+/// Nodes and void spheres per level.
 std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& model);
 
-/// Which of the first body's trees stands for it in pictures and costs: the medial one, else the first.
+/// The first body's tree that represents it in pictures and costs: the medial tree, otherwise the first.
 std::size_t shown_tree(const Plan& plan);
 
 }  // namespace morula::study

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Study: run, judged, and written as study.json, CSV and SVG files and as a page.
+// Study: its run, its claims, and its output as study.json, CSV and SVG files and as a page.
 #pragma once
 
 #include <morula/page/page.hpp>
@@ -19,41 +19,41 @@ struct Study {
   Plan plan;
   Result result;
   Cost cost;
-  std::vector<Claim> claims;  ///< over all bodies
+  std::vector<Claim> claims;  ///< claims over all bodies
   std::vector<Figure> figures;
   std::vector<Table> tables;
   std::vector<Picture> pictures;
 };
 
-/// Throws as run().
+/// Makes a study. Throws like run().
 Study make_study(Plan plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
-/// The text of study.json: everything. Without times but in `cost` and in what is marked `timed`.
+/// The text of study.json, with everything. Only `cost` and parts marked `timed` contain times.
 std::string study_json(const Study& study);
-/// One line per body, tree, motion, rule, sample and level, all digits.
+/// One line per body, tree, motion, rule, sample and level, with all digits.
 std::string cells_csv(const Plan& plan, const Result& result);
 /// A figure and its companions of one group: one row per curve and sample.
 std::string figure_csv(std::span<const Figure> group);
 std::string table_csv(const Table& table);
 /// A figure and its companions as a drawing, one panel each.
 std::string figure_svg(std::span<const Figure> group);
-/// The figures of one group after the other.
+/// The figures of each group.
 std::vector<std::span<const Figure>> groups_of(std::span<const Figure> figures);
 
-/// Writes study.json, CSV and SVG files into a folder that exists. Each file appears whole or not at all.
+/// Writes study.json, CSV and SVG files into an existing folder. The write of each file is atomic.
 void write_study(const Study& study, const std::filesystem::path& folder);
 
-/// index.html of a study, for make_page(): claims and figures, and beside them the first body on its medial tree (or
-/// its first one), in every motion, with approach2 and exact. The frames are the samples of the figures.
+/// index.html of a study, for make_page(): claims and figures, and next to them the first body on its medial tree (or
+/// its first tree), in every motion, with approach2 and exact. The frames are the samples of the figures.
 PageContent study_page(const Study& study, Workers& workers = serial_workers(), const Progress& progress = {});
 
-/// What must not happen: `exact` bare, or without a crossing in its contacts, or spheres that do not come back to rest.
-/// In words.
+/// Violated guarantees, as text: `exact` with uncovered surface or with a crossing outside its contacts, or spheres
+/// that do not return to rest.
 std::vector<std::string> faults(const Plan& plan, const Result& result);
 
-/// For people: a claim and its verdict a line, then the numbers.
+/// Text for readers: a line for each claim and its verdict, then the numbers.
 std::string claims_text(std::span<const Claim> claims, bool quick = false);
-/// What write_study() writes, a line each.
+/// The files that write_study() writes, a line each.
 std::string contents_text(const Study& study);
 
 }  // namespace morula::study
