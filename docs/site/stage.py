@@ -27,7 +27,9 @@ def main():
     for extra in ("mark.svg", "file_worker.js"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
-    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
+    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
+    if len(set(pages.values())) < len(pages):
+        sys.exit("site: two pages have one name; all pages of the site lie in one folder")
     pages |= {p.name: p.name.lower() for p in sorted(ROOT.glob("*.md"))}
     sources, faults = {}, []
 

@@ -270,7 +270,7 @@ void add_measure(CLI::App& app, Run& run) {
       ->transform(number_above_zero());
   add_flag(*command, "--no-protrusion", o->no_protrusion, "Leave out protrusion, the slowest figure");
   add_flag(*command, "--curobo", o->curobo,
-           "Also the figures by which cuRobo judges spheres, from samples: docs/measure.md");
+           "Also the figures by which cuRobo judges spheres, from samples: docs/reference/measure.md");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");

@@ -64,7 +64,7 @@ struct [[nodiscard]] Touch {
 };
 
 /// Touch query: asks again and again; a run allocates nothing once its lists have grown. Cost: that of the spheres and
-/// facets met, some 15 ns and 50...300 ns each; docs/distance.md has medians.
+/// facets met, some 15 ns and 50...300 ns each; docs/how-to/distance.md has medians.
 class TouchQuery {
  public:
   /// The result stays until the next run; its status says what was refused.

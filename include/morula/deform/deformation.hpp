@@ -60,7 +60,7 @@ using Deformations = std::vector<Deformation>;
 /// Positions at parameter t in [0, 1], where 1 is the full amount. t = 0 returns the rest positions bit for bit.
 ///
 /// Same input, same bits, on every machine. Unused vertices move too, except those that are not finite.
-/// Formulas: docs/deform.md.
+/// Formulas: docs/reference/deform.md.
 ///
 /// Throws std::invalid_argument for parameters out of range, for a twist or bend along an axis on which the mesh has no
 /// extent, and for a bend so tight that the body would fold over itself (naming the largest angle that works): at any t

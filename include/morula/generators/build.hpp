@@ -82,7 +82,7 @@ struct BuildOptions {
   /// r + φ(c). With `spheres` too: until the one or the other.
   std::optional<double> max_protrusion{};
   /// Every sphere contains its children's, for engines that prune that way (certify_nesting): inner spheres grow or
-  /// move for it, leaves stay as they are. Looser above them: docs/tree.md has a table.
+  /// move for it, leaves stay as they are. Looser above them: docs/explanation/cover.md has a table.
   bool nested = false;
   std::uint64_t seed = 1;  ///< of every random choice; equal seeds, equal bits
   /// For medial: of merge, burst, expand; none means merge and expand. For combined: of all; none means grid, spawn,

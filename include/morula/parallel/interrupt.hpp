@@ -16,7 +16,7 @@ struct Interruption;
 ///     const morula::Interrupt interrupt([&] { if (is_cancelled()) throw Cancelled(); });
 ///     query.run(a, b, workers);
 ///
-/// The call ends with what `ask` throws, and leaves behind what a callback that throws leaves (docs/conventions.md):
+/// The call ends with what `ask` throws, and leaves behind what a callback that throws leaves (docs/reference/conventions.md):
 /// the object is as it was before, or empty, and may be asked again. The same exception ends every later call, until
 /// the Interrupt is destroyed.
 ///

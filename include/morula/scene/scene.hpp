@@ -121,7 +121,7 @@ struct SceneTouch {
 ///
 /// For one thread at a time; workers share its work. No allocation when as many bodies and pairs were there before, and
 /// every pair had as many contacts, unless a pair has been parted for 32 updates: it gives its memory back then.
-/// docs/scene.md says what a pair holds.
+/// docs/how-to/scene.md says what a pair holds.
 class Scene {
  public:
   /// Throws std::invalid_argument, naming the option: a negative or infinite margin, a negative budget.
