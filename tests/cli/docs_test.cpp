@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> command_pages{"docs/reference/cli.md", "docs/reference/cli_build.md", "docs/reference/cli_motion.md",
-                                             "extras/study/docs/cli_study.md", "docs/how-to/features.md"};
+const std::vector<std::string> command_pages{"docs/reference/cli.md", "docs/reference/cli_build.md",
+                                             "docs/reference/cli_motion.md", "extras/study/docs/cli_study.md"};
 
 /// README and every page of docs and of the extras, by name.
 std::vector<std::string> all_pages() {
