@@ -4,7 +4,7 @@
 //
 // Let u = 2^-53, c and r a node's center (in double about the origin of the mesh) and radius, A a bound of
 // |coordinates| in the sphere, T the largest |coordinate| of the translation, d = deviation_from_rigid(transform). The
-// body promises: the region's points lie within r of c, for the caller's positions x (docs/explanation/update_cost.md, Numbers).
+// body promises: the region's points lie within r of c, for the caller's positions x (docs/explanation/update_cost.md, Rounding).
 // The world's facets are hulls of vertices v = fl(R x + t), so a point of one is R q + t + e with q in the region and e
 // a mean of rounding errors.
 //   stretch      |R q - R c| <= |R| r, and |R|^2 <= 1 + 3 d                     |R| <= 1 + 1.5 d
