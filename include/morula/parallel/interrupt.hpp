@@ -16,9 +16,9 @@ struct Interruption;
 ///     const morula::Interrupt interrupt([&] { if (is_cancelled()) throw Cancelled(); });
 ///     query.run(a, b, workers);
 ///
-/// The call ends with what `ask` throws, and leaves behind what a callback that throws leaves (docs/reference/conventions.md):
-/// the object is as it was before, or empty, and may be asked again. The same exception ends every later call, until
-/// the Interrupt is destroyed.
+/// The call ends with what `ask` throws, and leaves behind what a callback that throws leaves
+/// (docs/reference/conventions.md): the object is as it was before, or empty, and may be asked again. The same
+/// exception ends every later call, until the Interrupt is destroyed.
 ///
 /// ask: called on the thread that made the Interrupt: up to a million times a second, mostly every 10 ms at least, and
 /// at times only after some tenths of a second. Look at a clock in it, and do what costs more every 20 ms. A write
