@@ -9,7 +9,9 @@ if(NOT DEFINED ROOT)
 endif()
 set(most 2500)
 
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md" "${ROOT}/extras/*/docs/*.md" "${ROOT}/*.md")
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/extras/*/docs/*.md" "${ROOT}/*.md")
+file(GLOB_RECURSE pages_of_docs RELATIVE "${ROOT}" "${ROOT}/docs/*.md")
+list(APPEND pages ${pages_of_docs})
 list(REMOVE_ITEM pages CHANGELOG.md)  # which nobody reads from end to end
 set(faults "")
 foreach(page IN LISTS pages)
