@@ -110,7 +110,7 @@ class Picture:
                     scheme[dark].append(f".{name}{{fill:{c};stroke:{c}}}")
         plate = [f".f-plate{{fill:{c}}}text{{stroke:{c}}}" for c in COLORS["plate"]]
         lines = ("text{font:24px system-ui,'Segoe UI','DejaVu Sans',sans-serif;stroke-width:5px;stroke-linejoin:round;paint-order:stroke}"
-                 "text[font-size]{font-size:20px}path,circle{stroke-width:2;stroke-linejoin:round;stroke-linecap:round}.solid path{stroke-width:6}")
+                 "text[font-size]{font-size:22px}path,circle{stroke-width:2;stroke-linejoin:round;stroke-linecap:round}.solid path{stroke-width:6}")
         # After the colors, which they change.
         modes = {"thin": "stroke-width:1", "bold": "stroke-width:4", "dash": "stroke-dasharray:7 6", "faint": "fill-opacity:.05;stroke-opacity:.7",
                  "full": "fill-opacity:.6", "hollow": "fill-opacity:0"}

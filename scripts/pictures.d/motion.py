@@ -70,7 +70,7 @@ def update_rules():
         loose = morula.looseness(mesh, spheres, pose, resolution=160).looseness
         bare = "covers" if cover.covered else f"bare {two_digits(100 * cover.uncovered_area)} %"
         page.text(x + 180, y + 216, rule)
-        page.text(x + 180, y + 244, f"looseness {two_digits(loose)}, {bare}", "ink" if cover.covered else "bare", size=20)
+        page.text(x + 180, y + 244, f"looseness {two_digits(loose)}, {bare}", "ink" if cover.covered else "bare", size=22)
     return page
 
 
@@ -109,14 +109,14 @@ def modal():
             box = None
         view = View(0, y, 720, 262, np.concatenate([reach(cut_circles(spheres["gradient"], ORIGIN, UP)[0]), [[-3, -1.2, 0], [3, 1.2, 0]]]), margin=10)
         shape(page, view, loops)
-        for name, kind, extra in (("shift", "bare", "thin dash"), ("gradient", "sphere", ""), ("exact", "muted", "thin")):
+        for name, kind, extra in (("shift", "sphere_b", "dash"), ("gradient", "sphere", ""), ("exact", "muted", "thin")):
             if k or name == "gradient":
                 balls(page, view, cut_circles(spheres[name], ORIGIN, UP)[0], kind, extra, "s")
         page.text(360, y + 292, ("rest: all coordinates 0", "")[k])
     x = 40
-    for name, kind, extra in (("exact", "muted", "thin"), ("modal, gradient", "sphere", ""), ("modal, shift", "bare", "thin dash")):
+    for name, kind, extra in (("exact", "muted", "thin"), ("modal, gradient", "sphere", ""), ("modal, shift", "sphere_b", "dash")):
         page.line([(x, 596), (x + 36, 596)], kind, extra)
-        page.text(x + 46, 604, name, kind, "start", size=20)
+        page.text(x + 46, 604, name, kind, "start", size=22)
         x += 46 + 12 * len(name) + 40
     return page
 
@@ -136,8 +136,9 @@ def skinned():
     body = morula.Body(mesh, built, rules="skinned", skin=skin)
     body.update_skinned(transforms)
     spheres = body.copy_spheres()[built.tree.level_set(1)]
-    loops, _ = section(pose, mesh.facets, ORIGIN, UP)
-    circles, _ = cut_circles(spheres, ORIGIN, UP)
+    origin = np.array([0, 0, pose[mesh.facets[morula.coverage(mesh, spheres, pose).worst_facet]].mean(0)[2]])  # where the surface is farthest out
+    loops, _ = section(pose, mesh.facets, origin, UP)
+    circles, _ = cut_circles(spheres, origin, UP)
     view = View(0, 280, 720, 270, pose * [1.1, 1.1, 1], margin=10)
     balls(page, view, circles, "sphere", "")
     outline(page, view, loops, circles)
@@ -167,7 +168,7 @@ def lazy():
     spheres = body.copy_spheres()
     balls(page, view, spheres[sorted(last)], "proof", "faint")
     rows_of_tree(page, tree, 20, 410, 680, 44, lambda n: "f-proof" if n in set(after) else "b-muted thin", 10)
-    page.text(360, 668, f"in green: the {len(after)} of {tree.node_count} spheres that were brought up to date", size=20)
+    page.text(360, 668, f"green: {len(after)} of {tree.node_count} spheres, brought up to date", size=22)
     assert len(before) < len(after) < tree.node_count
     return page
 
@@ -193,10 +194,10 @@ def partial():
     moved = set(touched.tolist())
     solids(page, view, (pose, mesh.facets, ["contact" if any(int(v) in moved for v in f) else "surface" for f in mesh.facets]))
     leaves = [n for n in range(tree.node_count) if tree.is_leaf(n)]
-    balls(page, view, body.copy_spheres()[[n for n in leaves if n in changed]], "proof", "faint")
+    balls(page, view, body.copy_spheres()[[n for n in leaves if n in changed]], "proof", "hollow")
     rows_of_tree(page, tree, 20, 330, 680, 44, lambda n: "f-proof" if n in changed else "b-muted thin", 10)
-    page.text(360, 580, f"orange: {len(touched)} of {mesh.vertex_count} vertices moved; green: {len(changed)} spheres changed", size=20)
-    page.text(360, 608, f"{part.points_tested} points tested, {full.points_tested} by a full update", "muted", size=20)
+    page.text(360, 580, f"{len(touched)} of {mesh.vertex_count} vertices moved; {len(changed)} spheres, green, changed", size=22)
+    page.text(360, 608, f"{part.points_tested} points tested, {full.points_tested} by a full update", "muted", size=22)
     return page
 
 
@@ -271,5 +272,5 @@ def uncovered():
     outline(page, view, loops, circles)
     page.line(view(np.array([point, point + towards * (1 - nearest[3] / np.linalg.norm(towards))])), "ink", "bold")
     page.add("</svg>")
-    page.text(360, 434, f"bare: {two_digits(100 * cover.uncovered_area)} % of the area, up to {two_digits(cover.uncovered_distance)} from the spheres", "bare", size=20)
+    page.text(360, 434, f"bare: {two_digits(100 * cover.uncovered_area)} % of the area, at most {two_digits(cover.uncovered_distance)} away", "bare", size=22)
     return page

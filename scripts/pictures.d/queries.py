@@ -51,9 +51,9 @@ def front():
         nodes = sorted(touching | waiting)
         balls(page, view, tree.spheres[nodes], ["contact" if n in touching else "sphere" for n in nodes], "")
         rows_of_tree(page, tree, 360, y + 6, 350, 38, lambda n: "f-contact" if n in touching else "f-sphere" if n in waiting else "b-ink thin" if n in opened else "b-muted thin hollow", 9)
-        page.text(360, y + 222, f"{found.pair_tests} pair tests: {int((cut.state == int(morula.FrontPairState.waiting)).sum())} pairs wait, {found.finished_count} contacts found", size=20)
+        page.text(360, y + 222, f"{found.pair_tests} tests: {int((cut.state == int(morula.FrontPairState.waiting)).sum())} pairs wait, {found.finished_count} contacts found", size=22)
     assert found.finished_count == everything.finished_count
-    page.text(360, 3 * 236 + 22, "blue: has a pair that waits; orange: touches; gray: opened", "muted", size=20)
+    page.text(360, 3 * 236 + 22, "blue: pairs wait; orange: contacts; gray: opened", "muted", size=22)
     return page
 
 
@@ -147,7 +147,7 @@ def contact_patch():
         y = 280 * k
         view = View(0, y, 720, 270, positions, right=(1, 0, 0) if k == 0 else (0, 0, 1), up=(0, 0.25, -1) if k == 0 else (-1, -0.25, 0), margin=10)
         solids(page, view, (positions, mesh.facets, names))
-    page.text(360, 592, f"nearest facets of {len(contacts)} contacts; orange where there is depth", size=20)
+    page.text(360, 592, f"facets of {len(contacts)} contacts; orange: with a depth", size=22)
     return page
 
 
@@ -197,7 +197,7 @@ def swept():
         shape(page, view, loops, "other", extra)
         top = positions[np.argmax(positions[:, 1])]
         (x, y), = view(top)
-        page.text(min(x + 16, 590), y + 18, words, "ink", "start", size=20)
+        page.text(min(x + 16, 590), y + 18, words, "ink", "start", size=22)
     k = int(np.argmin(pairs.time))
     kind, ia, ib = int(pairs.kind[k]), int(pairs.a[k]), int(pairs.b[k])
     if kind == int(morula.PairKind.vertex_facet):
@@ -209,7 +209,7 @@ def swept():
     way = view(np.array([start.mean(0), end.mean(0)]))
     page.arrow(way[0], way[1], "muted", "thin dash")
     page.dot(*view(point)[0], "contact", 10)
-    page.text(360, 542, f"no impact before {time:.3f}; {len(pairs)} pairs may meet later", size=20)
+    page.text(360, 542, f"no impact before {time:.3f}; {len(pairs)} pairs may meet later", size=22)
     return page
 
 
@@ -228,7 +228,7 @@ def proximity():
     seen = np.abs(found.point_a[:, 2]) + np.abs(found.point_b[:, 2]) < 0.25
     for p, q in zip(found.point_a[seen], found.point_b[seen]):
         page.line(view(np.array([p, q])), "contact", "thin")
-    page.text(360, 502, f"{len(found)} pairs nearer than 0.3; those near the section drawn", size=20)
+    page.text(360, 502, f"{len(found)} pairs nearer than 0.3, those near the section", size=22)
     return page
 
 
@@ -250,18 +250,18 @@ def distance():
         page.dot(*end, "contact", 8)
     x, y = view(ends.mean(0))[0]
     page.text(x + 16, y + 8, figure(exact.upper), "contact", "start")
-    budgets = (20, 60, 90, None)
+    budgets = (180, 250, 400, None)
     bounds = [exact if n is None else morula.distance(a, b, budget=n) for n in budgets]
     most = max(found.upper for found in bounds)
     for k, (n, found) in enumerate(zip(budgets, bounds)):
         y = 470 + 36 * k
         left, right = 210 + 470 * found.lower / most, 210 + 470 * found.upper / most
-        page.text(190, y + 8, f"{n} tests" if n else "all", "ink", "end", size=20)
+        page.text(190, y + 8, f"{found.sphere_tests + found.facet_tests} tests", "ink", "end", size=22)
         page.line([(210, y), (680, y)], "muted", "thin dash")
         page.line([(left, y), (right, y)], "sphere", "bold")
         for x in (left, right):
             page.line([(x, y - 9), (x, y + 9)], "sphere", "bold")
-    page.text(445, 618, "lower and upper bound of the distance", "muted", size=20)
+    page.text(445, 618, "lower and upper bound of the distance", "muted", size=22)
     return page
 
 
@@ -324,7 +324,7 @@ def signed_distance():
         d = "".join("M" + "L".join(f"{number(x)} {number(y)}" for x, y in view(np.array(ends))) for ends in contour(values, xs, ys, level))
         page.add(f'<path class="s-{kind}" d="{d}"/>')
     shape(page, view, loops, "surface", "bold", "s")
-    page.text(360, 432, "steps of 0.15; green: inside, where it is negative", size=20)
+    page.text(360, 432, "steps of 0.15; green: inside, where it is negative", size=22)
     return page
 
 
@@ -374,13 +374,13 @@ def penetration():
     for k, (n, f) in enumerate(zip(budgets, found)):
         y = 366 + 36 * k
         left, right, at = (220 + 460 * v / most for v in (f.lower, f.upper, f.estimate))
-        page.text(200, y + 8, f"{n} probes", "ink", "end", size=20)
+        page.text(200, y + 8, f"{n} probes", "ink", "end", size=22)
         page.line([(220, y), (680, y)], "muted", "thin dash")
         page.line([(left, y), (right, y)], "sphere", "bold")
         for x in (left, right):
             page.line([(x, y - 9), (x, y + 9)], "sphere", "bold")
         page.dot(at, y, "contact", 7)
-    page.text(360, 536, f"bounds of the shared volume; the dot, {two_digits(found[-1].estimate)}, is the estimate", size=20)
+    page.text(360, 536, f"bounds of the shared volume; dot: the estimate, {two_digits(found[-1].estimate)}", size=22)
     return page
 
 
@@ -420,7 +420,7 @@ def scene():
     for x, y in middles:
         page.dot(x, y, "ink", 4)
     assert touching and len(touching) < len(near)
-    page.text(360, 502, f"boxes of {len(near)} pairs overlap; {len(touching)} pairs, in orange, touch")
+    page.text(360, 502, f"boxes of {len(near)} pairs overlap, spheres of {len(touching)} meet")
     return page
 
 
@@ -450,7 +450,7 @@ def obstacle():
             p = found.point[k]
             page.arrow(view(p)[0], view(p + 0.4 * found.normal[k])[0], "ink", "thin")
     inside_count = sum(1 for d in near.values() if d < 0)
-    page.text(360, 482, f"{inside_count} facets in the ground, {len(near) - inside_count} nearer than 0.12; arrows lead out", size=20)
+    page.text(360, 482, f"{inside_count} facets in the ground, {len(near) - inside_count} nearer than 0.12", size=22)
     return page
 
 

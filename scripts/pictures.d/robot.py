@@ -36,15 +36,15 @@ def robot():
         rows.append(moved_spheres(pose, link.spheres))
         kinds += [kind] * len(link.spheres)
     rows = np.concatenate(rows)
-    page = Picture(560)
+    page = Picture(400)
     every = np.concatenate([positions for positions, _, _ in bodies])
-    for k, words in enumerate(("links", f"{len(rows)} spheres, which cover them")):
-        view = View(360 * k, 0, 360, 510, every, right=(0.62, 0.78, 0), up=(-0.27, 0.21, 0.94), margin=24)
+    for k, words in enumerate(("links", f"{len(rows)} spheres around them")):
+        view = View(360 * k, 0, 360, 350, every, right=(0.62, 0.78, 0), up=(-0.27, 0.21, 0.94), margin=24)
         if k == 0:
             solids(page, view, *bodies)
             for sphere, kind in round_ones:
                 balls(page, view, sphere, kind, style="o")
         else:
             balls(page, view, rows, kinds, style="o")
-        page.text(360 * k + 180, 544, words, size=20)
+        page.text(360 * k + 180, 382, words, size=22)
     return page

@@ -19,14 +19,14 @@ def loose_text(mesh, spheres, positions=None):
 @picture("levels.svg")
 def levels():
     mesh, built = limb(), model()
-    page = Picture(500)
+    page = Picture(462)
     for level in range(4):
         x, y = 360 * (level % 2), (0, 228)[level // 2]
         spheres = built.tree.level_set_spheres(level)
         view = View(x, y, 360, 240, reach(built.tree.spheres[:1]) if level == 0 else reach(built.tree.level_set_spheres(1)), **TILT)
         solids(page, view, (mesh.positions, mesh.facets, "surface"))
         balls(page, view, spheres, style="o" if level > 1 else "b")
-        page.text(x + 180, y + 266, f"level {level}: {len(spheres)}, looseness {loose_text(mesh, spheres)}", size=20)
+        page.text(x + 180, y + (264, 222)[level // 2], f"{len(spheres)} sphere{'s' * (level > 0)}, looseness {loose_text(mesh, spheres)}", size=22)
     return page
 
 
@@ -200,7 +200,9 @@ def generators():
         view = View(x, y, 360, 180, mesh.positions * 1.2, **TILT)
         solids(page, view, (mesh.positions, mesh.facets, "surface"))
         balls(page, view, spheres)
-        page.text(x + 180, y + 200, f"{method}: {len(spheres)}, looseness {loose_text(mesh, spheres)}", size=20)
+        page.text(x + 180, y + 200, f"{method}: looseness {loose_text(mesh, spheres)}", size=22)
+        assert len(spheres) == 16
+    page.text(540, 3 * 216 + 110, "16 spheres each", "muted")
     return page
 
 
@@ -226,7 +228,7 @@ def tree_cut():
     for k, share in enumerate((0.3, 0.1)):
         y = 320 * k
         stop, opened = cut_by_protrusion(tree, lambda n: distance.protrusion_bound(tuple(tree.spheres[n])), share)
-        view = View(0, y, 400, 270, reach(tree.level(1)) * 0.9, **TILT)
+        view = View(0, y, 400, 270, reach(tree.level(1)), **TILT)
         solids(page, view, (mesh.positions, mesh.facets, "surface"))
         balls(page, view, tree.spheres[stop])
         chosen, above = set(stop), set(opened)
@@ -243,26 +245,26 @@ def rounding():
     move = np.linalg.norm(narrow[:, :3] - tree.spheres[:, :3], axis=1)
     near = narrow[:, 3] - move - tree.spheres[:, 3]  # how far the new border is outside the old one where the center moved away from it
     assert near.min() >= 0
-    node = int(np.argmax(np.where(near < move, near, 0)))
+    node = int(np.argmax(np.where(near < 0.5 * move, near, 0)))
     near, far = near[node], near[node] + 2 * move[node]
     page = Picture(360)
-    scale = 70 / move[node]
+    scale = 52 / move[node]
     for x, title in ((120, "border"), (360, "center"), (600, "border")):
         page.circle(x, 170, 110, "muted", "s", "thin")
         page.text(x, 36, title)
     page.line([(75, 170), (645, 170)], "muted", "thin dash")
     for x, gap, out in ((120, near, -1), (600, far, 1)):
-        start = x - out * 70 if gap == far else x
+        start = x - 60 if gap == far else x + 20
         for at, kind, extra in ((start, "surface", "bold dash"), (start + out * gap * scale, "sphere", "bold")):
             page.line([(at, 85), (at, 255)], kind, extra)
-    for at, kind, dy in ((360, "surface", 44), (360 + 70, "sphere", -28)):
+    for at, kind, dy in ((360, "surface", 44), (360 + 52, "sphere", -28)):
         for d in ((11, 0), (0, 11)):
             page.line([(at - d[0], 170 - d[1]), (at + d[0], 170 + d[1])], kind, "bold")
     page.text(290, 318, "double", "surface", "end")
     page.line([(300, 310), (350, 310)], "surface", "bold dash")
     page.text(430, 318, "float", "sphere", "start")
     page.line([(370, 310), (420, 310)], "sphere", "bold")
-    page.text(360, 352, f"the longest gap is {far:.1e} mesh units".replace("e-07", " · 10⁻⁷"), "muted", size=20)
+    page.text(360, 352, f"the longest gap is {far:.1e} mesh units".replace("e-07", " · 10⁻⁷"), "muted", size=22)
     return page
 
 

@@ -110,7 +110,8 @@ file(WRITE "${FOLDER}/src/update/loop.inl" "${license}namespace morula {\nconst 
 run(check_namespaces fails "src/update/open.hpp: struct State {" "src/update/loop.inl: const int list   = {1};")
 
 string(REPEAT "word [a; b]\n" 834 many)
-file(WRITE "${FOLDER}/docs/tree.md" "${many}")
+# The words of the first line are not read by who sees the picture.
+file(WRITE "${FOLDER}/docs/tree.md" "![A limb; its spheres](pictures/limb.svg)\n${many}")
 file(WRITE "${FOLDER}/SECURITY.md" "${many}")
 run(check_pages fails "docs/tree.md has 2502 words, 2500 at most" "SECURITY.md has 2502 words, 2500 at most")
 file(REMOVE "${FOLDER}/SECURITY.md")
