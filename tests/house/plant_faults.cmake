@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 # Plants faults in a small tree of files and expects the checks to name each of them, and nothing in a sound tree.
-# MotionRun as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
+# Run as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
 cmake_minimum_required(VERSION 3.24)
 
 set(license "// SPDX-FileCopyrightText: 2026 The Morula authors\n// SPDX-License-Identifier: Apache-2.0\n")
