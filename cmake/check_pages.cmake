@@ -18,6 +18,8 @@ foreach(page IN LISTS pages)
   file(READ "${ROOT}/${page}" text)
   # Marks of generated parts are not read.
   string(REGEX REPLACE "<!--[^>]*-->" "" text "${text}")
+  # Who sees a picture does not read its alternative text.
+  string(REGEX REPLACE "!\\[[^]]*\\]\\([^() ]*\\)" "" text "${text}")
   # Semicolons separate lists, and brackets hide them.
   string(REGEX REPLACE "[][;\\\\]" "x" text "${text}")
   string(REGEX MATCHALL "[^ \t\n]+" words "${text}")

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 # Plants faults in a small tree of files and expects the checks to name each of them, and nothing in a sound tree.
-# MotionRun as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
+# Run as: cmake -D CHECKS=folder -D FOLDER=scratch -P plant_faults.cmake
 cmake_minimum_required(VERSION 3.24)
 
 set(license "// SPDX-FileCopyrightText: 2026 The Morula authors\n// SPDX-License-Identifier: Apache-2.0\n")
@@ -110,7 +110,8 @@ file(WRITE "${FOLDER}/src/update/loop.inl" "${license}namespace morula {\nconst 
 run(check_namespaces fails "src/update/open.hpp: struct State {" "src/update/loop.inl: const int list   = {1};")
 
 string(REPEAT "word [a; b]\n" 834 many)
-file(WRITE "${FOLDER}/docs/explanation/tree.md" "${many}")
+# The words of the first line are not read by who sees the picture.
+file(WRITE "${FOLDER}/docs/explanation/tree.md" "![A limb; its spheres](../pictures/limb.svg)\n${many}")
 file(WRITE "${FOLDER}/SECURITY.md" "${many}")
 run(check_pages fails "docs/explanation/tree.md has 2502 words, 2500 at most" "SECURITY.md has 2502 words, 2500 at most")
 file(REMOVE "${FOLDER}/SECURITY.md")
