@@ -9,13 +9,17 @@ if(NOT DEFINED ROOT)
 endif()
 set(most 2500)
 
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/docs/*.md" "${ROOT}/extras/*/docs/*.md" "${ROOT}/*.md")
+file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/extras/*/docs/*.md" "${ROOT}/*.md")
+file(GLOB_RECURSE pages_of_docs RELATIVE "${ROOT}" "${ROOT}/docs/*.md")
+list(APPEND pages ${pages_of_docs})
 list(REMOVE_ITEM pages CHANGELOG.md)  # which nobody reads from end to end
 set(faults "")
 foreach(page IN LISTS pages)
   file(READ "${ROOT}/${page}" text)
   # Marks of generated parts are not read.
   string(REGEX REPLACE "<!--[^>]*-->" "" text "${text}")
+  # Who sees a picture does not read its alternative text.
+  string(REGEX REPLACE "!\\[[^]]*\\]\\([^() ]*\\)" "" text "${text}")
   # Semicolons separate lists, and brackets hide them.
   string(REGEX REPLACE "[][;\\\\]" "x" text "${text}")
   string(REGEX MATCHALL "[^ \t\n]+" words "${text}")

@@ -11,6 +11,7 @@ import posixpath
 import re
 import shutil
 import sys
+import textwrap
 
 import python_reference
 
@@ -27,7 +28,9 @@ def main():
     for extra in ("mark.svg", "file_worker.js"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
-    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
+    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
+    if len(set(pages.values())) < len(pages):
+        sys.exit("site: two pages have one name; all pages of the site lie in one folder")
     pages |= {p.name: p.name.lower() for p in sorted(ROOT.glob("*.md"))}
     sources, faults = {}, []
 
@@ -57,12 +60,18 @@ def main():
             text = titles[name]
         return f"[{text}]({target})"
 
+    def tabs(block):
+        """Blocks of code with a name each in bold, as tabs of the site."""
+        text = re.sub(r"(?m)^<!--.*-->\n", "", block[1])
+        parts = re.split(r"(?m)^\*\*(.+?)\*\*$\n", text)[1:]
+        return "\n".join(f'=== "{name}"\n' + textwrap.indent(code.rstrip("\n"), "    ") + "\n" for name, code in zip(parts[::2], parts[1::2]))
+
     for source, name in pages.items():
         # What a fence encloses is code: every second piece.
         pieces = re.split(r"(?m)(^```.*?^```$)", (ROOT / source).read_text(), flags=re.S)
         for i in range(0, len(pieces), 2):
             pieces[i] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", lambda m: rewritten(source, m[1], m[2]), pieces[i])
-        (folder / name).write_text("".join(pieces))
+        (folder / name).write_text(re.sub(r"(?ms)^<!-- tabs -->\n(.*?)^<!-- end tabs -->$", tabs, "".join(pieces)))
 
     (folder / "source").mkdir()
     for target, name in sources.items():

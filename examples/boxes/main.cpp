@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Fifty soft bodies fall into a box: a broad phase says which are near, proximity pushes them apart, and no vertex
-// moves farther than is safe, so that no two surfaces ever cross. docs/scene.md says more.
+// moves farther than is safe, so that no two surfaces ever cross. docs/how-to/scene.md says more.
 #include <algorithm>
 #include <cstdio>
 #include <memory>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A soft body of Bullet's falls on another one: with Bullet's own collisions, and with Morula's contacts and two
-// responses, by penalty forces and by positions (PBD). All runs are watched by exact tests. docs/collide_recipes.md
+// responses, by penalty forces and by positions (PBD). All runs are watched by exact tests. docs/how-to/responses.md
 // explains them.
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is done about contacts: penalty forces, or positions that are moved apart (PBD). docs/collide_recipes.md has the
-// formulas.
+// What is done about contacts: penalty forces, or positions that are moved apart (PBD). docs/how-to/responses.md has
+// the formulas.
 #pragma once
 
 #include <algorithm>

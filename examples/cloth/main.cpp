@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A sheet falls on a ball and folds over it: proximity pushes apart, the time of impact limits every step, and no two
-// facets ever cross. docs/features.md says more.
+// facets ever cross. docs/how-to/features.md says more.
 #include <cstdio>
 #include <morula/morula.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A probe at 1 kHz on a limb that bends and twists: signed distance every step, a penalty force with damping.
-// docs/collide_recipes.md says more.
+// docs/how-to/responses.md says more.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

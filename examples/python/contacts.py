@@ -11,6 +11,7 @@ limb_body = morula.Body(limb, morula.build(limb, quality="fast"))
 tool_body = morula.Body(tool, morula.build(tool, quality="fast"))
 a, b = morula.Collider(limb_body), morula.Collider(tool_body)  # once
 
+# [contact_loop]
 query = morula.ContactQuery(budget="300us", surfaces=True)
 query.add(a, b)
 for frame, positions in enumerate(morula.deform_frames(limb, morula.Bend(60), frame_count=7)):
@@ -21,6 +22,7 @@ for frame, positions in enumerate(morula.deform_frames(limb, morula.Bend(60), fr
     push = (contacts.normal * numpy.maximum(contacts.depth, 0)[:, None]).sum(axis=0)
     state = "all of them" if contacts.is_finished else "as far as the budget reaches"
     print(f"frame {frame}: {len(contacts)} contacts, {state}; push {numpy.round(push, 3).tolist()}")
+# [end]
 
 exact = morula.collide(a, b, find_crossings=True)
 print(f"{len(exact.crossings)} pairs of facets really cross")

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A solver that owns its buffer: Morula reads the surface nodes where they are. docs/update.md explains it.
+// A solver that owns its buffer: Morula reads the surface nodes where they are. docs/how-to/update.md explains it.
 #include <array>
 #include <cmath>
 #include <cstdio>

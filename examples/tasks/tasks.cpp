@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The tasks of docs/tasks.md in C++; tasks.py and tasks.c do the same and print the same numbers. Run it in a folder
-// with limb.obj, tool.obj and their trees, limb.morula and tool.morula.
+// The tasks of docs/how-to/tasks.md in C++; tasks.py and tasks.c do the same and print the same numbers. Run it in a
+// folder with limb.obj, tool.obj and their trees, limb.morula and tool.morula.
 #include <algorithm>
 #include <cstdio>
 #include <initializer_list>

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of docs/python_measured.md, measured again: python python/figures/measure.py (with the package installed, nothing else running)."""
+"""The figures of research/notes/python-measured.md, measured again: python python/figures/measure.py (with the package installed, nothing else running)."""
 
 import statistics
 import subprocess

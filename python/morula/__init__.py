@@ -50,7 +50,7 @@ _MODULES = ("batch", "ipctk", "plot", "robot", "typing", "usd")
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
         if name == "robot" and not hasattr(_morula, "robot"):
-            raise AttributeError("morula.robot: this package was built without the extra `robot`, which needs tinyxml2 (docs/python.md)")
+            raise AttributeError("morula.robot: this package was built without the extra `robot`, which needs tinyxml2 (docs/reference/python.md)")
         return importlib.import_module(f"{__name__}.{name}")
     if name in _missing:
         raise AttributeError(f"morula.{name}: this package was built without the extra `{_missing[name]}`")

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 from . import _morula
 
 if not hasattr(_morula, "batch_engine"):
-    raise ImportError("morula.batch needs the command, which this package was built without: it needs CLI11 and fmt (docs/python.md)")
+    raise ImportError("morula.batch needs the command, which this package was built without: it needs CLI11 and fmt (docs/reference/python.md)")
 from ._morula import batch_engine as engine
 from ._places import Place
 

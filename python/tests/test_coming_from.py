@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""The code of docs/coming_from.md runs, block by block, where its packages are installed."""
+"""The code of docs/how-to/coming_from.md runs, block by block, where its packages are installed."""
 
 import importlib.util
 import pathlib
@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-page = (pathlib.Path(__file__).resolve().parents[2] / "docs" / "coming_from.md").read_text(encoding="utf-8")
+page = (pathlib.Path(__file__).resolve().parents[2] / "docs/how-to/coming_from.md").read_text(encoding="utf-8")
 blocks = [
     (section.partition("\n")[0], code)
     for section in re.split(r"(?m)^## ", page)[1:]

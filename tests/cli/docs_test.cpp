@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> command_pages{"docs/cli.md", "docs/cli_build.md", "docs/cli_motion.md",
-                                             "extras/study/docs/cli_study.md", "docs/features.md"};
+const std::vector<std::string> command_pages{"docs/reference/cli.md", "docs/reference/cli_build.md",
+                                             "docs/reference/cli_motion.md", "extras/study/docs/cli_study.md"};
 
 /// README and every page of docs and of the extras, by name.
 std::vector<std::string> all_pages() {
   std::vector<std::string> pages{"README.md"};
-  for (const auto& entry : fs::directory_iterator(fs::path(MORULA_PAGES) / "docs"))
-    if (entry.path().extension() == ".md") pages.push_back("docs/" + entry.path().filename().string());
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(MORULA_PAGES) / "docs"))
+    if (entry.path().extension() == ".md") pages.push_back(fs::relative(entry.path(), MORULA_PAGES).generic_string());
   for (const auto& extra : fs::directory_iterator(fs::path(MORULA_PAGES) / "extras")) {
     if (!fs::is_directory(extra.path() / "docs")) continue;
     for (const auto& entry : fs::directory_iterator(extra.path() / "docs"))

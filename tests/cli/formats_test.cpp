@@ -29,7 +29,7 @@ TEST(FormatsCommand, prints_the_table_of_the_page) {
   for (const nlohmann::json& row : printed["formats"]) {
     rows.emplace(row["extension"], row["read"].get<bool>(), row["written"].get<bool>(), row["for"]);
   }
-  std::istringstream lines(page("docs/formats.md"));
+  std::istringstream lines(page("docs/reference/formats.md"));
   const std::regex line_of_table("^\\| (`\\..*?) \\| (yes|no) \\| (yes|no) \\| (.*) \\|$"),
       extension("`(\\.[a-z0-9]+)`");
   for (std::string line; std::getline(lines, line);) {

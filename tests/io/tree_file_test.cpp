@@ -205,7 +205,7 @@ TEST(TreeFile, same_tree_gives_same_bytes_in_every_locale) {
   }
 }
 
-// The layout that docs/formats.md promises: other programs rely on it.
+// The layout that docs/reference/formats.md promises: other programs rely on it.
 TEST(TreeFile, native_bytes_are_laid_out_as_documented) {
   const ScratchFolder folder;
   const CoveredTree model = small_built(small_mesh());

@@ -30,7 +30,7 @@ usage: scripts/properties [--cases N] [--seed S] [--first K] [--only K] [--far-b
   --keep DIR   where to write the mesh, the pose and the description of what fails
   --quiet      no progress
 
-Each case is a mesh of some family, a tree by some generator, rules and some frames; docs/properties.md lists them. Judged
+Each case is a mesh of some family, a tree by some generator, rules and some frames; docs/contributing/testing.md lists them. Judged
 are the cover of every level in every frame, the contacts of two bodies wherever a query is interrupted, trees by validate(),
 and that files give back what they were given. One line for each failure, with the command that repeats it.
 

@@ -13,7 +13,8 @@
 namespace morula::cli {
 namespace {
 
-// Voxels along the longest side of a level's box: docs/build_measured.md and the benchmarks compare on this lattice.
+// Voxels along the longest side of a level's box: research/notes/builds-measured.md and the benchmarks compare on this
+// lattice.
 constexpr int voxels = 160;
 
 void throw_if_stopped(const std::stop_token& stop) {

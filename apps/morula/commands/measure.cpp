@@ -269,7 +269,8 @@ void add_measure(CLI::App& app, Run& run) {
       ->type_name("LENGTH")
       ->transform(number_above_zero());
   add_flag(*command, "--no-protrusion", o->no_protrusion, "Skip protrusion, the slowest figure");
-  add_flag(*command, "--curobo", o->curobo, "Also measure cuRobo's figures for spheres, from samples: docs/measure.md");
+  add_flag(*command, "--curobo", o->curobo,
+           "Also measure cuRobo's figures for spheres, from samples: docs/reference/measure.md");
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--csv", o->csv, "Write every figure of every frame and level, with all digits")
       ->type_name("FILE");

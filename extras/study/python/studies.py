@@ -128,7 +128,7 @@ def study(
     ValueError for wrong options; ImportError if the package was built without the command.
     """
     if not hasattr(_morula, "study_files"):
-        raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/python.md)")
+        raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/reference/python.md)")
     bodies, files = _given(meshes)
     options: dict[str, Any] = {
         "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),

@@ -67,7 +67,7 @@ struct [[nodiscard]] Touch {
 };
 
 /// Touch query: repeated queries; a run allocates nothing once its lists have grown. Cost: about 15 ns per sphere and
-/// 50...300 ns per facet that it meets; docs/distance.md has medians.
+/// 50...300 ns per facet that it meets; docs/how-to/distance.md has medians.
 class TouchQuery {
  public:
   /// The result stays until the next run; its status reports a rejection.

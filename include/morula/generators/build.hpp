@@ -82,7 +82,7 @@ struct BuildOptions {
   /// Together with `spheres`, the build ends at the first of both limits.
   std::optional<double> max_protrusion{};
   /// true: every sphere contains its children's, for engines that prune by this (certify_nesting). Inner spheres grow
-  /// or move, leaves stay unchanged. Levels above the leaves get looser: docs/tree.md has a table.
+  /// or move, leaves stay unchanged. Levels above the leaves get looser: docs/explanation/cover.md has a table.
   bool nested = false;
   std::uint64_t seed = 1;  ///< seed of all random choices; equal seeds give equal bits
   /// Reductions. For medial: of merge, burst, expand; empty means merge and expand. For combined: of all; empty means

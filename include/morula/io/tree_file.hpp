@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Sphere trees on disk: native .morula with its cover; .sph, .json and .npz with spheres alone. Formats:
-// docs/formats.md.
+// docs/reference/formats.md.
 #pragma once
 
 #include <filesystem>

@@ -18,8 +18,8 @@ struct Interruption;
 ///     query.run(a, b, workers);
 ///
 /// The call passes the exception of `ask` on. The object stays as after an exception of a callback
-/// (docs/conventions.md): as it was, or empty, and ready for the next call. Every later call ends the same way until
-/// the Interrupt is destroyed.
+/// (docs/reference/conventions.md): as it was, or empty, and ready for the next call. Every later call ends the same
+/// way until the Interrupt is destroyed.
 ///
 /// ask: runs on the thread that made the Interrupt, up to a million times a second, usually at least every 10 ms, and
 /// at times only after a few tenths of a second. It should read a clock and do expensive work every 20 ms at most. An

@@ -122,8 +122,8 @@ struct SceneTouch {
 /// body.
 ///
 /// For one thread at a time; workers share its work. Allocates nothing if the scene has had as many bodies and pairs,
-/// and every pair as many contacts. A pair frees its memory if its bodies stay apart for 32 updates. docs/scene.md
-/// lists the memory of a pair.
+/// and every pair as many contacts. A pair frees its memory if its bodies stay apart for 32 updates.
+/// docs/how-to/scene.md lists the memory of a pair.
 class Scene {
  public:
   /// Throws std::invalid_argument, naming the option: a negative or infinite margin, a negative budget.

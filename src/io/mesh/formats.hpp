@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The mesh formats, one row each: readers and writers from and to bytes in memory. docs/formats.md says what is
-// accepted.
+// The mesh formats, one row each: readers and writers from and to bytes in memory. docs/reference/formats.md says what
+// is accepted.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The tree formats, one reader and writer each, from and to bytes in memory. docs/formats.md describes them.
+// The tree formats, one reader and writer each, from and to bytes in memory. docs/reference/formats.md describes them.
 #pragma once
 
 #include <filesystem>

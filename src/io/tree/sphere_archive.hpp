@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Archives of spheres, taken apart: the arrays of a tree, and its spheres frame by frame. docs/formats.md describes
-// them.
+// Archives of spheres, taken apart: the arrays of a tree, and its spheres frame by frame. docs/reference/formats.md
+// describes them.
 #pragma once
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The trees of a rebuilt body, and which of them is to serve: docs/rebuild.md#how-a-tree-is-chosen.
+// The trees of a rebuilt body, and which of them is to serve: docs/how-to/rebuild.md#how-a-tree-is-chosen.
 #pragma once
 
 #include <cstdint>

@@ -275,7 +275,7 @@ void add_collide(CLI::App& app, Run& run) {
   add_option(*command, "B", o->b.mesh, "The other mesh at rest")->type_name("");
   add_side(*command, o->a, "A");
   add_side(*command, o->b, "B");
-  add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/scene.md")
+  add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/how-to/scene.md")
       ->type_name("FILE");
   add_option(*command, "--root", o->roots,
              "Folder besides the scene file's own that may contain the files that it names; may be repeated")

@@ -129,9 +129,9 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   for (const auto& [key, value] : place.json().items())
     if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
       const std::string nearest = nearest_name(key, known_keys);
-      place.refuse(fmt::format(
-          "there is no key '{}'{}", key,
-          nearest.empty() ? std::string("; docs/scene.md lists them") : fmt::format("; did you mean '{}'?", nearest)));
+      place.refuse(fmt::format("there is no key '{}'{}", key,
+                               nearest.empty() ? std::string("; docs/how-to/scene.md lists them")
+                                               : fmt::format("; did you mean '{}'?", nearest)));
     }
   if (!place.has("mesh")) place.refuse("there is no mesh: give \"mesh\": \"FILE\"");
   SceneFileBody body;

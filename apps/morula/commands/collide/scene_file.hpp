@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scene files: bodies with their meshes, trees, motions, places and groups, as JSON. docs/scene.md has the keys.
+// Scene files: bodies with their meshes, trees, motions, places and groups, as JSON. docs/how-to/scene.md has the keys.
 #pragma once
 
 #include <cstdint>
