@@ -76,7 +76,7 @@ TEST_F(Formats, sdf_parts_of_scenes_are_those_of_nodes_or_geometries) {
     const robot::Robot other = sdf(mesh("../m/t.obj", "x"));
     robot::surface_of(other.file, other.links[0].collision);
   });
-  EXPECT_NE(words.find("only those of COLLADA files are read"), std::string::npos) << words;
+  EXPECT_NE(words.find("only submeshes of COLLADA files are read"), std::string::npos) << words;
 }
 
 TEST_F(Formats, sdf_that_is_broken_or_not_supported_is_refused_by_name) {
