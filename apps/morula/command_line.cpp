@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "licenses.hpp"
+#include "next_steps.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/extension.hpp"
@@ -49,21 +50,37 @@ bool takes_value(const CLI::App& app, const std::string& option) {
   return false;
 }
 
-/// The first word that is no option and no value of one: where a command is to stand. Options before it are refused,
-/// but only once the command is known, so a command that is none is said first. Empty where options of the program
-/// itself come before it, or there is no such word.
-std::string command_word(const CLI::App& app, int argc, char** argv) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (word.empty() || word[0] != '-') return word;
-    if (app.get_option_no_throw(word) != nullptr) return {};
-    if (takes_value(app, word)) ++i;
+/// The place of the first word that is no option and no value of one, where a command is to stand. Options before it
+/// are refused, but only once the command is known, so a command that is none is said first. words.size() where options
+/// of the program itself come before it, or there is no such word.
+std::size_t command_place(const CLI::App& app, const std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i].empty() || words[i][0] != '-') return i;
+    if (app.get_option_no_throw(words[i]) != nullptr) break;
+    if (takes_value(app, words[i])) ++i;
   }
-  return {};
+  return words.size();
+}
+
+/// Text for stdout that stands above the error, whatever the two streams lead to.
+void print_first(const std::string& text) {
+  fmt::print("{}", text);
+  std::fflush(stdout);
+}
+
+/// For a first word that is no command: the error, and unless messages are JSON the commands to paste.
+int refuse_word(const CLI::App& app, const std::vector<std::string>& words, std::size_t at, bool as_json) {
+  std::vector<std::string> options;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  const NextSteps next = next_steps(words, at, command_names(app), options);
+  if (!as_json) print_first(next.lines);
+  return fail(exit_bad_use, next.error);
 }
 
 int run(int argc, char** argv, bool parse_only) {
-  write_messages_as_json(wants_json(argc, argv));
+  const bool as_json = wants_json(argc, argv);
+  write_messages_as_json(as_json);
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
   bool licenses = false;
@@ -98,7 +115,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_completion(app, run);
 
   if (argc < 2) {
-    fmt::print("{}", app.help());
+    print_first(first_steps(command_names(app)));
     return fail(exit_bad_use, "no command; see morula --help");
   }
   const std::string first = argv[1];
@@ -106,8 +123,10 @@ int run(int argc, char** argv, bool parse_only) {
     if (!parse_only) fmt::print("{}", license_texts());
     return exit_done;
   }
-  if (const std::string word = command_word(app, argc, argv); !word.empty())
-    check_name("command", word, command_names(app));
+  const std::vector<std::string> words(argv + 1, argv + argc), commands = command_names(app);
+  const std::size_t place = command_place(app, words);
+  if (place < words.size() && std::find(commands.begin(), commands.end(), words[place]) == commands.end())
+    return refuse_word(app, words, place, as_json);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

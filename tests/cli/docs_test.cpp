@@ -193,7 +193,8 @@ TEST(LongCliPages, show_what_their_commands_print) {
         std::vector<std::string> shown;
         while (i + 1 < block.lines.size() && block.lines[i + 1].rfind("$ ", 0) != 0) shown.push_back(block.lines[++i]);
         const CommandResult result = reader.shell(line.substr(2));
-        const bool shows_error = !shown.empty() && shown.front().rfind("morula: error: ", 0) == 0;
+        const bool shows_error = std::any_of(
+            shown.begin(), shown.end(), [](const std::string& text) { return text.rfind("morula: error: ", 0) == 0; });
         EXPECT_EQ(result.exit_code, shows_error ? 2 : 0) << page << ": " << line << '\n' << result.err;
         const bool with_numbers = line.rfind("$ morula study", 0) == 0;
         EXPECT_EQ(steady_words(shown, with_numbers), steady_words(lines_of(result.out + result.err), with_numbers))

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <morula/version.hpp>
+#include <regex>
+#include <sstream>
 
 #include "workbench.hpp"
 
@@ -71,12 +73,101 @@ TEST(Help, says_the_version_of_the_library) {
   EXPECT_EQ(bench.require("--version").out, std::string("morula ") + version + "\n");
 }
 
-TEST(BadUse, without_a_command_shows_the_help_and_fails) {
-  const Workbench bench;
-  const CommandResult result = bench.run("");
+/// The lines of commands in what was printed, as a shell takes them.
+std::vector<std::string> commands_in(const std::string& text) {
+  std::vector<std::string> commands;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("  morula ", 0) == 0) commands.push_back("\"$MORULA\"" + line.substr(8));
+  return commands;
+}
+
+/// The three commands that this command line prints work when they are pasted, in their order.
+void expect_commands_that_work(const Workbench& bench, const std::string& arguments, const std::string& error) {
+  const auto before = bench.listing();
+  const CommandResult result = bench.run(arguments);
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.out.find("Subcommands:"), std::string::npos);
-  EXPECT_EQ(result.err, "morula: error: no command; see morula --help\n");
+  EXPECT_EQ(result.err, "morula: error: " + error + "\n");
+  EXPECT_EQ(bench.listing(), before);
+  const std::vector<std::string> commands = commands_in(result.out);
+  EXPECT_EQ(commands.size(), 3u) << result.out;
+  for (const std::string& command : commands) {
+    const CommandResult pasted = bench.shell(command);
+    const bool no_page = !bench.has_page() && command.find(" view ") != std::string::npos;
+    EXPECT_EQ(pasted.exit_code, no_page ? 2 : 0) << command << "\n" << pasted.err;
+  }
+}
+
+TEST(NextSteps, without_a_command_are_three_that_work) {
+  const Workbench bench;
+  expect_commands_that_work(bench, "", "no command; see morula --help");
+}
+
+TEST(NextSteps, of_a_mesh_build_and_show_it_whatever_its_name) {
+  const Workbench bench;
+  for (const std::string name : {"bar.obj", "my bar's $HOME (1).obj", "folder/Größe.off"}) {
+    std::filesystem::create_directory(bench / "folder");
+    const std::string quoted = "\"" + std::regex_replace(name, std::regex("\\$"), "\\$$") + "\"";
+    bench.require("sample bar -o " + quoted + " --resolution 4");
+    const std::string error = bench.run(quoted).err;
+    EXPECT_EQ(error.rfind("morula: error: '" + name + "' is a mesh, not a command; try morula build ", 0), 0u) << error;
+    expect_commands_that_work(bench, quoted, error.substr(15, error.size() - 16));
+    const std::string tree = std::filesystem::path(name).replace_extension(".morula").string();
+    EXPECT_TRUE(std::filesystem::exists(bench / tree)) << tree;
+  }
+}
+
+TEST(NextSteps, of_a_tree_name_the_mesh_beside_it) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  bench.require("build bar.obj -o bar.morula --method octree --depth 1");
+  const std::string first = has_command("view") ? "view bar.obj bar.morula -o bar.html" : "measure bar.obj bar.morula";
+  expect_commands_that_work(bench, "bar.morula", "'bar.morula' is a tree, not a command; try morula " + first);
+  std::filesystem::rename(bench / "bar.obj", bench / "other.obj");
+  EXPECT_NE(bench.run("bar.morula").out.find("morula measure MESH bar.morula "), std::string::npos);
+}
+
+TEST(NextSteps, of_other_files_and_folders_name_a_command_that_takes_them) {
+  const Workbench bench;
+  std::filesystem::create_directory(bench / "meshes");
+  bench.require("sample bar -o meshes/bar.obj --resolution 4");
+  bench.require("medial meshes/bar.obj -o balls.ply");
+  bench.require("sample limb-coords -o coords.npy");
+  bench.write("picture.png", "");
+  bench.write("arm.urdf", "<robot/>");
+  EXPECT_NE(bench.run("meshes").err.find("is a folder, not a command; try morula batch meshes -o trees"),
+            std::string::npos);
+  EXPECT_NE(bench.run("balls.ply").err.find("is a file of balls, not a command; try morula info balls.ply"),
+            std::string::npos);
+  EXPECT_NE(bench.run("coords.npy").err.find("is a motion, not a command; try morula update MESH TREE coords.npy"),
+            std::string::npos);
+  if (has_extra("robot")) {
+    EXPECT_NE(bench.run("arm.urdf").err.find("is a robot, not a command; try morula robot arm.urdf -o arm\n"),
+              std::string::npos);
+  }
+  bench.expect_refused("picture.png", "unknown command 'picture.png', which is a file, but neither a mesh (.obj");
+  bench.expect_refused("lost.obj", "unknown command 'lost.obj', and there is no file of that name");
+}
+
+TEST(NextSteps, of_a_wrong_word_repeat_the_line_with_the_right_one) {
+  const Workbench bench;
+  bench.expect_refused("buidl", "unknown command 'buidl'; did you mean build? See morula build --help\n");
+  bench.expect_refused("buidl 'a b.obj' -o a.morula", "did you mean build? Try morula build 'a b.obj' -o a.morula\n");
+  bench.expect_refused("xyzzy", "unknown command 'xyzzy'; known: build, measure, deform");
+  bench.expect_refused("''", "unknown command ''; known: build");
+  bench.expect_refused("help", "unknown command 'help'; try morula --help\n");
+  bench.expect_refused("help build", "unknown command 'help'; try morula build --help\n");
+  bench.expect_refused("version", "unknown command 'version'; try morula --version\n");
+}
+
+TEST(NextSteps, are_no_text_beside_json) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  const CommandResult result = bench.run("bar.obj --json");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(nlohmann::json::parse(result.err)["error"],
+            "'bar.obj' is a mesh, not a command; try morula build bar.obj -o bar.morula");
 }
 
 TEST(BadUse, names_what_is_known_and_what_was_nearly_right) {

@@ -14,29 +14,20 @@ if(WAY STREQUAL find_package)
       OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
   endforeach()
 
-  # The example of README, as it stands there, on meshes of those names.
+  # The project of README, as it stands there.
   file(READ "${SOURCE}/README.md" readme)
-  if(NOT readme MATCHES "```cpp\n#include <morula/morula.hpp>\n([^`]*)```")
-    message(FATAL_ERROR "README.md has no C++ example that starts with #include <morula/morula.hpp>.")
-  endif()
-  file(CONFIGURE OUTPUT "${FOLDER}/readme_example.cpp" @ONLY CONTENT "#include <morula/morula.hpp>
-int main() {
-  const std::vector<morula::Vec3> positions = morula::read_mesh(\"limb.obj\").positions;
-  bool has_contacts = false, has_surfaces = false;
-  const auto use = [&](const morula::Contacts& found) {
-    has_contacts = !found.contacts.empty();
-    has_surfaces = !found.finished || found.surfaces.size() == found.contacts.size();
-  };
-@CMAKE_MATCH_1@
-  return figures.size() == model.tree.level_count() && has_contacts && has_surfaces ? 0 : 1;
-}
-")
-  configure_file("${MESH}" "${FOLDER}/limb.obj" COPYONLY)
-  configure_file("${MESH}" "${FOLDER}/tool.obj" COPYONLY)
+  foreach(block "cpp:main.cpp" "cmake:CMakeLists.txt")
+    string(REPLACE ":" ";" block "${block}")
+    list(GET block 0 language)
+    list(GET block 1 name)
+    if(NOT readme MATCHES "```${language}\n([^`]*)```")
+      message(FATAL_ERROR "README.md has no block of ${language} for ${name}.")
+    endif()
+    file(WRITE "${FOLDER}/readme/${name}" "${CMAKE_MATCH_1}")
+  endforeach()
 
-  list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix"
-    -D "README_EXAMPLE=${FOLDER}/readme_example.cpp")
-  set(programs body_core body_files body_precompiled readme_example)
+  list(APPEND configuration -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D "CMAKE_PREFIX_PATH=${FOLDER}/prefix")
+  set(programs body_core body_files body_precompiled)
   if(STUDY)
     list(APPEND configuration -D "STUDY_EXAMPLE=${SOURCE}/examples/study/main.cpp")
     list(APPEND programs study_example)
@@ -58,3 +49,14 @@ execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/build" ${build_targe
 foreach(program IN LISTS programs)
   execute_process(COMMAND "${FOLDER}/build/${program}" "${MESH}" WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
+
+if(WAY STREQUAL find_package)
+  execute_process(COMMAND ${CMAKE_COMMAND} -S "${FOLDER}/readme" -B "${FOLDER}/readme/build" ${configuration}
+    COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${CMAKE_COMMAND} --build "${FOLDER}/readme/build" COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${FOLDER}/readme/build/app" OUTPUT_VARIABLE printed COMMAND_ERROR_IS_FATAL ANY)
+  # A line for each frame; in some of them the bodies touch.
+  if(NOT printed MATCHES "^([0-9]+ contacts\n)+$" OR NOT printed MATCHES "[1-9][0-9]* contacts")
+    message(FATAL_ERROR "README's example printed:\n${printed}")
+  endif()
+endif()

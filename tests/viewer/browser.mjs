@@ -20,16 +20,16 @@ export async function launch(packages, options = {}) {
 }
 
 /** A page from disk. Returns {page, complaints}: what it wrote as errors, and what it asked the network for. */
-export async function open(browser, file, { width = 1440, height = 900, dark = false, scale = 1, touch = false } = {}) {
+export async function open(browser, file, { width = 1440, height = 900, dark = false, scale = 1, touch = false, motion = 'reduce', hash = '' } = {}) {
   const context = await browser.newContext({
-    viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', deviceScaleFactor: scale, hasTouch: touch, reducedMotion: 'reduce',
+    viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', deviceScaleFactor: scale, hasTouch: touch, reducedMotion: motion,
   });
   const page = await context.newPage();
   const complaints = [];
   page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
   page.on('pageerror', (error) => complaints.push(String(error)));
   page.on('request', (request) => /^https?:|^wss?:/.test(request.url()) && complaints.push(`asks the network for ${request.url()}`));
-  await page.goto(pathToFileURL(file).href);
+  await page.goto(pathToFileURL(file).href + hash);
   return { page, complaints, close: () => context.close() };
 }
 

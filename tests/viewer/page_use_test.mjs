@@ -4,7 +4,7 @@
 import { readFileSync } from 'node:fs';
 import { at, check, claim, equal } from './support.mjs';
 import { slide } from './browser.mjs';
-import { close, compare, onShared, picture, words, writeLimb } from './limb.mjs';
+import { close, compare, onShared, opened, picture, words, writeLimb } from './limb.mjs';
 import { figure } from '../../viewer/src/numbers.js';
 
 writeLimb();
@@ -80,5 +80,23 @@ await claim('curves_lead_to_the_frame', () =>
     await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
     equal(await page.locator('#frame').inputValue(), '6', 'frame in the middle');
   }));
+
+await claim('a_motion_plays_at_first_unless_the_address_or_the_reader_says_otherwise', async () => {
+  const playing = (page) => page.getAttribute('#play', 'aria-label').then((label) => label === 'Pause');
+  const frame = (page) => page.locator('#frame').inputValue();
+  await opened('limb.html', { motion: 'no-preference' }, async (page) => {
+    check(await playing(page), 'it plays');
+    const first = await frame(page);
+    while ((await frame(page)) === first) await new Promise((done) => setTimeout(done, 20));
+    equal(await page.evaluate(() => location.hash), '', 'address of a page that plays');
+    await page.keyboard.press('Space');
+    check(!(await playing(page)), 'it stops');
+  });
+  await opened('limb.html', { motion: 'no-preference', hash: '#frame=6' }, async (page) => {
+    check(!(await playing(page)), 'an address that names a frame shows it');
+    equal(await frame(page), '6', 'frame');
+  });
+  await opened('limb.html', {}, async (page) => check(!(await playing(page)), 'a reader who wants no motion sees none'));
+});
 
 await close();

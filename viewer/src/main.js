@@ -109,8 +109,9 @@ function start() {
       stage?.show(scene);
       sliders.show(scene.joints);
       panel.show(scene);
+      const { body } = sceneList.describe(state.get('scene'));
       byId('about').textContent = [
-        sceneList.describe(state.get('scene')).body,
+        ...(body === manifest.title ? [] : [body]),
         counted(scene.motionEntry.facets, 'facet'),
         counted(scene.nodeCount, 'sphere'),
         scene.joints ? counted(scene.joints.own.length, 'joint') : `rule ${scene.entry.rule}`,
@@ -147,6 +148,7 @@ function start() {
   function remember() {
     if (!begun) return;
     clearTimeout(waiting);
+    if (state.get('playing')) return;
     waiting = setTimeout(() => {
       const hash = writeAddress(state.values, begun, stage?.turned ? stage.look() : '');
       if (hash === '' && !location.hash.includes('=')) return; // a link into a report stays
@@ -244,6 +246,9 @@ function start() {
   state.set({ scene: 0 });
   begun = { ...state.values };
   goTo(location.hash);
+  // A body that moves is shown moving, unless the address or a study says what to show, or the reader wants no motion.
+  const moves = scene.joints === null && scene.frameCount > 1;
+  if (moves && !hasReport && location.hash === '' && !matchMedia('(prefers-reduced-motion: reduce)').matches) play();
   document.body.dataset.ready = 'true';
 }
 
