@@ -28,7 +28,7 @@ const bundle = buildSync({
 });
 const text = (ending) => bundle.outputFiles.find((file) => file.path.endsWith(ending)).text;
 
-// What is inside the page carries its licenses along.
+// The page contains the licenses of the libraries in it.
 const license = (name) => readFileSync(join(binary, 'node_modules', name, 'LICENSE'), 'utf8').trim();
 const notices = ['three', 'uplot'].map((name) => `${name}\n${license(name)}`).join('\n\n').replaceAll('--', '- -');
 

@@ -37,8 +37,8 @@ struct Posture {
 constexpr const char* grid_text =
     "voxels along the longest side of the box of the spheres; with voxel_edge, mesh units, a fixed lattice instead";
 
-/// measure() and what is like it: of a tree or of spheres, which `read` takes from what is given and `ask` measures
-/// without the interpreter's lock.
+/// Binds measure() and similar functions, for a tree or for spheres: `read` converts the argument, `ask` measures
+/// without the GIL.
 template <class Given, class Read, class Ask>
 void bind_measure(nb::module_& m, const char* name, const char* subject, const char* subject_type, const char* result,
                   const char* text, const Read& read, const Ask& ask) {

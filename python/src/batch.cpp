@@ -37,7 +37,7 @@ auto as_value_error(const F& f) {
   }
 }
 
-// name, reference, path, refusal
+// name, reference, path, reason of a rejection
 using RowTuple = std::tuple<std::string, std::string, fs::path, std::string>;
 
 std::vector<RowTuple> tuples_of(const std::vector<cli::ManifestRow>& rows) {

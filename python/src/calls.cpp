@@ -66,7 +66,7 @@ constexpr std::array<Vectorcall, most_ways> calls_of(std::index_sequence<Way...>
 }
 constexpr std::array<Vectorcall, most_ways> calls = calls_of(std::make_index_sequence<most_ways>());
 
-/// Where functions of this type keep the pointer.
+/// The offset of the pointer in functions of this type.
 Py_ssize_t offset_of_vectorcall(PyTypeObject* type) {
   const auto* member = static_cast<const PyMemberDef*>(PyType_GetSlot(type, Py_tp_members));
   for (; member && member->name; ++member)
@@ -98,7 +98,7 @@ void exchange_all(nb::handle scope) {
     if (is_function(value)) {
       exchange(value);
     } else if (PyType_Check(value.ptr()) || PyModule_Check(value.ptr())) {
-      // Those of others are named here, too.
+      // Functions of other modules are also named here.
       const auto module_name = nb::cast<std::string>(nb::str(nb::getattr(value, "__module__", nb::str(""))));
       if (PyModule_Check(value.ptr()) || module_name.starts_with("morula.")) exchange_all(value);
     } else {

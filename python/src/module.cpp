@@ -17,10 +17,10 @@
 namespace morula::python {
 namespace {
 
-/// An OSError of the kind that the system's refusal has in Python, with its number and the file.
+/// Raises the OSError that Python has for the system's error, with its number and the file.
 void raise_os_error(const SystemFileError& error) {
   const std::string file = error.file().string();
-  // The file stands beside the problem in Python.
+  // Python shows the file next to the problem.
   const std::string problem = error.what() + file.size() + 2;
   const nb::object made = nb::handle(PyExc_OSError)(error.error(), python_text(problem), python_text(file));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Motions: deformations by formula, modes and skins.
+// Motions: generated deformations, modes and skins.
 #include "motion.hpp"
 
 #include <morula/morula.hpp>
@@ -76,7 +76,7 @@ Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transform
 
 namespace {
 
-/// What it was made with, and its printed form.
+/// Attributes with the arguments of the constructor, and the printed form.
 template <class Kind, class Member>
 void bind_number(nb::class_<Kind>& type, const char* name, Member Kind::*member) {
   type.def_prop_ro(

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Topology: edges, fans, pieces and borders of meshes; and single triangles.
+// Topology: edges, fans, components and borders of meshes; and single triangles.
 #include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/triangle.hpp>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is shown, in the page's address: '#frame=3&level=1&color=growth&camera=…'. A copied address shows the same.
-// Only what the reader changed is there. Links to places of a report have no '=' and are left alone.
+// The view in the page's address: '#frame=3&level=1&color=growth&camera=…'. A copied address shows the same view.
+// Only values that the reader changed are there. Links to places of a report have no '=' and are left alone.
 const kinds = {
   scene: 'count', frame: 'count', level: 'count', picked: 'count',
   color: ['level', 'branch', 'empty', 'growth'],
@@ -26,7 +26,7 @@ const brief = (value, digits) => String(Number(value.toFixed(digits)));
 const written = (kind, value) =>
   kind === 'flag' ? (value ? '1' : '0') : kind === 'share' ? brief(value, 3) : kind === 'list' ? value.map((x) => brief(x, 4)).join(',') : String(value);
 
-/** {values: of the state, camera: text or null}; null when the address says nothing of them. What is unknown is passed over. */
+/** {values: of the state, camera: text or null}; null when the address has neither. Unknown names are skipped. */
 export function readAddress(hash) {
   if (!hash.includes('=')) return null;
   const parameters = new URLSearchParams(hash.replace(/^#/, ''));
@@ -38,7 +38,7 @@ export function readAddress(hash) {
   return { values, camera: parameters.get('camera') };
 }
 
-/** values, first: of the state now and as the page began. camera: '' when it was not moved. */
+/** values, first: the current state and the state at the page's start. camera: '' when it was not moved. */
 export function writeAddress(values, first, camera) {
   const parameters = Object.entries(kinds)
     .filter(([name, kind]) => values[name] !== undefined && (first[name] === undefined || written(kind, values[name]) !== written(kind, first[name])) && !(name === 'picked' && values[name] < 0))

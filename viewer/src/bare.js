@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Where the surface is outside all spheres, decided pixel by pixel: a grid says which few spheres a point can be in.
+// Finds the surface outside all spheres, pixel by pixel: a grid lists the few spheres that can contain a point.
 
 /** Cells along the longest side of the box, at most; more would cost memory and save nothing. */
 const mostCells = 32;
@@ -49,7 +49,7 @@ export function sphereGrid(positions, spheres, nodes) {
   return { low, edge, size, first, items };
 }
 
-/** Least |p - c| - r over the spheres of p's cell: negative inside one. What the shader does, for tests. */
+/** Least |p - c| - r over the spheres of p's cell: negative inside one. The shader's computation, for tests. */
 export function distanceOutside(grid, x, y, z) {
   const cell = [x, y, z].map((at, k) => Math.min(Math.max(Math.floor((at - grid.low[k]) / grid.edge), 0), grid.size[k] - 1));
   const at = (cell[2] * grid.size[1] + cell[1]) * grid.size[0] + cell[0];

@@ -80,8 +80,8 @@ export class BodyView {
     });
     this.parts[2].visible = false;
 
-    // Where the plane is inside the body: back faces count up, front faces down, and what is not zero is filled. They
-    // count in seven bits: the spheres' skin has the eighth.
+    // The part of the plane inside the body: back faces count up, front faces down, and pixels that are not zero are
+    // filled. The count has seven bits: the spheres' skin has the eighth.
     const counting = (side, op) =>
       new MeshBasicMaterial({
         side, colorWrite: false, depthWrite: false, depthFunc: AlwaysDepth,
@@ -144,7 +144,7 @@ export class BodyView {
     normal.needsUpdate = true;
   }
 
-  /** Red where the spheres of the level set leave the surface bare; on: whether to show it. */
+  /** Red surface where the spheres of the level set leave it uncovered; on: whether to show it. */
   compare(frame, level, on) {
     this.bareness.bareOn.value = on ? 1 : 0;
     if (!on) return;

@@ -53,7 +53,7 @@ export class Curves {
     const data = aligned(content.series);
     if (log) for (let i = 1; i < data.length; ++i) data[i] = data[i].map((y) => (y > 0 ? y : null));
     const font = '11px ' + styleValue('--sans');
-    // Of a log scale only the powers of ten.
+    // A log scale shows only the powers of ten.
     const decades = (_, splits) => splits.map((v) => (Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v : null));
     const axis = (label, more) => ({
       stroke: styleValue('--muted'),

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads what extras/page/src/page.cpp wrote; extras/page/docs/view.md describes it. No page and no drawing in here: tests run it alone.
 
-/** What is wrong with the file, in words for the reader. */
+/** A fault of the file, with a message for the reader. */
 export class PageError extends Error {}
 
 const newestFormat = 1;
@@ -136,7 +136,7 @@ export function readManifest(text) {
     throw new PageError('its list of contents cannot be read');
   }
   if (content.format !== newestFormat) {
-    throw new PageError(`it has format ${content.format}, and this page knows ${newestFormat}`);
+    throw new PageError(`it has format ${content.format}, and this page reads ${newestFormat}`);
   }
   const whole = Array.isArray(content.motions) && Array.isArray(content.scenes) && content.scenes.length > 0;
   if (!whole) throw new PageError('its list of contents is not complete');

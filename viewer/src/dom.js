@@ -22,5 +22,5 @@ export function drawn(tag, attributes = {}, ...children) {
   return made;
 }
 export const byId = (id) => document.getElementById(id);
-/** A color or length of the style sheet, as it is now. */
+/** The current value of a color or length of the style sheet. */
 export const styleValue = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -53,7 +53,7 @@ export class Joints {
     const [lower, upper] = this.limits(k);
     return Math.min(Math.max(value, lower), upper);
   }
-  /** Where every part is, in the axes of the one that no joint carries. values: one per own joint. */
+  /** The pose of every part, in the axes of the part that no joint carries. values: one per own joint. */
   poses(values) {
     const given = new Map(this.own.map((i, k) => [i, values[k]]));
     const valueOf = (i, steps = 0) => {
@@ -70,7 +70,7 @@ export class Joints {
     });
     return poses;
   }
-  /** What takes every part from where it is at rest to where it is now. */
+  /** The transform of every part from its pose at rest to its current pose. */
   moves(values) {
     return this.poses(values).map((pose, part) => product(pose, this.fromRest[part]));
   }

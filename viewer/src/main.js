@@ -55,7 +55,7 @@ function makeStage() {
     if (!(error instanceof PageError)) throw error;
     console.warn(error);
     place.prepend(element('div', { id: 'no-picture', role: 'alert' },
-      element('p', {}, `No picture: ${error.message}.`), element('p', { class: 'muted' }, 'The figures beside it are complete.')));
+      element('p', {}, `No picture: ${error.message}.`), element('p', { class: 'muted' }, 'The figures next to it are complete.')));
     document.body.dataset.picture = 'false';
     return null;
   }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is shown: the scenes of the page, decoded when they are first asked for, and the reader's choices.
+// The model of the view: the scenes of the page, decoded on first use, and the reader's choices.
 import { PageError, decodeMotion, decodeScene, readBytes } from './decode.js';
 import { Joints, placed } from './joints.js';
 
-/** A value that others listen to: set() calls every listener with the names of what changed. */
+/** Named values with listeners: set() calls every listener with the names of the changed values. */
 export class State {
   constructor(values) {
     this.values = { ...values };
@@ -90,7 +90,7 @@ class Scene {
       Math.hypot(...[0, 1, 2].map((k) => spheres[4 * node + k] - spheres[k])) + spheres[4 * node + 3]), 0);
     this.pointsOf.frame = -1;
   }
-  /** Pairs of parts whose spheres meet now although they are not to: [[name, name], …]. */
+  /** Pairs of parts whose spheres overlap in this pose although they must not: [[name, name], …]. */
   meeting() {
     const [spheres] = this.frames;
     const heads = [...this.levelSets[Math.min(1, this.levelCount - 1)]];
@@ -141,7 +141,7 @@ class Scene {
       }
     });
   }
-  /** [low, high] of the vertices of now. */
+  /** {low, high} of the vertices in the current pose. */
   bounds() {
     const positions = this.positions(0);
     const low = [Infinity, Infinity, Infinity];
@@ -152,7 +152,7 @@ class Scene {
     }
     return { low, high };
   }
-  /** Half of what rounding to steps may have moved a vertex by, at most. */
+  /** Diagonal of a rounding step: twice the largest displacement of a vertex by rounding. */
   get tolerance() {
     return Math.hypot(...this.step);
   }
@@ -163,7 +163,7 @@ class Scene {
   empty(frame, node) {
     return this.emptyShare ? this.emptyShare[frame][node] / 65535 : null;
   }
-  /** [least, most] over all frames of what the nodes of a level set have. */
+  /** [least, most] of a quantity over the nodes of a level set in all frames. */
   range(quantity, level) {
     const key = `${quantity} ${level}`;
     if (!this.ranges.has(key)) {
@@ -215,7 +215,7 @@ export class SceneList {
     }
     return this.scenes.get(index);
   }
-  /** What tells scenes apart: [{key, label, values}], those with one value left out. */
+  /** The keys in which scenes differ: [{key, label, values}]; keys with one value are left out. */
   choices() {
     const of = (index) => this.describe(index);
     const count = this.manifest.scenes.length;
@@ -232,7 +232,7 @@ export class SceneList {
     const motion = this.motionEntry(index);
     return { body: motion.body, motion: motion.name, tree: entry.tree, rule: entry.rule };
   }
-  /** The scene with the wanted values that is otherwise most like the given one; -1 when no scene has them. */
+  /** The scene with the required values that is otherwise most like the given one; -1 when no scene has them. */
   nearest(wanted, index) {
     const now = this.describe(index);
     let best = -1;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The controls beside the picture: what is shown, how, and the figures of the frame.
+// The controls next to the picture: the choices of the view, and the figures of the frame.
 import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
 import { css, kindColor, levelColors, mapGradient } from './colors.js';
@@ -175,7 +175,7 @@ export class Panel {
     );
   }
 
-  /** Of a body of parts: their spheres, in the colors of the picture. */
+  /** For a body of parts: the spheres of each part, in the colors of the picture. */
   drawParts() {
     const { scene } = this;
     const heads = [...scene.levelSets[Math.min(1, scene.levelCount - 1)]];

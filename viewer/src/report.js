@@ -75,7 +75,7 @@ export class Report {
     return element('nav', { id: 'contents', 'aria-label': 'Contents' },
       ...sections.map((section) => element('a', { href: `#${section.id}` }, section.dataset.title)));
   }
-  /** What the address names is unfolded and brought into view. */
+  /** Unfolds the section that the address names, and scrolls to it. */
   reveal() {
     const wanted = location.hash.includes('=') ? null : document.getElementById(decodeURIComponent(location.hash.slice(1)));
     if (!wanted || !byId('report').contains(wanted)) return;

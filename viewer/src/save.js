@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Files of what is shown: a picture, a film of all frames, the body and its spheres for other programs.
+// Files of the view: a picture, a film of all frames, the body and its spheres for other programs.
 import { Color, Group, IcosahedronGeometry, Mesh, MeshStandardMaterial, BufferAttribute, BufferGeometry } from 'three';
 import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 import { element, styleValue } from './dom.js';

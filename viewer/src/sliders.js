@@ -41,7 +41,7 @@ export class Sliders {
     byId('joints').replaceChildren(...this.rows.map(({ row }) => row));
   }
 
-  /** The values of now on the sliders; meeting: [[name, name], …]. */
+  /** Sets the sliders to the current values; meeting: [[name, name], …]. */
   follow(meeting) {
     this.rows.forEach(({ joint, lower, upper, range, output }, k) => {
       const value = this.state.get('joints')[k];

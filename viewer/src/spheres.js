@@ -50,7 +50,7 @@ void main() {
   vec3 across = vOffset - dot(vOffset, ray) * ray;
   float inside = vRadius * vRadius - dot(across, across);
   float border = fwidth(inside);
-  // The fringe of a sphere is see-through: it hides nothing, or the seams of spheres would have specks of what is behind.
+  // The fringe of a sphere is see-through: it hides nothing, or the seams of spheres would have specks of the background.
   if (inside <= (part == 1 ? border : 0.0) || (part == 2 && inside > border)) discard;
   vec3 point = across - sqrt(inside) * ray;
   vec3 n = point / vRadius;
@@ -194,7 +194,7 @@ export class SpheresView {
     this.mark();
   }
 
-  /** The spheres of now into the attributes. */
+  /** Copies the current spheres into the attributes. */
   fill() {
     const { frame, color } = this;
     const spheres = this.scene.frames[frame];

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The three-dimensional picture: camera, light, section plane, and what stands in it. It draws only when asked to.
+// The three-dimensional picture: camera, light, section plane and objects. It draws only on request.
 import { Color, DirectionalLight, Group, HemisphereLight, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { PageError } from './decode.js';
@@ -80,7 +80,7 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  /** Draws in the next frame of the screen, once, however often asked. */
+  /** Draws in the next frame of the screen, once for any number of calls. */
   ask() {
     if (this.asked) return;
     this.asked = true;
@@ -185,13 +185,13 @@ export class Stage {
     const { low, high } = this.box;
     return [new Vector3(...low.map((x, k) => 0.5 * (x + high[k]))), 0.5 * Math.hypot(...low.map((x, k) => high[k] - x)) || 1];
   }
-  /** Where the camera stands, where it looks, and up: 'x,y,z,x,y,z,up', about the middle of the box, in half diagonals. */
+  /** The camera's position, target and up axis: 'x,y,z,x,y,z,up', about the middle of the box, in half diagonals. */
   look() {
     const [center, radius] = this.frameOfBox();
     const numbers = [this.camera.position, this.controls.target].flatMap((p) => p.clone().sub(center).divideScalar(radius).toArray());
     return [...numbers.map((x) => String(Number(x.toFixed(4)))), this.up].join(',');
   }
-  /** What look() returned, of this body or another. Nothing happens when it is none. */
+  /** Takes a text that look() returned, for this body or another; ignores any other text. */
   lookAs(text) {
     const parts = String(text).split(',');
     const numbers = parts.slice(0, 6).map((part) => (part.trim() === '' ? NaN : Number(part)));
@@ -205,7 +205,7 @@ export class Stage {
     this.ask();
   }
 
-  /** axis: '', 'x', 'y' or 'z'; share: 0 to 1 of the box. What lies beyond is not drawn. */
+  /** axis: '', 'x', 'y' or 'z'; share: 0 to 1 of the box. Objects beyond the plane are not drawn. */
   cut(axis, share, flip) {
     if (axis) {
       const k = 'xyz'.indexOf(axis);

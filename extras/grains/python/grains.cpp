@@ -31,7 +31,7 @@ const ClumpFormat& format_of(std::string_view wanted) {
   throw std::invalid_argument("format: '" + std::string(wanted) + "', but there are only " + known);
 }
 
-/// Names that arguments take, beside those of the library (choices.cpp).
+/// Names that arguments take, in addition to those of the library (choices.cpp).
 void add_choices(nb::module_& m) {
   nb::dict all = nb::borrow<nb::dict>(nb::object(m.attr("_choices")));
   std::vector<std::string> formats;

@@ -21,10 +21,10 @@ namespace morula::python {
 
 namespace {
 
-/// The page is a query that is asked by add().
+/// The page is a query; add() runs it.
 using HeldCollidePage = HeldQuery<CollidePage, SeenSides>;
 
-/// Of what collide(), a ContactQuery or Scene.pairs() has found, or a list of PageContact.
+/// The marks of contacts from collide(), a ContactQuery or Scene.pairs(), or of a list of PageContact.
 std::vector<PageContact> marks_of(nb::handle given) {
   std::vector<PageContact> marks;
   if (given.is_none()) return marks;

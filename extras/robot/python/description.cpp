@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a robot is: links, joints, shapes.
+// The description of a robot: links, joints, shapes.
 #include <morula/robot/robot.hpp>
 #include <string>
 

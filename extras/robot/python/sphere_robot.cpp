@@ -21,7 +21,7 @@ struct HeldRobot {
   std::size_t own_count;
   std::mutex mutex;
 
-  /// Without the interpreter's lock: who has the robot may wait for that.
+  /// Locks the robot without the GIL: a thread that holds the robot may wait for the GIL.
   template <class F>
   auto locked(const F& f) {
     return without_gil([&] {

@@ -93,7 +93,7 @@ study::Plan plan_of(const cli::StudyOptions& options) {
   }
 }
 
-/// What one task computes: a method on a body, by a rule, or pressed; without either its tree alone.
+/// The plan of one task: a method on a body, by a rule or pressed; without either, its tree alone.
 study::Plan part_of(study::Plan plan, std::size_t body, const std::string& method, const std::string& rule,
                     const std::string& mix, bool press) {
   const auto drop = [&](std::vector<study::Source>& sources) {
@@ -103,7 +103,7 @@ study::Plan part_of(study::Plan plan, std::size_t body, const std::string& metho
   const study::NamedMesh kept = plan.bodies.at(body);
   drop(plan.sources);
   drop(plan.press_sources);
-  // A tree that is only pressed is asked for by itself.
+  // A tree that is only pressed is built alone.
   if (plan.sources.empty()) std::swap(plan.sources, plan.press_sources);
   plan.bodies = {kept};
   std::erase_if(plan.rules, [&](const study::FollowRule& r) { return r.name != rule; });

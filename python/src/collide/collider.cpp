@@ -18,7 +18,7 @@
 namespace morula::python {
 namespace {
 
-/// Without the interpreter's lock, which who moves the collider may wait for.
+/// Locks the side without the GIL: a thread that moves the collider may wait for the GIL.
 template <class F>
 auto read(const Side& side, const F& f) {
   return without_gil([&] {

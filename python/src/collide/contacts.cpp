@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What queries about two bodies find: contacts, crossings, containment.
+// Results of queries about two bodies: contacts, crossings, containment.
 #include "contacts.hpp"
 
 #include <morula/morula.hpp>

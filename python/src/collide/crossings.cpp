@@ -83,7 +83,7 @@ void bind_crossings(nb::module_& m) {
       "walk_pairs",
       [](ColliderGiven ga, ColliderGiven gb, nb::callable visit, std::optional<std::uint32_t> level, double margin) {
         const auto a = side_of(ga, "a"), b = side_of(gb, "b");
-        // Waited for without the interpreter's lock, which whoever holds the bodies may ask for.
+        // The wait is without the GIL: a thread that holds the bodies may need it.
         std::optional<Reading> reading;
         without_gil([&] { reading.emplace(std::vector<const Side*>{a.get(), b.get()}); });
         return walk_pairs(a->current(), b->current(), {level, margin}, [&](NodePair pair, bool is_final) {

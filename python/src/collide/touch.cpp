@@ -13,7 +13,7 @@ namespace morula::python {
 
 namespace {
 
-/// As the call that makes it.
+/// The shape as text: the call that makes it.
 std::string shown(nb::handle shape, std::initializer_list<const char*> names) {
   std::string text = nb::cast<std::string>(nb::object(nb::handle(shape.type()).attr("__name__")));
   const char* before = "(";

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a scene finds: pairs of bodies with their contacts, and what shapes and rays meet.
+// Results of a scene: pairs of bodies with their contacts, and the bodies that shapes and rays meet.
 #include <cstdint>
 #include <iterator>
 #include <morula/morula.hpp>

@@ -20,7 +20,7 @@ namespace morula::python {
 
 namespace {
 
-/// A scene, the colliders that it borrows, and the filter that it asks.
+/// A scene, the colliders that it borrows, and the filter that it calls.
 struct HeldScene : Exchanging {
   SceneOptions options;
   nb::object accepts = nb::none();
@@ -28,7 +28,7 @@ struct HeldScene : Exchanging {
   std::vector<std::shared_ptr<Side>> sides;  // by place
   std::exception_ptr raised;                 // by the filter
   bool is_updating = false;
-  mutable std::recursive_mutex mutex;  // the filter may ask the scene who its bodies are
+  mutable std::recursive_mutex mutex;  // recursive: the filter may read the bodies of the scene
 
   HeldScene(SceneOptions&& given, nb::object&& filter) : options(std::move(given)), accepts(std::move(filter)) {
     connect();
@@ -75,7 +75,7 @@ struct HeldScene : Exchanging {
   }
 };
 
-/// Runs f with the scene locked, without the interpreter's lock.
+/// Runs f with the scene locked, without the GIL.
 template <class F>
 auto locked(const HeldScene& self, const F& f) {
   return without_gil(self, [&] {
@@ -224,7 +224,7 @@ void bind_scene_questions(Class& scene) {
               }
               self.is_updating = false;
               std::swap(raised, self.raised);
-              // Who was not asked is asked by the next update.
+              // The filter raised, so the next update calls it for the pairs that are left.
               if (raised) self.scene.set_options(self.options);
             }
             if (raised) std::rethrow_exception(raised);
@@ -327,7 +327,7 @@ void bind_scene_class(nb::module_& m) {
              bool find_crossings, nb::object accepts) {
             SceneOptions options = scene_options(level, margin, budget, surfaces, find_crossings, accepts);
             locked_idle(self, [&] {
-              const Scene checked(options);  // throws for what is out of range
+              const Scene checked(options);  // throws for options out of range
               std::swap(self.options, options);
               std::swap(self.accepts, accepts);
               self.connect();

@@ -50,9 +50,9 @@ bool is_float(const Any& array) {
   return is_kind(array, nb::dlpack::dtype_code::Float) && (array.dtype().bits == 32 || array.dtype().bits == 64);
 }
 
-/// Copies of large arrays are long calls, too: to be told the number of every row. Throws what a signal's handler
-/// raised. Memory of the copies is reserved and filled row by row: to fill it with zeros first is a long call without
-/// a look.
+/// Copies of large arrays are long calls: they call this with the number of every row. Throws the exception that a
+/// signal's handler raised. Memory of the copies is reserved and filled row by row: filling it with zeros first would
+/// be a long call without a check.
 void check_signals_at(std::size_t row) {
   if (row % 65536 == 65535 && PyErr_CheckSignals() != 0) throw nb::python_error();
 }
@@ -61,7 +61,7 @@ bool is_true(nb::handle object, const char* attribute) {
   return nb::hasattr(object, attribute) && object.attr(attribute).is(nb::bool_(true));
 }
 
-/// The same of an array of NumPy's, which is in memory, but not as numbers that can be read there.
+/// The same for an array of NumPy with numbers that cannot be read in place.
 std::string way_in_of_numpy(nb::handle given, const std::string& name) {
   const nb::object type = given.attr("dtype");
   if (type.attr("isnative").is(nb::bool_(false)))
@@ -73,7 +73,7 @@ std::string way_in_of_numpy(nb::handle given, const std::string& name) {
   return "";
 }
 
-/// The line to write for what is nearly an array; empty where there is none.
+/// The Python line that makes an array of the argument; empty if there is none.
 std::string way_in(nb::handle given, const std::string& name) {
   if (PyList_Check(given.ptr()) || PyTuple_Check(given.ptr())) return ": numpy.asarray(" + name + ")";
   if (is_true(given, "requires_grad")) return ": " + name + ".detach(), since no gradient passes through here";
@@ -83,7 +83,7 @@ std::string way_in(nb::handle given, const std::string& name) {
   return "";
 }
 
-/// Throws TypeError for what is no array in memory.
+/// Throws TypeError for an argument that is not an array in memory.
 Any array_of(nb::handle given, const char* name, const std::string& wanted) {
   Any array;
   if (!nb::try_cast(given, array, false) || !array.is_valid() || array.device_type() != nb::device::cpu::value) {

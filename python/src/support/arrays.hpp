@@ -21,7 +21,7 @@ namespace morula::python {
 
 /// "an array of int64, shape (5, 3)", "a list": for messages.
 std::string describe(nb::handle object);
-/// Throws TypeError for `given`, which is not what is wanted: "an array of floats".
+/// Throws TypeError for `given`. wanted: the required type as text, "an array of floats".
 [[noreturn]] void refuse_type(nb::handle given, const std::string& name, const std::string& wanted);
 /// A plain value that is looked at by name. Throws TypeError.
 template <class Value>
@@ -30,7 +30,7 @@ Value value_of(nb::handle given, const std::string& name, const char* wanted) {
   if (!nb::try_cast(given, value)) refuse_type(given, name, wanted);
   return value;
 }
-/// The same of what a function of Python's has returned.
+/// The same for a value that a Python function has returned.
 template <class Value>
 Value returned(nb::handle given, const char* function, const char* wanted) {
   return value_of<Value>(given, std::string(function) + "() has returned", wanted);
@@ -48,7 +48,7 @@ class Positions {
   Positions& operator=(Positions&&) = default;
   const PositionView& view() const { return view_; }
   std::size_t frame_count() const { return frame_count_; }
-  /// Of shape (frames, vertices, 3).
+  /// Positions from an array of shape (frames, vertices, 3).
   static Positions frames(nb::handle given, const char* name);
 
  private:
@@ -62,7 +62,7 @@ class Positions {
   std::int64_t frame_stride_ = 0;  // bytes
 };
 
-/// Copies of what comes in as any float array: rows of three, four, or any number of numbers.
+/// Copies of arrays of floats: rows of three, four, or any number of numbers.
 std::vector<Vec3> points_of(nb::handle given, const char* name);
 std::vector<Sphere> spheres_of(nb::handle given, const char* name);
 /// shape: of the array, as many axes as `axes` says; -1 there stands for any length.
@@ -93,7 +93,7 @@ class Facets {
 /// the array; 0 where a row is one number.
 void require_rows(std::size_t given, std::size_t wanted, const char* name, int columns, const char* of);
 
-/// A view of what its owner keeps for itself, too: read-only.
+/// A read-only view of data that its owner still uses.
 template <class Scalar, nb::ssize_t... Shape>
 using View = nb::ndarray<nb::numpy, const Scalar, nb::shape<Shape...>>;
 /// Memory of the array's own: a copy that the caller may write to.

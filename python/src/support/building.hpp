@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What all functions take that build trees: a generator, a quality, and somebody to tell how far they are.
+// Common arguments of functions that build trees: a generator, a quality, and a callback for progress.
 #pragma once
 
 #include <morula/generators/build.hpp>
@@ -18,8 +18,8 @@ inline Quality quality_of(std::string_view text, const char* argument = "quality
   return choice<Quality>(text, argument, quality_from_name, all_qualities());
 }
 
-/// Looks for Ctrl-C, then calls `callback`, which is None or outlives what is returned, with whatever it is told. To be
-/// called without the interpreter's lock. What these raise ends the work.
+/// Returns a function that checks for Ctrl-C and then passes its arguments to `callback`, which is None or outlives the
+/// function. It must be called without the GIL. An exception of either ends the work.
 inline auto progress_of(const nb::object& callback) {
   return [&callback, check = SignalCheck()](const auto&... told) mutable {
     check();

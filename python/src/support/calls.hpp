@@ -1,22 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a TypeError says of a call of the module.
+// Messages of TypeErrors for calls of the module.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 namespace morula::python {
 
-/// For nb::class_ of what only functions make: a call of the class is a TypeError that names the functions. Instances
-/// of classes that have __setstate__ are unpickled all the same.
+/// For nb::class_ of objects that only functions make: a call of the class is a TypeError that names the functions.
+/// Instances of classes that have __setstate__ are unpickled all the same.
 nanobind::type_slots only_returned();
 /// The same in parts, for a class that has more slots.
 PyType_Slot refused_call();
 PyType_Slot refused_new();
 PyType_Slot refused_init();
 
-/// From now on a TypeError of a function or method of the module and its submodules names the function and the
-/// argument, in words of morula._calls. To be called once all are bound.
+/// Makes TypeErrors of functions and methods of the module and its submodules name the function and the argument, by
+/// morula._calls. To be called once, after all are bound.
 void name_arguments(nanobind::module_& m);
 
 }  // namespace morula::python

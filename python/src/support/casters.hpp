@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Casters: what plain values are in Python. Points are tuples of three floats, spheres of four; objects that need a
-// name in messages (meshes, arrays, budgets) come as they are and are looked at by the function that knows the name.
+// Casters: plain values in Python. Points are tuples of three floats, spheres of four; objects that need a
+// name in messages (meshes, arrays, budgets) come as they are; the function that has the name converts them.
 #pragma once
 
 #include <nanobind/nanobind.h>

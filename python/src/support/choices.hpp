@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Choices: arguments that are one of a few names. Those that the library has no table of have theirs here; type
+// Choices: arguments that are one of a few names. Choices without a table in the library have one here; type
 // checkers get all of them (choices.cpp).
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What holders keep of Python, for the collector of reference cycles. The collector counts references, so a holder
-// reports each object once for each reference that it owns, and nothing that it shares with another holder.
+// References of holders to Python objects, for the collector of reference cycles. The collector counts references, so a
+// holder reports each object once for each reference that it owns, and nothing that it shares with another holder.
 //
 // Arrays are not among them: nanobind owns their references. A cycle through an attribute of an array stays.
 #pragma once
@@ -22,7 +22,7 @@ class References {
   void operator()(nb::handle object) {
     if (result_ == 0 && object.is_valid()) result_ = visit_(object.ptr(), arg_);
   }
-  /// What a pointer holds that was made from an object of Python's; nothing of one that the library made.
+  /// Reports the Python object of a pointer that was made from one; nothing for a pointer that the library made.
   template <class T>
   void operator()(const std::shared_ptr<T>& pointer) {
     if (const auto* owner = std::get_deleter<nb::detail::py_deleter>(pointer)) operator()(nb::handle(owner->o));
@@ -42,13 +42,14 @@ std::shared_ptr<T> again(const std::shared_ptr<T>& pointer) {
   return owner ? nb::cast<std::shared_ptr<std::remove_const_t<T>>>(nb::handle(owner->o)) : pointer;
 }
 
-/// The base of holders that exchange what they keep without the interpreter's lock. The collector reads references
-/// twice and needs them unchanged in between, so a holder reports none while a call runs: what it keeps then stays.
+/// The base of holders that exchange their references without the GIL. The collector reads references
+/// twice and needs them unchanged in between, so a holder reports none while a call runs: its references then
+/// stay alive.
 class Exchanging {
  public:
   bool is_idle() const { return calls_.load() == 0; }
 
-  /// Made and destroyed with the interpreter's lock.
+  /// Made and destroyed with the GIL.
   class Call {
    public:
     explicit Call(const Exchanging& holder) : calls_(holder.calls_) { ++calls_; }

@@ -36,7 +36,7 @@ struct ContactSurfaces {
     return column3<Row>(std::span<const Row>(all), all.empty() ? nullptr : &all[0].member, self); \
   }
 
-/// What is known of each of the `contacts` of a holder.
+/// The columns of the `contacts` of a holder.
 template <class Holder>
 Record<Holder>& contact_columns(Record<Holder>& record) {
   record.property("node_a", MORULA_COLUMN(Holder, contacts, node_a), "(n,) uint32.")

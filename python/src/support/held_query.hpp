@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Held queries: objects that are asked again and again, with the bodies or surfaces that the library borrows for them.
+// Held queries: objects that run repeatedly, with the bodies or surfaces that the library borrows for them.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@
 
 namespace morula::python {
 
-/// A query and what it looks at, which is kept until it looks at something else. One call at a time; others wait
-/// without the interpreter's lock.
+/// A query and the objects that it reads, which are kept until it reads others. One call at a time; others wait without
+/// the GIL.
 ///
-/// Seen: reading() locks what is looked at, and throws where that cannot be asked any more.
+/// Seen: reading() locks these objects, and throws if they cannot be read.
 template <class Query, class Seen>
 struct HeldQuery : Exchanging {
   Query query;
@@ -26,7 +26,7 @@ struct HeldQuery : Exchanging {
 
   explicit HeldQuery(Query&& made, Seen&& looked_at = {}) : query(std::move(made)), seen(std::move(looked_at)) {}
 
-  /// f(query, workers) with everything locked that it needs, without the interpreter's lock.
+  /// f(query, workers) with all objects locked that it needs, without the GIL.
   template <class F>
   auto ask(Threads* workers, const F& f) {
     return without_gil(*this, [&] {
@@ -38,8 +38,8 @@ struct HeldQuery : Exchanging {
   auto ask(const F& f) {
     return ask(nullptr, [&](Query& own, Workers&) { return f(own); });
   }
-  /// The same of something else, from now on; f returns a status. What is refused changes nothing: the query may still
-  /// be resumed where it stood. `next` has what is not looked at any more.
+  /// The same for other objects, which the query reads afterwards; f returns a status. A rejected call changes nothing:
+  /// the query may still be resumed where it stood. `next` gets the objects that are not read any longer.
   template <class F>
   auto ask_of(Seen& next, Threads* workers, const F& f) {
     return without_gil(*this, [&] {
@@ -50,7 +50,7 @@ struct HeldQuery : Exchanging {
       return status;
     });
   }
-  /// f(query) with the query alone locked: for what it has found, whatever has become of what it looked at.
+  /// f(query) with the query alone locked: for its results, which stay valid when the objects change.
   template <class F>
   auto locked(const F& f) {
     return without_gil(*this, [&] {
@@ -81,7 +81,7 @@ struct SeenSides {
     for (const auto& side : sides) found.push_back(side.get());
     return found;
   }
-  /// Throws RuntimeError when a body has another tree now.
+  /// Throws RuntimeError when a body has changed its tree.
   Reading reading() const {
     Reading locked(all(), exclusive);
     for (const auto& side : sides) side->current();
@@ -96,7 +96,7 @@ struct SeenSides {
 /// dropped it.
 using Callback = std::shared_ptr<nb::object>;
 
-/// Throws TypeError for what cannot be called. wanted: "None or a function of a number".
+/// Throws TypeError for an argument that cannot be called. wanted: "None or a function of a number".
 inline Callback callback_of(const nb::object& given, const char* name, const char* wanted) {
   if (given.is_none()) return nullptr;
   if (!PyCallable_Check(given.ptr()))
@@ -148,7 +148,7 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   }
 
  private:
-  /// What a filter or a field raises ends the query: there is nothing to resume then.
+  /// An exception of a filter or a field ends the query, which then cannot be resumed.
   template <class F>
   SurfaceQueryStatus or_begin_anew(const F& f) {
     try {
@@ -160,7 +160,7 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   }
 };
 
-/// A copy of what get(query) finds: a list of it, as the table `Rows`.
+/// A copy of the results get(query): a list, as the table `Rows`.
 template <class Rows, class Held, class Get>
 Rows found_by(Held& self, const Get& get) {
   return self.locked([&](auto& query) {

@@ -9,7 +9,7 @@
 namespace morula::python {
 
 Reading::Reading(std::vector<const Side*> sides, bool exclusive) {
-  // One order for everybody, and each body once: nobody waits for one who waits for him.
+  // All threads lock in one order, and each body once: no two threads wait for each other.
   std::vector<std::shared_mutex*> mutexes;
   for (const Side* side : sides) mutexes.push_back(&side->posed->mutex);
   std::sort(mutexes.begin(), mutexes.end());

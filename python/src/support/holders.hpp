@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Holders: the library's objects with what Python needs beside them. Locks, since updates run without the interpreter's
-// lock, and the arrays and objects that the library borrows.
+// Holders: the library's objects with their additions for Python: locks, since updates run without the GIL, and the
+// arrays and objects that the library borrows.
 #pragma once
 
 #include <chrono>
@@ -21,15 +21,15 @@
 
 namespace morula::python {
 
-/// Says that Python has been interrupted: to be called now and then with the interpreter's lock.
+/// Throws the exception of an interruption: to be called from time to time with the GIL.
 inline void check_signals() {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
-/// Asks for the interpreter's lock at most every 20 ms, to see whether Ctrl-C was pressed.
+/// Acquires the GIL at most every 20 ms, to check whether Ctrl-C was pressed.
 class SignalCheck {
  public:
-  /// Without the interpreter's lock. Throws what the signal's handler has raised.
+  /// To be called without the GIL. Throws the exception that the signal's handler has raised.
   void operator()() {
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(20)) return;
@@ -42,8 +42,7 @@ class SignalCheck {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Runs f without the interpreter's lock. Ctrl-C ends what f asks of the library, with the exception of its handler:
-/// KeyboardInterrupt.
+/// Runs f without the GIL. Ctrl-C ends the work of f with the exception of its handler: KeyboardInterrupt.
 template <class F>
 auto without_gil(const F& f) {
   const nb::gil_scoped_release released;
@@ -67,8 +66,8 @@ struct Threads {
   explicit Threads(unsigned count) : workers(count) {}
 };
 
-/// The workers of a call: those given; else the caller's own thread, of functions that work for long one per processor.
-/// Made without the interpreter's lock.
+/// The workers of a call: the given ones; otherwise the caller's own thread, or one per processor for long functions.
+/// Made without the GIL.
 class CallWorkers {
  public:
   explicit CallWorkers(Threads* threads) {
@@ -92,7 +91,7 @@ inline void require(const Status& status) {
   if (!status) throw std::invalid_argument(message(status));
 }
 
-/// What colliders ask: spheres that may move.
+/// The object that colliders read: spheres that may move.
 struct Posed {
   virtual ~Posed() = default;
   virtual const SphereState& sphere_state() const = 0;
@@ -155,7 +154,7 @@ struct Side {
     references(mesh);
     references(model);
   }
-  /// Throws RuntimeError when the body has another tree now.
+  /// Throws RuntimeError when the body has changed its tree.
   const Collider& current() const {
     if (posed->tree_version() != tree_version) {
       throw std::runtime_error("the body was rebuilt and has another tree now: make another Collider");
@@ -164,7 +163,7 @@ struct Side {
   }
 };
 
-/// Locks what a query reads. Without the interpreter's lock.
+/// Locks the sides that a query reads. To be made without the GIL.
 class Reading {
  public:
   /// exclusive: the query brings spheres up to date itself.
@@ -195,7 +194,7 @@ auto with_shape(const ShapeGiven& given, const F& f) {
   return f(sphere);
 }
 
-/// Of a matrix (4, 4) or (3, 4) that acts on columns. Throws ValueError or TypeError.
+/// The transform of a matrix (4, 4) or (3, 4) that acts on columns. Throws ValueError or TypeError.
 RigidTransform matrix_transform(nb::handle given, const char* name);
 /// A RigidTransform, a matrix, or three numbers: a translation. Throws ValueError or TypeError.
 RigidTransform transform_of(const TransformGiven& given, const char* name = "transform");

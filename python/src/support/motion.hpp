@@ -16,7 +16,7 @@ Modes modes_of(nb::handle given, const char* name);
 Skin skin_of(nb::handle given, const char* name);
 /// (bones, 3, 4) or (bones, 4, 4): matrices that act on columns.
 std::vector<AffineTransform> transforms_of(nb::handle given, const char* name);
-/// Of three rows of four numbers.
+/// The transform of three rows of four numbers.
 AffineTransform transform_of(const double* rows);
 Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms);
 

@@ -15,15 +15,15 @@
 
 namespace morula::python {
 
-/// What a record does with the names of its fields; records.cpp.
+/// Methods of a record that use the names of its fields; records.cpp.
 nb::dict to_dict(nb::handle record);
 nb::str to_text(nb::handle record);
 nb::object equals(nb::handle a, nb::handle b);
-/// Rows of what is columns: a row as a dict for an index; for slices, masks and lists a dict of arrays.
+/// Rows of a table of columns: a row as a dict for an index; for slices, masks and lists a dict of arrays.
 nb::object rows(nb::handle columns, nb::handle index);
 nb::object rows_one_by_one(nb::handle columns);
 
-/// Who makes a record: functions alone, which return it, or also calls of its class.
+/// Makers of a record: functions alone, which return it, or also calls of its class.
 enum class MadeBy { functions, calls };
 
 /// A class whose fields are bound one by one.
@@ -65,7 +65,7 @@ class Record {
     class_.attr("_shown") = nb::tuple(all);
     return *this;
   }
-  /// For queries of one's own beside the fields.
+  /// The class, for methods and properties in addition to the fields.
   nb::class_<T>& python() { return class_; }
   /// The record is a table: its fields are columns of one length.
   template <class Length>
@@ -86,7 +86,7 @@ class Record {
   nb::list names_;
 };
 
-/// A docstring with what the arguments are.
+/// A docstring with the types of the arguments.
 inline std::string with_arguments(const char* text,
                                   std::initializer_list<std::pair<const char*, const char*>> arguments) {
   std::string all = text;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a scene has found, as copies that its next update leaves alone.
+// Results of a scene, as copies that its next update does not change.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Surface trees with what they borrow, and lists of pairs of features as columns.
+// Surface trees with the objects that they borrow, and lists of pairs of features as columns.
 #pragma once
 
 #include <algorithm>
@@ -32,8 +32,8 @@ struct HeldSurface : Exchanging {
   void visit(References& references) const { references(followed); }
 };
 
-/// Locks one or two surfaces, or none, that a query reads, then the bodies that they follow. Without the interpreter's
-/// lock. Throws RuntimeError when such a body has another tree now.
+/// Locks one or two surfaces, or none, that a query reads, then the bodies that they follow. To be made without the
+/// GIL. Throws RuntimeError when such a body has changed its tree.
 class SurfaceReading {
  public:
   explicit SurfaceReading(const HeldSurface* a, const HeldSurface* b = nullptr) {

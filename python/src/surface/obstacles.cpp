@@ -38,8 +38,8 @@ struct ObstacleImpacts {
   std::vector<ObstacleImpact> rows;
 };
 
-/// The caller keeps `held` for as long as this is asked. Where the collector has dropped its functions, all is far
-/// away.
+/// The caller keeps `held` for as long as the field is used. If the collector has dropped its functions, all distances
+/// are large.
 DistanceField field_of(const HeldField& held) {
   DistanceField field;
   field.lipschitz = held.lipschitz;
@@ -90,7 +90,7 @@ ObstacleOptions options_of(double margin, std::string_view features, const Callb
   return options;
 }
 
-/// A surface, and an obstacle with what fields call, as Python has it.
+/// A surface, and an obstacle with the Python functions that fields call.
 struct SeenObstacle {
   std::shared_ptr<HeldSurface> surface;
   nb::object given;

@@ -17,7 +17,7 @@ namespace morula::python {
 
 namespace {
 
-/// Asks a query once, and throws ValueError for what is refused.
+/// Runs a query once, and throws ValueError for rejected arguments.
 template <class Query>
 void ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
   const SurfaceQueryStatus status = without_gil([&] {

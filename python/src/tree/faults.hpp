@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What is wrong with a tree or a cover, as a message.
+// Faults of a tree or a cover, as a message.
 #pragma once
 
 #include <string>

@@ -80,7 +80,7 @@ std::shared_ptr<PosedBody> copied(const PosedBody& self) {
 }
 
 /// All frames in one call: spheres in mesh coordinates, frame after frame. However it ends, by the last frame, by one
-/// that is refused or by Ctrl-C, keep(frame) is called for the frame that the body is in then, if any.
+/// that is rejected or by Ctrl-C, keep(frame) is called for the frame that the body is in then, if any.
 template <class Frame, class Keep>
 Copy<double, -1, -1, 4> follow(PosedBody& self, std::size_t frame_count, Threads* workers, const Frame& update_to,
                                const Keep& keep) {
@@ -189,8 +189,8 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                            "the body's vertices, in every frame");
             std::vector<Positions> one;
             for (std::size_t i = 0; i < frames.frame_count(); ++i) one.emplace_back(frames, i);
-            // The frame that the body ends in stays borrowed, as by update(); those before are released with the
-            // interpreter's lock.
+            // The frame that the body ends in stays borrowed, as by update(); earlier frames are released with the
+            // GIL.
             std::vector<Positions> last;
             last.reserve(1);
             return follow(

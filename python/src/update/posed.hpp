@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What everything has that has spheres of the moment.
+// Members that all objects with current spheres share.
 #pragma once
 
 #include <cstdint>
@@ -39,14 +39,14 @@ inline void require(const RebuildStatus& status) {
   require(status.update);
 }
 
-/// Updates a body, by update(body, workers), and keeps what it borrows. Throws ValueError for what is refused.
+/// Updates a body, by update(body, workers), and keeps what it borrows. Throws ValueError for rejected arguments.
 template <class Holder, class Update>
 auto updated(Holder& self, std::vector<Positions>&& borrowed, Threads* workers, const Update& update) {
   const auto status = without_gil([&] {
     CallWorkers call(workers);
     const std::unique_lock lock(self.mutex);
     const auto done = update(*self.owned, static_cast<Workers&>(call));
-    // What was refused changes nothing: the positions of the frame before are still borrowed.
+    // A rejected update changes nothing: the positions of the previous frame are still borrowed.
     if (done) std::swap(self.last, borrowed);
     return done;
   });

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spheres that somebody else moves.
+// Spheres that the caller moves.
 #include <memory>
 #include <morula/morula.hpp>
 #include <mutex>
@@ -28,7 +28,7 @@ void bind_posed_spheres(nb::module_& m) {
           [](PosedRows& self, ArrayGiven given) {
             const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
             require_rows(spheres.size(), self.owned->sphere_state().spheres.size(), "spheres", 4, "the tree's nodes");
-            // Whoever reads them may wait for the interpreter's lock.
+            // A thread that reads them may wait for the GIL.
             without_gil([&] {
               const std::unique_lock lock(self.mutex);
               self.owned->set(spheres);

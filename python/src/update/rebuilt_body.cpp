@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that build their tree anew for the present pose, and how loose a body has become.
+// Bodies that rebuild their tree for the current pose, and how loose a body has become.
 #include <memory>
 #include <morula/morula.hpp>
 #include <mutex>
