@@ -15,7 +15,7 @@ void take_candidates(const SurfaceTreeState&, const SurfaceTreeState&, std::span
   found.insert(found.end(), pairs.begin(), pairs.end());
 }
 
-/// A pair that is not proven to stay apart.
+/// Computes the times of impact of pairs that are not proven to stay apart.
 struct Impact {
   double distance;
 

@@ -47,10 +47,10 @@ class PlacedSpheres {
   double stretch_, translation_;
 };
 
-/// Below every distance of a point of one sphere to one of the other; negative where the spheres overlap.
+/// A lower bound of the distance between points of two spheres; negative where the spheres overlap.
 ///
-/// The differences of centers are off by u each, the length by 3 u of it; sums of radii by u. Under and overflow:
-/// squares vanish only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
+/// The differences of centers are off by u each, the length by 3 u of it; sums of radii by u. Underflow and overflow:
+/// squares underflow only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
 /// finite below 2^500.
 inline double gap_below(const Sphere& a, const Sphere& b) {
   // mutant gap-distance: `* (1 - 0x1p-49) -` -> `-`
