@@ -4,9 +4,9 @@
 //
 // Let u = 2^-53, c and r a node's center (in double about the origin of the mesh) and radius, A a bound of
 // |coordinates| in the sphere, T the largest |coordinate| of the translation, d = deviation_from_rigid(transform). The
-// body promises: the region's points lie within r of c, for the caller's positions x (docs/update_cost.md, Numbers).
-// The world's facets are hulls of vertices v = fl(R x + t), so a point of one is R q + t + e with q in the region and e
-// a mean of rounding errors.
+// body guarantees that the region's points lie within r of c, for the caller's positions x (docs/update_cost.md,
+// Numbers). The world's facets are hulls of vertices v = fl(R x + t), so a point of one is R q + t + e with q in the
+// region and e a mean of rounding errors.
 //   stretch      |R q - R c| <= |R| r, and |R|^2 <= 1 + 3 d                     |R| <= 1 + 1.5 d
 //                allowed: 1 + 2 d + 2^-49, which also pays for computing d and for the product with r
 //   reading      fl(origin + center): u A per coordinate, as a length below     1.8 u A

@@ -132,7 +132,7 @@ class PlacedCapsule {
 };
 
 // The signed distance to a convex set is the largest height above any of its supporting planes, so the planes that a
-// hull has bound it from below whatever rounding did to their normals; inside it is the largest of those, outside the
+// hull has bound it from below, whatever the rounding of their normals; inside it is the largest of these, outside the
 // distance to a facet.
 class PlacedHull {
  public:
