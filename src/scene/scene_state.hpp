@@ -35,7 +35,7 @@ struct SceneBody {
                                    ///< fell asleep
   bool is_to_be_read = false;      ///< whether the next update reads it, though it is static or asleep; it then counts
                                    ///< as moved
-  bool has_moved = false;          ///< whether it has moved in this update
+  bool has_moved = false;          ///< true if it has moved in this update
   BodyStamp stamp{};
   Sphere around{};       ///< the ball that the box contains
   FacetShares shares{};  ///< shares of the collider, once surfaces were requested
