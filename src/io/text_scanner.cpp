@@ -35,7 +35,7 @@ TextScanner::TextScanner(std::filesystem::path path, std::string_view text, Synt
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (text.substr(0, byte_order_mark.size()) == byte_order_mark) text.remove_prefix(byte_order_mark.size());
   if (syntax_.line_end == '\0') syntax_.line_end = line_end_of(text);
-  // Without comments: only blanks and line ends end a word.
+  // Without comments the character is the line end, which ends a word anyway.
   if (syntax_.comment == '\n') syntax_.comment = syntax_.line_end;
   at_ = text.data();
   end_ = at_ + text.size();

@@ -68,7 +68,7 @@ class ExtrasPool {
 
 /// The priority of a pair in the budget of one update: SceneState::look_at_roots() fills it, PairRefinement reads it.
 struct PairPriority {
-  double importance = 0;  ///< overlap of the roots, weights included
+  double importance = 0;  ///< importance, weights included
   std::uint32_t updates_left_out = 0;
   std::size_t tests = 0;  ///< tests in this update
 };

@@ -82,7 +82,7 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshRead
     if (keyword == "v") {
       // Braces, because they are evaluated from left to right. Weights and colors after the third number are ignored.
       mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
-    } else if (keyword == "f" || keyword == "fo") {  // fo: the older keyword of versions up to 3.0
+    } else if (keyword == "f" || keyword == "fo") {  // fo: keyword of versions older than 3.0
       const auto known = static_cast<std::int64_t>(mesh.vertex_count());
       face.begin();
       for (std::string_view corner = in.word(); !corner.empty(); corner = in.word()) {
