@@ -220,7 +220,7 @@ WholeFile::WholeFile(const fs::path& target) : named_(target) {
   const std::unique_lock lock = lock_unfinished();
   for (int attempt = 0; attempt < most_attempts && file_ < 0; ++attempt) {
     temporary_ = folder_of(target_) / hidden_name();
-    // A file with restricted permissions keeps them while it is written.
+    // The contents of a private file stay private while it is written.
     file_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, exists ? 0600 : 0666);
     if (file_ < 0 && errno != EEXIST) break;
   }
