@@ -36,7 +36,7 @@ Interruption* asked_now() noexcept;
 /// Returns when the call may go on, and throws the exception that ends it.
 void ask_to_go_on();
 
-/// Checks at every n-th call, for units of work that take no longer than a check.
+/// Checks at every n-th call, for units of work that are as short as a check.
 class AskNowAndThen {
  public:
   explicit AskNowAndThen(std::uint32_t calls) : calls_(calls), left_(calls) {}
