@@ -37,7 +37,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// Asked before anything is parsed, because what cannot be parsed is an error, too.
+/// The check comes ahead of parsing, because an error in parsing has to be reported in the same form.
 bool wants_json(int argc, char** argv) {
   return std::any_of(argv + 1, argv + std::max(argc, 1),
                      [](const char* word) { return std::string(word) == "--json"; });
@@ -49,9 +49,9 @@ bool takes_value(const CLI::App& app, const std::string& option) {
   return false;
 }
 
-/// The first word that is no option and no value of one: where a command is to stand. Options before it are refused,
-/// but only once the command is known, so a command that is none is said first. Empty where options of the program
-/// itself come before it, or there is no such word.
+/// The first word that is no option and no value of one: the place of a command. Options ahead of it are rejected, but
+/// only once the command is known, so an unknown command is reported first. Empty if options of the program itself come
+/// before it, or there is no such word.
 std::string command_word(const CLI::App& app, int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
@@ -117,8 +117,8 @@ int run(int argc, char** argv, bool parse_only) {
   return parse_only ? exit_done : run();
 }
 
-/// The work is done, but what is to be said of it cannot be said. A reader that has gone, as of `morula … | head`,
-/// wants no more, and is no error to tell of.
+/// The work is done, but its report cannot be printed. A closed reader, as in `morula … | head`, needs no more output,
+/// and is no error to report.
 int fail_to_print(int error) {
   if (error == EPIPE) return exit_nobody_reads;
   return fail(exit_check_failed,
