@@ -38,7 +38,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// Asked before anything is parsed, because what cannot be parsed is an error, too.
+/// The check comes ahead of parsing, because an error in parsing has to be reported in the same form.
 bool wants_json(int argc, char** argv) {
   return std::any_of(argv + 1, argv + std::max(argc, 1),
                      [](const char* word) { return std::string(word) == "--json"; });
@@ -50,9 +50,9 @@ bool takes_value(const CLI::App& app, const std::string& option) {
   return false;
 }
 
-/// The place of the first word that is no option and no value of one, where a command is to stand. Options before it
-/// are refused, but only once the command is known, so a command that is none is said first. words.size() where options
-/// of the program itself come before it, or there is no such word.
+/// The index of the first word that is no option and no value of one: the place of a command. Options ahead of it are
+/// rejected, but only once the command is known, so an unknown command is reported first. words.size() if options of
+/// the program itself come before it, or there is no such word.
 std::size_t command_place(const CLI::App& app, const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (words[i].empty() || words[i][0] != '-') return i;
@@ -136,8 +136,8 @@ int run(int argc, char** argv, bool parse_only) {
   return parse_only ? exit_done : run();
 }
 
-/// The work is done, but what is to be said of it cannot be said. A reader that has gone, as of `morula … | head`,
-/// wants no more, and is no error to tell of.
+/// The work is done, but its report cannot be printed. A closed reader, as in `morula … | head`, needs no more output,
+/// and is no error to report.
 int fail_to_print(int error) {
   if (error == EPIPE) return exit_nobody_reads;
   return fail(exit_check_failed,

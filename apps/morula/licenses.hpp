@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Notices of what others wrote and is compiled in.
+// Notices of other authors' code that is compiled in.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the opaque handles of the C interface hold, and how exceptions become status codes.
+// The contents of the opaque handles of the C interface, and the conversion of exceptions into status codes.
 #pragma once
 
 #include <morula/morula.h>
@@ -38,10 +38,10 @@ struct morula_body {
   morula::Workers workers;
   morula::Body body;
   morula::Collider collider;  // borrows mesh and body: a handle never moves
-  // Of morula_self_crossings, made by its first call.
+  // The surface for morula_self_crossings, made by its first call.
   std::optional<morula::SurfaceTree> surface;
   morula::SurfaceCrossingQuery self_crossings;
-  // The caller's share of the handle, until morula_body_destroy: scenes have others.
+  // The caller's share of the handle, until morula_body_destroy: scenes hold shares of their own.
   std::shared_ptr<morula_body> of_caller;
 };
 
@@ -59,24 +59,24 @@ struct morula_scene {
   morula_scene(const morula::SceneOptions& options, unsigned threads) : workers(threads), scene(options) {}
 
   morula::Workers workers;
-  std::vector<Member> members;  // before the scene, which borrows their colliders
+  std::vector<Member> members;  // declared ahead of the scene, which borrows their colliders
   morula::Scene scene;
   std::vector<morula_scene_pair> pairs;
-  std::vector<morula_contact> contacts;  // of all pairs, one pair after the other
+  std::vector<morula_contact> contacts;  // contacts of all pairs, one pair after the other
 };
 
 namespace morula::detail {
 
-/// Keeps the words for morula_message() and returns the code.
+/// Stores the text for morula_message() and returns the code.
 morula_status fails(morula_status code, const char* words) noexcept;
 
-/// A status of ours, as this interface tells it.
+/// Converts a status of the library into a code, with its message.
 morula_status told(const Status& status);
 
-/// A contact as this interface has it.
+/// Converts a contact of the library.
 morula_contact contact_of(const Contact& contact);
 
-/// Runs what may throw.
+/// Runs a call that may throw.
 template <class Call>
 morula_status guarded(const Call& call) noexcept;
 
@@ -85,7 +85,7 @@ inline void require_pointer(const void* pointer, const char* name) {
   if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " is NULL");
 }
 
-/// The caller's options over the defaults: as much of the struct as the caller's header knew.
+/// The caller's options over the defaults: the part of the struct that the caller's header declares.
 template <class Options>
 Options over_defaults(const Options* given, void (*init)(Options*)) {
   Options options;
@@ -98,14 +98,14 @@ Options over_defaults(const Options* given, void (*init)(Options*)) {
   return options;
 }
 
-/// Threads asked for: 1 or more.
+/// The requested number of threads, 1 or more.
 inline unsigned thread_count(int threads) {
   if (threads < 1 || threads > 1024)
     throw std::invalid_argument("threads is " + std::to_string(threads) + ": 1 to 1024 are possible");
   return static_cast<unsigned>(threads);
 }
 
-/// The code and words of the exception that is being handled.
+/// The code and message of the exception that is being handled.
 morula_status of_current_exception() noexcept;
 
 template <class Call>

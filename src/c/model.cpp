@@ -10,7 +10,7 @@
 using namespace morula;
 using namespace morula::detail;
 
-// Both are handed out as arrays of numbers.
+// Callers get both as arrays of numbers.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Facet) == 3 * sizeof(std::uint32_t));
 static_assert(sizeof(Sphere) == sizeof(morula_sphere) && offsetof(Sphere, radius) == offsetof(morula_sphere, radius));
 
@@ -169,7 +169,7 @@ size_t morula_model_leaf_count(const morula_model* model) {
   return model == nullptr ? 0 : model->model->tree.leaf_count();
 }
 const morula_sphere* morula_model_spheres(const morula_model* model) {
-  // Two standard-layout structs of four doubles each, in the same order: asserted above.
+  // Two standard-layout structs of four doubles each, in the same order, as asserted above.
   return model == nullptr ? nullptr : reinterpret_cast<const morula_sphere*>(model->model->tree.spheres.data());
 }
 const uint32_t* morula_model_first_child(const morula_model* model) {

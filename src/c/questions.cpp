@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Questions of the C interface about two bodies.
+// Queries of the C interface about two bodies.
 #include <chrono>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
@@ -23,7 +23,7 @@ void copy(const Vec3& from, double* to) {
   to[0] = from.x, to[1] = from.y, to[2] = from.z;
 }
 
-/// As many pairs as the caller has room for, and how many there are.
+/// Writes as many pairs as the caller has room for, and their total number.
 template <class Pairs, class Indices>
 void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pairs, std::size_t capacity,
                  std::size_t* count) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenes of the C interface: bodies are told apart by their handles.
+// Scenes of the C interface: bodies are identified by their handles.
 #include "c/handles.hpp"
 
 using namespace morula;
@@ -15,7 +15,7 @@ std::vector<Member>::iterator find(morula_scene& scene, const morula_body* body)
                       [&](const Member& member) { return member.body.get() == body; });
 }
 
-/// The pairs of the last update, as this interface has them; none where memory is short.
+/// The pairs of the last update, in the form of this interface; none if memory is short.
 void read_pairs(morula_scene& scene) {
   const auto handle = [&](BodyId id) {
     return reinterpret_cast<morula_body*>(static_cast<std::uintptr_t>(scene.scene.user_data(id)));
@@ -52,7 +52,7 @@ morula_status morula_scene_add(morula_scene* scene, morula_body* body, int is_st
     require_pointer(scene, "scene");
     require_pointer(body, "body");
     if (find(*scene, body) != scene->members.end()) throw std::invalid_argument("body is in the scene already");
-    // Growing the list first leaves nothing to undo.
+    // The list grows first, so that an error leaves nothing to undo.
     if (scene->members.size() == scene->members.capacity()) scene->members.reserve(2 * scene->members.size() + 1);
     const BodyId id = scene->scene.add(
         body->collider, {.is_static = is_static != 0, .user_data = reinterpret_cast<std::uintptr_t>(body)});
@@ -67,7 +67,7 @@ morula_status morula_scene_remove(morula_scene* scene, const morula_body* body) 
     require_pointer(body, "body");
     const auto member = find(*scene, body);
     if (member == scene->members.end()) throw std::invalid_argument("body is not in the scene");
-    scene->pairs.clear();  // they name a body that may be gone
+    scene->pairs.clear();  // pairs name a body that may be gone
     scene->scene.remove(member->id);
     scene->members.erase(member);
     return MORULA_OK;

@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-// Of a fixed size, so that the message of a machine without memory needs none.
+// The buffer has a fixed size, so that the message about missing memory needs no memory.
 thread_local std::array<char, 1024> message_of_thread{};
 
 }  // namespace

@@ -28,7 +28,7 @@ Collider::Collider(const MeshView& mesh, const Cover& cover, const SphereState& 
   facet_begin_.assign(tree.node_count(), 0);
   facet_end_.assign(tree.node_count(), 0);
 
-  // Patches are in depth-first order of leaves: so are the lists, and an inner node's is one range.
+  // Patches are in depth-first order of leaves: so are the lists, and the list of an inner node is one range.
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
     if (tree.is_leaf(node)) leaves.push_back(node);

@@ -22,9 +22,9 @@ struct ContactQuery::State {
   CallState call{};
   FrontWalk walk{};
   Contacts contacts{};
-  std::vector<PairAsRead> read{};  // by the present call, one per pair
-  // A front that was taken in by set_front() is to be looked at before it is used. What is finished in it, or in one
-  // whose contacts were taken away, is to be listed again.
+  std::vector<PairAsRead> read{};  // pairs as the present call reads them, one per pair
+  // A front from set_front() has to be checked before its use. The finished contacts in it, or in a front whose
+  // contacts were moved out, have to be listed again.
   bool front_from_outside = false, lacks_contacts = false;
 
   void forget() noexcept {
@@ -63,7 +63,7 @@ struct ContactQuery::State {
     return {};
   }
 
-  // Is the front of these bodies and options? In the present frame, when it is to be continued.
+  // ok if the front belongs to these bodies and options, and to the present frame when it is to be continued.
   Status fits(bool same_frame) const {
     const Front& front = walk.front;
     if (front.pairs.empty()) return {Code::no_front};
@@ -89,7 +89,7 @@ struct ContactQuery::State {
     return {};
   }
 
-  // Depth-first: no queue, and nothing to remember.
+  // Descends depth-first, without a queue or a front.
   void descend(const CollideOptions& asked) {
     contacts.contacts.clear();
     contacts.surfaces.clear();
@@ -120,7 +120,7 @@ struct ContactQuery::State {
     walk.front.pairs.clear();
   }
 
-  /// A call: work() where the bodies, and then fits(), say that it may be done.
+  /// Runs a call: work(), if the bodies and then fits() are ok.
   template <class Fits, class Work>
   ContactStatus call_of(CallKind kind, const Fits& fits, const Work& work) {
     const StandardFloats standard;

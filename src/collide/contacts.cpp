@@ -28,7 +28,7 @@ Contacts collide(const Collider& a, const Collider& b, const CollideOptions& opt
   ContactQuery query(options);
   query.add(a, b);
   if (const ContactStatus status = query.run(); !status) {
-    Status of_two = status;  // there is one pair only
+    Status of_two = status;  // there is only one pair
     of_two.pair.reset();
     throw std::invalid_argument(message(of_two));
   }

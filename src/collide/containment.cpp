@@ -18,7 +18,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// A half line from a point along an axis, there or back.
+// A half line from a point along an axis, in its direction or against it.
 struct HalfLine {
   Vec3 from;
   int axis, side, other;  // axis, side, other are x, y, z in turn
@@ -33,7 +33,7 @@ struct HalfLine {
     return ahead + reach >= 0 && (u * u + v * v) * (1 - 0x1p-49) <= reach * reach;
   }
 
-  // How often the triangle, seen along the axis, winds around the line: 1, 0 or -1.
+  // The winding number of the triangle, seen along the axis, around the line: 1, 0 or -1.
   //
   // Edges that pass the point on its right are counted, in the plane of the other two axes. One through the point
   // itself is on its left, a corner at its height is below: as if the point lay higher by e and further right by d,
@@ -53,7 +53,7 @@ struct HalfLine {
   }
 };
 
-// p in the closed triangle, exactly.
+// Whether p is in the closed triangle, exactly.
 bool holds(const Triangle& t, const Vec3& p) {
   for (int axis = 0; axis < 3; ++axis) {
     const double a = t[0][axis], b = t[1][axis], c = t[2][axis];
@@ -61,8 +61,8 @@ bool holds(const Triangle& t, const Vec3& p) {
   }
   // mutant inside-surface: `if (orient3d(t[0], t[1], t[2], p) != 0) return` -> `return`
   if (orient3d(t[0], t[1], t[2], p) != 0) return false;
-  // In the plane, and on no wrong side of an edge along any axis. Of triangles without area: on their line, and in the
-  // box.
+  // The point has to be in the plane, and on no wrong side of an edge along any axis. For triangles without area, it
+  // has to be on their line and in the box.
   for (int axis = 0; axis < 3; ++axis) {
     int least = 0, most = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -80,7 +80,7 @@ bool is_near(const Vec3& p) {
   return is_finite(p) && max_norm(p) < 0x1p200;
 }
 
-// Of the six ways along the axes, the one that meets the fewest facets, as far as nodes two levels down can tell; the
+// The half line, of the six along the axes, that meets the fewest facets, estimated from nodes two levels down; the
 // first of equals.
 HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, const Vec3& from, std::size_t& tests) {
   const SphereTree& tree = body.tree();
@@ -98,7 +98,7 @@ HalfLine emptiest_way_out(const Collider& body, const PlacedSpheres& spheres, co
   return lines[static_cast<std::size_t>(std::min_element(facets.begin(), facets.end()) - facets.begin())];
 }
 
-// Facets of all leaves whose spheres the half line may meet, ascending, each once.
+// The facets of all leaves whose spheres the half line may meet, ascending, each once.
 std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const HalfLine& line,
                        std::vector<std::uint32_t>& facets) {
   const SphereTree& tree = body.tree();
@@ -171,7 +171,7 @@ PointLocation InsideQuery::locate(const Vec3& point) {
       return result;
     }
     const int turns = line.winding(t);
-    // A facet that looks along the axis (turns = 1) is ahead when the point is behind it.
+    // A facet that faces along the axis (turns = 1) is ahead when the point is behind it.
     if (turns == 0 || orient3d(t[0], t[1], t[2], point) * turns * line.sign >= 0) continue;
     result.winding += turns * line.sign;
     ++crossings;
@@ -197,7 +197,7 @@ Probe InsideQuery::probe(const Sphere& ball) {
   result.distance = result.inside ? -away : away;
   result.depth = ball.radius - result.distance;
   result.touches = result.depth >= 0;
-  // From the center through the wall, or back from the wall; where the two are one, up to rounding, along the facet's
+  // From the center through the wall, or back from the wall; where the two coincide, up to rounding, along the facet's
   // normal.
   if (max_norm(out) > 0x1p-40 * max_norm(ball.center))
     result.normal = normalized(result.inside ? out : -out);
@@ -217,7 +217,7 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
   result.inside_count = 0;
   result.certified = body_->sphere_state().covers;
   if (!result.status) return false;
-  // An exception leaves what is found to say that it ended so.
+  // An exception leaves a result whose status is ended_by_exception.
   result.status = {Status::Code::ended_by_exception};
   const PairAsRead read(other, *body_);
   for (const std::uint32_t vertex : vertices) {

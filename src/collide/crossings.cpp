@@ -25,10 +25,10 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// A set of pairs of indices that is filled, asked and emptied; its memory stays.
+/// A set of pairs of indices that is filled, searched and emptied; its memory stays.
 class PairSet {
  public:
-  /// True when the key was not there. Not 2^64 - 1.
+  /// Returns true when the key was not in the set. The key is not 2^64 - 1.
   bool insert(std::uint64_t key) {
     if (2 * size_ >= slots_.size()) grow();
     if (!put(key)) return false;
@@ -61,24 +61,24 @@ class PairSet {
       if (key != nothing) put(key);
   }
 
-  std::vector<std::uint64_t> slots_;  // a power of two of them
+  std::vector<std::uint64_t> slots_;  // the number of slots is a power of two
   std::size_t size_ = 0;
 };
 
-/// The facets of the nodes that one query looks at, each node's read once: boxes, and corners in the world.
+/// The facets of the nodes that one query visits, those of each node read once: boxes, and corners in the world.
 class NodeFacets {
  public:
-  /// Forgets all facets, not the memory. origin: what boxes are about.
+  /// Forgets all facets and keeps the memory. origin: the origin of the boxes' coordinates.
   void start(const Collider& collider, const Vec3& origin);
 
   struct Range {
-    std::uint32_t begin = 0, size = 0;  ///< of slots; their number without filling
-    FloatBox box;                       ///< of them all
+    std::uint32_t begin = 0, size = 0;  ///< range of slots; size: number without filling
+    FloatBox box;                       ///< box of all facets of the node
   };
-  /// A node's facets, read if they have not been. The reference is good until the next call.
+  /// The facets of a node; reads them on first use. The reference is valid until the next call.
   const Range& read(std::uint32_t node);
 
-  /// Boxes of a range, filled up. Good until the next read.
+  /// Boxes of a range, filled up. They are valid until the next read.
   BoxList boxes(const Range& range) const {
     BoxList list;
     for (std::size_t k = 0; k < 6; ++k) list.column[k] = bounds_[k].data() + range.begin;
@@ -86,7 +86,8 @@ class NodeFacets {
     return list;
   }
   std::uint32_t facet(std::uint32_t slot) const { return facet_[slot]; }
-  /// Corners in the world: few are asked for, so they are placed when they are. Good until the next call.
+  /// Corners in the world: few are needed, so they are transformed on first use. The reference is valid until the next
+  /// call.
   const Triangle& triangle(std::uint32_t slot) {
     std::uint32_t& place = triangle_of_[slot];
     if (place == unread) {
@@ -102,15 +103,15 @@ class NodeFacets {
  private:
   const Collider* collider_ = nullptr;
   Vec3 origin_;
-  // Of a node: in which query it was read last, and what was found.
+  // By node: the number of the query that read it last, and the range that was read.
   std::vector<std::uint32_t> stamp_;
   std::vector<Range> range_;
   std::uint32_t now_ = 0;
-  // Of a slot.
+  // By slot.
   std::vector<float> bounds_[6];
   std::vector<std::uint32_t> facet_;
   static constexpr std::uint32_t unread = 0xffffffffu;
-  std::vector<std::uint32_t> triangle_of_;  // in triangles_
+  std::vector<std::uint32_t> triangle_of_;  // place in triangles_
   std::vector<Triangle> triangles_;
   std::size_t used_ = 0, facets_read_ = 0;
 };
@@ -123,7 +124,7 @@ Registers registers(const Vec3& p) {
   return {Double2{p.x, p.y}, Double2(p.z)};
 }
 
-/// RigidTransform's own operations in its own order, so the same bits, two coordinates at a time.
+/// A transform by the operations of RigidTransform in their order, hence with the same bits, two coordinates at a time.
 class Transform {
  public:
   explicit Transform(const RigidTransform& t)
@@ -168,7 +169,7 @@ const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
     for (std::vector<float>& bounds : bounds_) bounds.resize(room);
   }
   // Boxes are in float, yet need no pads: "minus the origin, rounded to double, rounded to float" keeps the order of
-  // coordinates, as equals at worst. Where intervals of doubles have a common number, so have these.
+  // coordinates, at worst as equals. If two intervals of doubles have a common number, so have their images.
   const CornerReader corners(*collider_);
   const Transform transform(collider_->transform());
   const Registers origin = registers(origin_);
@@ -197,7 +198,7 @@ const NodeFacets::Range& NodeFacets::read(std::uint32_t node) {
 /// Some boxes of a node, copied next to each other.
 class Selection {
  public:
-  /// Those of the range that meet `box`.
+  /// Copies the boxes of the range that meet `box`.
   void select(const NodeFacets& facets, const NodeFacets::Range& range, const FloatBox& box) {
     const BoxList all = facets.boxes(range);
     slots_.resize(std::max(slots_.size(), all.count));
@@ -245,7 +246,7 @@ struct CrossingQuery::State {
   std::vector<Crossing> found;
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
-  // Memory for the next query.
+  // The memory, kept for the next query.
   std::vector<NodePair> leaves;
   NodeFacets facets_a, facets_b;
   Selection near_a, near_b;
@@ -270,7 +271,7 @@ struct CrossingQuery::State {
 void CrossingQuery::State::look_at(const NodePair& pair) {
   ask_to_go_on();
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
-  // What both sides' facets have in common shrinks as each side looks at what the other has there.
+  // The common box of both sides' facets shrinks as each side takes only its boxes that meet the other's.
   FloatBox common = range_a.box.meet(range_b.box);
   if (common.is_empty()) return;
   const BoxKernels& kernels = box_kernels();
@@ -280,7 +281,7 @@ void CrossingQuery::State::look_at(const NodePair& pair) {
   if (common.is_empty()) return;
   near_a.select(facets_a, range_a, common);
   near_b.select(facets_b, range_b, common);
-  // The few against the many, so that registers are full.
+  // Tests the shorter list against the longer one, so that registers are full.
   const bool few_a = near_a.size() < near_b.size();
   const Selection &few = few_a ? near_a : near_b, &many = few_a ? near_b : near_a;
   partners.resize(std::max(partners.size(), NodeFacets::filled(many.size())));

@@ -28,7 +28,7 @@ struct WaitingPair {
   double bound;  // gap_below of the spheres, negative where they overlap
   std::uint32_t a, b;
 };
-// For a heap with the nearest on top; ties by index.
+// The order of a heap with the nearest pair on top; ties by index.
 bool comes_later(const WaitingPair& x, const WaitingPair& y) {
   if (x.bound != y.bound) return x.bound > y.bound;
   return x.a != y.a ? x.a > y.a : x.b > y.b;
@@ -38,11 +38,11 @@ bool comes_later(const WaitingPair& x, const WaitingPair& y) {
 struct Scratch {
   struct OfBody {
     WorldFacets facets;
-    std::vector<std::uint32_t> near;  // of its facets: Search::keep_near
+    std::vector<std::uint32_t> near;  // facets kept by Search::keep_near
   };
   std::vector<WaitingPair> waiting;
   OfBody a, b;
-  std::array<std::uint64_t, 512> recent;  // pairs of facets
+  std::array<std::uint64_t, 512> recent;  // pairs of facets compared last
 };
 
 // One of the two bodies, as one query reads it.
@@ -60,11 +60,11 @@ struct SearchedBody {
   std::vector<std::uint32_t>& near;
 };
 
-// The line through the two points of the answer so far, across which facets are measured; it moves with them.
+// The line through the two points of the best answer so far; facets are measured along it. It moves with the points.
 struct WitnessLine {
   Slab slab{{}, {}};
-  std::uint32_t version = 0;  // of the slab
-  bool is_of_facets = false;  // the points are the nearest of two facets that were tried
+  std::uint32_t version = 0;  // version of the slab
+  bool is_of_facets = false;  // whether the points are the nearest ones of two facets that were compared
 
   void move_to(const Vec3& a, const Vec3& b, bool of_facets) {
     slab = Slab(a, b - a);
@@ -73,11 +73,11 @@ struct WitnessLine {
   }
 };
 
-// Of a budget of time, which begins with the query; any other is never over.
+// The limit of a budget of time, which begins with the query; other budgets are never over by time.
 class TimeLimit {
  public:
   explicit TimeLimit(const DistanceOptions& options) : options_(options) {}
-  // Looks at the clock after every 64 tests.
+  // Reads the clock after every 64 tests.
   bool is_over(std::size_t tests) {
     if (options_.budget.is_time() && !late_ && tests >= next_look_) {
       next_look_ = tests + 64;
@@ -136,15 +136,15 @@ class Search {
     return std::min(answer_.upper, std::max(0.0, std::min(waiting, looked_at_)));
   }
   bool is_done() const {
-    // A pair exactly as near as the best so far is still looked at: the answer is then that of the lowest facets,
-    // whatever was known at the start.
+    // A pair exactly as near as the best so far is still examined: so the answer is that of the lowest facets, whatever
+    // bound was known at the start.
     if (waiting_.empty() || waiting_.front().bound > answer_.upper || is_settled_) return true;
     if (answer_.upper <= options_.stop_below) return true;
     const double below = lower();
     return below > options_.stop_above || (options_.tolerance > 0 && answer_.upper - below <= options_.tolerance);
   }
 
-  // Two corners, so that there is an upper bound whatever the budget.
+  // Takes two corners, so that there is an upper bound for any budget.
   void any_witness() {
     const std::uint32_t facet_a = a_.body.facets(0).front(), facet_b = b_.body.facets(0).front();
     answer_.a = {facet_a, {1, 0, 0}, a_.body.triangle(facet_a)[0]};
@@ -155,7 +155,8 @@ class Search {
     line_.move_to(answer_.a.point, answer_.b.point, false);
   }
 
-  // Children need not be inside their parents, but what they own is: what held for these holds for them.
+  // Child spheres need not be inside their parents', but the child's region is: a bound for the parents holds for the
+  // children.
   void push(std::uint32_t node_a, const Sphere& sphere_a, std::uint32_t node_b, const Sphere& sphere_b,
             double inherited) {
     ++answer_.sphere_tests;
@@ -183,9 +184,9 @@ class Search {
     }
   }
 
-  // All pairs of facets that may be as near as the best so far.
+  // Compares all pairs of facets that may be as near as the best so far.
   void look_at_facets(const WaitingPair& pair) {
-    // Sound for any direction: that it is not the newest any more after the first find does no harm.
+    // Any direction is sound, so the slab stays correct after a find has moved the line.
     const Slab slab = line_.slab;
     const double reach_a = a_.facets.reach(pair.a, line_.version, [&](const Triangle& t) { return slab.end(t, 1); });
     const double reach_b = b_.facets.reach(pair.b, line_.version, [&](const Triangle& t) { return slab.end(t, -1); });
@@ -208,19 +209,19 @@ class Search {
         const double found = try_facets(a_.facets[i], b_.facets[j]);
         looked_at_ = std::min(looked_at_, std::max({found, bound, pair.bound}));
         if (answer_.upper <= options_.stop_below) {
-          // The rest of this pair is left.
+          // The rest of this pair is not examined.
           looked_at_ = std::min(looked_at_, pair.bound);
           return;
         }
       }
     if (!options_.to_facets) {
-      // No pair that waits is nearer by its spheres.
+      // No waiting pair is nearer by its spheres.
       looked_at_ = std::min(looked_at_, pair.bound);
       is_settled_ = true;
     }
   }
 
-  // Facets that may be as near to the other leaf as the best so far.
+  // Keeps the facets that may be as near to the other leaf as the best so far.
   void keep_near(SearchedBody& body, std::uint32_t leaf, const Sphere& other, double reach, const Slab& slab) {
     body.near.clear();
     const auto range = body.facets.of_leaf(leaf);
@@ -231,7 +232,7 @@ class Search {
     }
   }
 
-  // Facets have parts in several leaves, so pairs come up again. What is forgotten is only looked at once more.
+  // Facets have parts in several leaves, so pairs recur. A forgotten pair is only compared once more.
   bool was_just_looked_at(std::uint32_t facet_a, std::uint32_t facet_b) {
     std::uint64_t& slot = recent_[(facet_a * 0x9e3779b9u ^ facet_b * 0x85ebca6bu) >> 23];
     const std::uint64_t pair = std::uint64_t{facet_a} << 32 | facet_b;
@@ -257,7 +258,7 @@ class Search {
     return found.lower;
   }
 
-  // A good upper bound to begin with: always to the nearest child, down to one pair of facets.
+  // Finds a good first upper bound: descends to the nearest child each time, down to one pair of facets.
   void descend() {
     std::uint32_t node_a = 0, node_b = 0;
     Sphere sphere_a = a_.spheres(0), sphere_b = b_.spheres(0);
@@ -302,7 +303,7 @@ class Search {
   std::array<std::uint64_t, 512>& recent_;
   DistanceBounds answer_;
   WitnessLine line_;
-  double looked_at_ = infinity;  // least lower bound among pairs that will not be looked at again
+  double looked_at_ = infinity;  // least lower bound of the pairs that will not be examined again
   bool is_settled_ = false;
 };
 
@@ -311,7 +312,7 @@ class Search {
 struct DistanceQuery::State {
   CallState call;
   Scratch scratch;
-  // The last answer, and of which bodies.
+  // The last answer, and its bodies.
   std::uint64_t cover_id_a = 0, cover_id_b = 0;
   std::uint32_t last_a = no_facet, last_b = no_facet;
 

@@ -19,7 +19,7 @@ struct Walk {
   void* visit;
   std::size_t tests = 1;
 
-  // False: the walk has been stopped.
+  // Returns false if the visitor has stopped the walk.
   bool enter(std::uint32_t a, std::uint32_t b, std::uint32_t depth) {
     const bool is_final = trees.is_final(a, b, depth);
     const Step step = visitor(visit, {a, b}, is_final);

@@ -18,30 +18,30 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// Sides of the first cells: so many along the longest side of the box that both bodies are in.
+/// The number of first cells along the longest side of the box that holds both bodies.
 constexpr double first_cells = 4;
-/// Halvings of the first cells: then cells are 10^-6 of the box, and the coordinates of bodies far from the origin have
-/// no finer ones.
+/// The most halvings of the first cells: then cells are 10^-6 of the box, the finest that the coordinates of bodies far
+/// from the origin resolve.
 constexpr std::uint32_t most_levels = 18;
 
 struct Cell {
   Vec3 center;
   std::uint32_t level;
-  /// Known to be inside a, inside b: so are all parts.
+  /// Whether the cell is known to be inside a, inside b; then so are all its parts.
   bool in_a, in_b;
 };
 
-/// Of a cell: what of its volume is inside for sure, outside for sure, and thought to be inside, as a share.
+/// The parts of a cell's volume, as shares: proven to be inside, proven to be outside, and estimated to be inside.
 struct Share {
   double inside = 0, outside = 0, guess = 0.5;
 };
 
-/// The cells that all others are parts of: start() fills it, and the query leaves it as it is.
+/// The cells of which all others are parts; start() fills it, and the query does not change it.
 struct FirstCells {
-  Vec3 half;          // of their sides
-  double pad = 0;     // what a distance may be off by
-  double volume = 0;  // of one of them
-  double all = 0;     // volume of all
+  Vec3 half;          // half sides of a first cell
+  double pad = 0;     // upper bound of the error of a distance
+  double volume = 0;  // volume of one first cell
+  double all = 0;     // volume of all first cells
 
   double volume_of(std::uint32_t level) const { return std::ldexp(volume, -3 * static_cast<int>(level)); }
 };
@@ -60,11 +60,12 @@ struct OpenCells {
   void swap(OpenCells& other) noexcept { cells.swap(other.cells), shares.swap(other.shares); }
 };
 
-/// Sums over cells: each enters when it is found to be inside or left open, and what is open leaves when it is divided.
+/// Sums over cells: a cell is added when it is proven to be inside or left open, and an open cell is subtracted when it
+/// is divided.
 struct CellSums {
   double sure = 0;                       // volume of cells inside both
-  Vec3 sure_moment;                      // times their centers
-  double open_inside = 0, open_all = 0;  // of those not divided: what is in them for sure, and may be
+  Vec3 sure_moment;                      // the same volumes times their centers
+  double open_inside = 0, open_all = 0;  // volume in undivided cells: proven to be inside, and possibly inside
 
   void add_inside(const Cell& cell, double volume) { sure += volume, sure_moment += cell.center * volume; }
   void add_open(const Share& share, double volume) {
@@ -77,7 +78,7 @@ struct CellSums {
   }
 };
 
-/// Bounds of the volume, the best so far: balls of a cell may tell more than those of its parts.
+/// Bounds of the volume, the best so far: balls of a cell may prove more than the balls of its parts.
 struct VolumeBounds {
   double lower = 0, upper = 0;
 
@@ -87,13 +88,14 @@ struct VolumeBounds {
   }
 };
 
-/// Volume that is neither inside nor outside, as a share of a cell, if the nearer surface is a plane.
+/// The estimated share of a cell that is inside, if the nearer surface is a plane.
 double share_inside(double distance, double half_side) {
   return std::clamp(0.5 - 0.5 * distance / half_side, 0.0, 1.0);
 }
 
-/// Volume that a ball about the middle of a cube, of half side 1, has inside it, or less: the ball less the caps beyond
-/// the six sides, which do not meet within the cube up to the middles of its edges. As if no larger beyond.
+/// A lower bound of the volume that a ball about the center of a cube, of half side 1, has inside the cube: the ball
+/// less the caps beyond the six sides, which do not overlap as long as the ball reaches no farther than the middles of
+/// the edges. A larger ball counts as one that reaches so far.
 double ball_in_cube(double radius) {
   constexpr double pi = std::numbers::pi;
   const double r = std::clamp(radius, 0.0, std::numbers::sqrt2), h = std::max(0.0, r - 1);
@@ -125,12 +127,12 @@ struct PenetrationQuery::State {
   std::array<const Collider*, 2> body;
   std::array<InsideQuery, 2> queries;
   std::array<Frame, 2> frames{};
-  PairAsRead read{};  // by the present call
+  PairAsRead read{};  // the pair as the present call reads it
   bool is_started = false;
 
   FirstCells first{};
   OpenCells open, parts;  // undecided cells of this level and of the next
-  std::size_t next = 0;   // of `open`: those before it are divided already
+  std::size_t next = 0;   // place in `open`: all cells ahead of it are divided already
   CellSums sums{};
   VolumeBounds best{};
 
@@ -163,7 +165,7 @@ struct PenetrationQuery::State {
     const Box a = box_of(*body[0]), b = box_of(*body[1]);
     Box both{max(a.lower, b.lower), min(a.upper, b.upper)};
     if (both.is_empty()) return;
-    // So that what touches the border of the box is within it.
+    // The box is enlarged, so that surface that touches its border is within it.
     const double largest = std::max(max_norm(both.lower), max_norm(both.upper));
     const double room = 0x1p-40 * largest;
     both.lower -= Vec3{room, room, room}, both.upper += Vec3{room, room, room};
@@ -196,7 +198,7 @@ struct PenetrationQuery::State {
     Share share{};
     std::size_t probes = 0;
   };
-  /// Asks the bodies that are not known to hold all of the cell.
+  /// Queries the bodies that are not known to contain the whole cell.
   Verdict visit(Cell& cell) {
     Verdict verdict;
     const Vec3& half = first.half;
@@ -225,7 +227,7 @@ struct PenetrationQuery::State {
       radius_inside = std::min(radius_inside, -probe.distance - first.pad);
       radius_outside = std::max(radius_outside, probe.distance - first.pad);
     }
-    // Of the largest cube about the center that is in the cell.
+    // The ball in the largest cube about the center that is in the cell.
     const double least_half = std::min({half.x, half.y, half.z}) * scale, cube = least_half * least_half * least_half;
     verdict.share.inside = ball_in_cube(radius_inside / least_half) * cube * (1 - 0x1p-40);
     verdict.share.outside = ball_in_cube(radius_outside / least_half) * cube * (1 - 0x1p-40);
@@ -233,7 +235,7 @@ struct PenetrationQuery::State {
     return verdict;
   }
 
-  /// Puts its undecided parts in the place of the next cell.
+  /// Replaces the next cell by its undecided parts.
   Status divide_next(std::size_t& probes) {
     const Cell cell = open.cells[next];
     const std::uint32_t level = cell.level + 1;
@@ -260,7 +262,7 @@ struct PenetrationQuery::State {
     return {};
   }
 
-  /// Bounds and center, as far as is known.
+  /// Computes bounds and center from the present sums.
   void sum_up(Penetration& result) const {
     double guess = sums.sure;
     Vec3 moment = sums.sure_moment;
@@ -272,8 +274,8 @@ struct PenetrationQuery::State {
     for (std::size_t i = next; i < open.size(); ++i) add(open.cells[i], open.shares[i]);
     for (std::size_t i = 0; i < parts.size(); ++i) add(parts.cells[i], parts.shares[i]);
     if (guess > 0) result.center = moment / guess;
-    // Sums and differences of a million volumes are off by 2^-30 of the largest, and each volume by 2^-1074: those of
-    // bodies below 10^-107 vanish.
+    // Sums and differences of a million volumes are off by 2^-30 of the largest, and each volume by 2^-1074: volumes of
+    // bodies below 10^-107 underflow.
     const double rounding = 0x1p-30 * first.all + 0x1p-1050;
     const bool is_empty = open.size() == next && parts.size() == 0 && sums.sure == 0;
     result.lower = std::max(0.0, best.lower - rounding);
@@ -288,7 +290,7 @@ struct PenetrationQuery::State {
     if (!result.status) return result;
     const std::chrono::nanoseconds begin = options.budget.is_time() ? now(options.clock) : std::chrono::nanoseconds{};
     const auto is_spent = [&] {
-      if (options.budget.is_tests())  // a cell's eight parts take two each at the most
+      if (options.budget.is_tests())  // each of a cell's eight parts takes at most two
         return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
       return options.budget.is_time() && now(options.clock) - begin >= options.budget.time();
     };

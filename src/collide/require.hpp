@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Requirements that queries have of their arguments, when a call begins and when it ends.
+// Requirements of queries on their arguments, at the beginning and at the end of a call.
 #pragma once
 
 #include <morula/collide/collider.hpp>
@@ -8,18 +8,18 @@
 
 namespace morula::detail {
 
-/// What a query needs of a body, besides an update that was not refused.
+/// The requirements of a query on a body, besides an update that was not rejected.
 struct Needs {
-  bool all_spheres = true;  ///< also those that a lazy update has left behind
+  bool all_spheres = true;  ///< whether spheres that a lazy update has left stale must be fresh
   bool positions = false;
 };
 /// ok, or the first fault.
 Status status_of(const Collider& collider, std::uint8_t body, Needs needs);
-/// The first fault of either.
+/// ok, or the first fault of either.
 Status status_of_pair(const Collider& a, const Collider& b, Needs needs);
 
-/// A collider as a call begins to read it. Callbacks of the call must not move it, and counters tell whether one has:
-/// each change makes one of them larger, so a collider that is moved there and back is noticed as well.
+/// A collider as a call begins to read it. Callbacks of the call must not move it, and counters reveal whether one has:
+/// each change increases one of them, so they also reveal a collider that was moved there and back.
 class ColliderAsRead {
  public:
   ColliderAsRead() = default;
@@ -38,7 +38,7 @@ class ColliderAsRead {
   }
 
  private:
-  // An update that is refused and the end of a body do not count as a frame.
+  // An update that is rejected and the end of a body do not count as a frame.
   bool is_usable() const { return pose_->current && !pose_->ended; }
 
   const Collider* collider_ = nullptr;
@@ -47,7 +47,7 @@ class ColliderAsRead {
   bool was_usable_ = true;
 };
 
-/// Two of them.
+/// Two such colliders.
 class PairAsRead {
  public:
   PairAsRead() = default;
@@ -69,7 +69,7 @@ void require_good(const Status& status);
 void require_bodies(const Collider& a, const Collider& b, Needs needs);
 /// Throws std::invalid_argument for a margin that is negative or not finite and for a negative budget.
 void require_usable(const CollideOptions& options);
-/// Has one of both trees such a level?
+/// Whether one of both trees has such a level.
 bool has_level(const Collider& a, const Collider& b, const std::optional<std::uint32_t>& level);
 
 }  // namespace morula::detail

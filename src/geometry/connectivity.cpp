@@ -18,7 +18,7 @@ std::uint32_t next_side(std::uint32_t side) {
   return side % 3 == 2 ? side - 2 : side + 1;
 }
 
-// Where the lists of a counting sort begin; counts[v + 1] is the length of list v.
+// Computes where the lists of a counting sort begin: counts[v + 1] is the length of list v.
 void add_up(std::vector<std::uint32_t>& counts) {
   for (std::size_t v = 1; v < counts.size(); ++v) counts[v] += counts[v - 1];
 }
@@ -41,7 +41,7 @@ void take_fans(const MeshView& mesh, Connectivity& c) {
   }
 }
 
-// Sides are dealt to the lower of their vertices, then sorted by the higher one.
+// Sides are assigned to the lower of their vertices, then sorted by the higher one.
 void take_edges(const MeshView& mesh, Connectivity& c) {
   c.facet_edges.assign(mesh.facet_count(), {no_edge, no_edge, no_edge});
   std::vector<std::uint32_t> begin(mesh.vertex_count() + 1, 0);
@@ -81,7 +81,7 @@ void take_edges(const MeshView& mesh, Connectivity& c) {
   c.side_begin.push_back(static_cast<std::uint32_t>(c.sides.size()));
 }
 
-// Pieces of facets of which sets[f] tells the set, by the order of their lowest facets.
+// Numbers the components of facets, facet f being in set sets[f], in the order of their lowest facets.
 Components numbered(std::size_t facet_count, DisjointSets& sets) {
   Components pieces;
   pieces.of_facet.resize(facet_count);
@@ -120,7 +120,7 @@ Connectivity connectivity(const MeshView& mesh) {
 
 Components components_by_vertices(const MeshView& mesh) {
   DisjointSets sets(mesh.facet_count());
-  std::vector<std::uint32_t> first(mesh.vertex_count(), no_facet);  // facet of each vertex
+  std::vector<std::uint32_t> first(mesh.vertex_count(), no_facet);  // a facet of each vertex
   AskNowAndThen ask_now_and_then(1u << 16);
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
     ask_now_and_then();
@@ -151,7 +151,7 @@ std::vector<std::uint32_t> nonmanifold_edges(const Connectivity& connectivity) {
 }
 
 std::vector<std::uint32_t> nonmanifold_vertices(const MeshView& mesh, const Connectivity& connectivity) {
-  // Corners at a vertex are of one fan when their facets share an edge there. Corner 3 f + k is where side 3 f + k
+  // Corners at a vertex belong to one fan when their facets share an edge there. Corner 3 f + k is where side 3 f + k
   // starts.
   DisjointSets fans(3 * mesh.facet_count());
   AskNowAndThen ask_now_and_then(1u << 16);
@@ -194,7 +194,8 @@ BorderLoops border_loops(const MeshView& mesh, const Connectivity& connectivity)
   BorderLoops loops;
   loops.begin.push_back(0);
   constexpr std::uint32_t off_path = 0xffffffffu;
-  std::vector<std::uint32_t> place(mesh.vertex_count(), off_path);  // of a vertex on the path: sides before it
+  std::vector<std::uint32_t> place(mesh.vertex_count(), off_path);  // by vertex: number of sides ahead of it on the
+                                                                    // path
   std::vector<std::uint32_t> path;
   const auto close_run = [&](std::size_t first, bool is_loop) {
     for (std::size_t i = first; i < path.size(); ++i) place[side_ends(mesh.facets, path[i])[0]] = off_path;
@@ -204,7 +205,7 @@ BorderLoops border_loops(const MeshView& mesh, const Connectivity& connectivity)
     path.resize(first);
   };
   AskNowAndThen ask_now_and_then(1u << 16);
-  // As far as it goes. Where the path comes back to itself a loop is taken off it.
+  // Walks to the end of the path. When the path returns to itself, a loop is cut off.
   const auto walk = [&](std::uint32_t vertex) {
     while (next[vertex] < begin[vertex + 1]) {
       ask_now_and_then();
@@ -215,7 +216,7 @@ BorderLoops border_loops(const MeshView& mesh, const Connectivity& connectivity)
     }
     if (!path.empty()) close_run(0, false);
   };
-  // Where more sides leave than arrive a run begins that does not come back. Then all that is left is loops.
+  // An open run begins at a vertex that more sides leave than enter. After all open runs only loops remain.
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
     for (std::uint32_t more = begin[v + 1] - begin[v]; more > arriving[v]; --more) walk(v);
   for (const std::uint32_t side : border) walk(side_ends(mesh.facets, side)[0]);

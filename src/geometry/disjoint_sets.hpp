@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Disjoint sets with path halving; the smallest index is the root, so nothing depends on the order of joins.
+// Disjoint sets with path halving; the smallest index is the root, so the result does not depend on the order of joins.
 #pragma once
 
 #include <cstddef>

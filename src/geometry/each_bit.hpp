@@ -18,7 +18,7 @@ inline std::size_t bit_count(std::uint64_t bits) {
   return bits * 0x0101010101010101u >> 56;
 }
 
-/// visit(i) for every bit that is set, ascending: bit i % 64 of word i / 64.
+/// Calls visit(i) for every bit that is set, ascending: bit i % 64 of word i / 64.
 template <class Visit>
 void each_bit(std::span<const std::uint64_t> words, const Visit& visit) {
   for (std::size_t w = 0; w < words.size(); ++w)

@@ -28,7 +28,7 @@ Number number(double x) {
   return {fraction | std::uint64_t{1} << 52, field - 1075, (bits >> 63) != 0};
 }
 
-/// A sum of products of three numbers in fixed point, two's complement: as many words as their exponents need.
+/// A sum of products of three numbers in fixed point, two's complement: with as many words as their exponents need.
 class ExactSum {
  public:
   explicit ExactSum(std::span<const Number> factors) {
@@ -88,7 +88,7 @@ class ExactSum {
     }
   }
 
-  // Exponents from -1074 to 971: 3 x 2045 + 165 bits at most.
+  // Exponents from -1074 to 971: at most 3 x 2045 + 165 bits.
   std::array<std::uint64_t, 102> words_;
   std::size_t used_;
   int base_;
@@ -104,13 +104,13 @@ void add_determinant(ExactSum& sum, const Number* r, const Number* s, const Numb
   sum.add(r[2], s[1], t[0], !minus);
 }
 
-/// Is the rounded difference the real one [shewchuk1997, theorem 7]? False after an overflow.
+/// Whether the rounded difference is exact [shewchuk1997, theorem 7]; false after an overflow.
 bool is_exact_difference(double x, double y, double difference) {
   const double y_seen = x - difference, x_seen = difference + y_seen;
   return (x - x_seen) + (y_seen - y) == 0;
 }
 
-/// As numbers, p minus base; false when a coordinate is not one double.
+/// Writes p minus base as numbers; returns false when a coordinate of the difference is not one double.
 bool exact_difference(const Vec3& p, const Vec3& base, Number* row) {
   for (int axis = 0; axis < 3; ++axis) {
     const double difference = p[axis] - base[axis];
@@ -182,7 +182,7 @@ bool encloses(const Sphere& outer, const Sphere& inner) {
   const double squared = squared_distance(outer.center, inner.center);
   const double room = outer.radius - inner.radius, squared_room = room * room;
   // A square of a difference (1 + e)^3, the sum of three of them (1 + e)^5, their difference (1 + e)^6. Allowed: 8 e,
-  // and what underflow takes.
+  // and the error of underflow.
   // mutant encloses-no-error: `8` -> `0`
   // mutant encloses-underflow: `(squared + squared_room) + TrianglePlane::underflow` -> `(squared + squared_room)`
   const double error = 8 * 0x1p-53 * (squared + squared_room) + TrianglePlane::underflow;
@@ -205,7 +205,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 TrianglePlane::Side TrianglePlane::exact_side(const Vec3& d, double value) const {
   const int sign = exact_orient3d((*t_)[0], (*t_)[1], (*t_)[2], d);
-  // Only as good as double makes it, but not on the other side; NaN after an overflow.
+  // The value is rounded to double, but never of the opposite sign; NaN after an overflow.
   // mutant exact-side-keeps-its-value: `0 || !(value * sign > 0)` -> `0`
   if (sign == 0 || !(value * sign > 0)) value = 0;
   return {sign, value};

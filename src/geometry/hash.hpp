@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// FNV-1a over values, byte order fixed, so that hashes of equal data agree between machines.
+// FNV-1a over values, with a fixed byte order, so that hashes of equal data agree between machines.
 #pragma once
 
 #include <bit>

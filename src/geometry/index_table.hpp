@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Indices found by the value that each stands for: a hash table with open addresses.
+// Indices found by the values that they represent: a hash table with open addresses.
 #pragma once
 
 #include <bit>
@@ -13,7 +13,7 @@
 
 namespace morula::detail {
 
-/// Of three numbers, none of them NaN. 0 and −0 have the same.
+/// The hash of three numbers, none of them NaN. 0 and −0 have the same hash.
 inline std::uint64_t hash_of_numbers(double x, double y, double z) {
   std::uint64_t state = 0;
   for (const double number : {x, y, z}) {
@@ -24,20 +24,20 @@ inline std::uint64_t hash_of_numbers(double x, double y, double z) {
   return state ^ state >> 32;
 }
 
-/// The table asks whether the call is to go on while it grows, and is freed in one piece: std::unordered_map does
-/// neither, and both take long for millions of entries.
+/// The table checks for interruption while it grows, and is freed as one block: std::unordered_map does neither, and
+/// both take long for millions of entries.
 class IndexTable {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  /// The index for which `matches` holds, among those of this hash; none where there is none.
+  /// The index for which `matches` holds, among the indices of this hash; none if there is none.
   template <class Matches>
   std::uint32_t find(std::uint64_t hash, const Matches& matches) const {
     for (std::size_t place = first(hash); slots_[place] != none; place = next(place))
       if (matches(slots_[place])) return slots_[place];
     return none;
   }
-  /// Adds an index that is not in the table. hash_of(i): the hash of an index that was added, or is.
+  /// Adds an index that is not in the table. hash_of(i): the hash of an index that was added, or is being added.
   template <class HashOf>
   void add(std::uint32_t index, const HashOf& hash_of) {
     if (2 * ++count_ > slots_.size()) grow(hash_of);
@@ -52,7 +52,7 @@ class IndexTable {
     while (slots_[place] != none) place = next(place);
     slots_[place] = index;
   }
-  // Out of line: within add() it keeps that, and what calls it, from being inlined.
+  // It is out of line: inside add() it would prevent the inlining of add() and its callers.
   template <class HashOf>
   [[gnu::noinline]] void grow(const HashOf& hash_of) {
     std::vector<std::uint32_t> before(4 * slots_.size(), none);
@@ -66,7 +66,7 @@ class IndexTable {
   }
 
   std::vector<std::uint32_t> slots_ =
-      std::vector<std::uint32_t>(1024, none);  // a power of two, at most half of it used
+      std::vector<std::uint32_t>(1024, none);  // size is a power of two, at most half of it used
   std::size_t count_ = 0;
 };
 

@@ -42,7 +42,7 @@ void inspect_vertices(const MeshView& mesh, MeshReport& report) {
     for (const std::uint32_t v : f) used[v] = true;
   report.unused_vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
   report.component_count = components_by_vertices(mesh).count;
-  // Unused vertices may hold anything; what is not finite has no order.
+  // Unused vertices may hold any values, and values that are not finite have no order.
   std::vector<Vec3> positions;
   positions.reserve(mesh.vertex_count());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What inside and outside hang on, without the rest of inspect().
+// The properties on which inside and outside depend, without the rest of inspect().
 #pragma once
 
 #include <morula/geometry/inspect.hpp>
@@ -8,7 +8,7 @@
 namespace morula::detail {
 
 /// Counts of edges and of non-manifold vertices, whether the surface is closed, oriented and manifold, and its volume;
-/// all else stays as it is in a new report. Cost: linear; inspect() sorts as well.
+/// all other fields are those of a new report. Cost: linear; inspect() also sorts.
 MeshReport inspect_sides(const MeshView& mesh, const Connectivity& connectivity);
 
 /// −1 for a closed mesh inside out, else 1.

@@ -14,15 +14,15 @@
 namespace morula::detail {
 namespace {
 
-// Where the largest |coordinate| is at least this, and differences are no smaller than its rounding, fourth powers of
-// them are normal numbers.
+// If the largest |coordinate| is at least this, and differences are no smaller than its rounding, fourth powers of them
+// are normal numbers.
 constexpr double least_ordinary = 0x1p-200;
 
 Vec3 along(const Vec3& p, const Vec3& q, double s) {
   return s == 0 ? p : s == 1 ? q : p + (q - p) * s;
 }
 
-// Does the segment p q meet the triangle? Exact; a segment in the triangle's plane is left to the distances.
+// Whether the segment p q meets the triangle, exactly; a segment in the triangle's plane is left to the distances.
 bool pierces(const Vec3& p, const Vec3& q, int side_p, int side_q, const Triangle& t) {
   if (side_p * side_q > 0 || (side_p == 0 && side_q == 0)) return false;
   int least = 0, most = 0;
@@ -34,7 +34,7 @@ bool pierces(const Vec3& p, const Vec3& q, int side_p, int side_q, const Triangl
   return least * most == 0;
 }
 
-// Where the line through p and q meets t's plane, as far as doubles can tell.
+// The parameter at which the line through p and q meets t's plane, up to rounding.
 double piercing_parameter(const Vec3& p, const Vec3& q, const Triangle& t) {
   const Vec3 normal = area_vector(t);
   const double height_p = dot(normal, p - t[0]), height_q = dot(normal, q - t[0]);
@@ -50,8 +50,8 @@ class Search {
     if (a_.size() > 1 && find_crossing()) return best_;
     try_features_until(-1);
     bound();
-    // Shapes that meet in one plane and nowhere else have no edge that pierces: an exact verdict where no slab is
-    // between.
+    // Shapes that meet in one plane and nowhere else have no edge that pierces: an exact verdict is needed if no slab
+    // is between.
     if (best_.lower <= 0 && meet()) {
       best_.lower = best_.upper = 0;
       best_.crossing = true;
@@ -59,7 +59,7 @@ class Search {
     return best_;
   }
 
-  /// The squared distance of the nearest features, as far as run() looks at them until it is so small.
+  /// The squared distance of the nearest features, found by run(), which stops when it is so small.
   double try_features_until(double squared) {
     for (std::size_t i = 0; i < a_.size() && squared_ > squared; ++i) {
       const TrianglePoint nearest = closest_point(b_, a_[i]);
@@ -162,8 +162,8 @@ class Search {
     if (best_.upper - best_.lower > 0x1p-40 * best_.upper) try_other_slabs();
   }
 
-  // Where the shapes are so near that the direction between the points found is mostly rounding: the directions that
-  // the features have by themselves.
+  // If the shapes are so near that the direction between the points found is mostly rounding, tries the directions of
+  // the features themselves.
   void try_other_slabs() {
     try_slab(area_vector(b_));
     if (a_.size() == 3) try_slab(area_vector({a_[0], a_[1], a_[2]}));
@@ -194,7 +194,7 @@ NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
   for (const Vec3& p : a) largest = std::max(largest, max_norm(p));
   for (const Vec3& p : b) largest = std::max(largest, max_norm(p));
   if (largest == 0 || !(largest < least_ordinary)) return Search(a, b).run();
-  // So small that squares vanish: larger by a power of two, which changes no digit on the way there.
+  // Shapes so small that squares underflow are scaled up by a power of two, which changes no digit.
   const int exponent = -std::ilogb(largest);
   const auto times = [](const Vec3& p, int power) {
     return Vec3{std::ldexp(p.x, power), std::ldexp(p.y, power), std::ldexp(p.z, power)};
@@ -206,7 +206,7 @@ NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b) {
   found.point_a = times(found.point_a, -exponent);
   found.point_b = times(found.point_b, -exponent);
   if (found.crossing) return found;
-  // On the way back denormals are rounded.
+  // Scaling back rounds denormals.
   constexpr double rounding = std::numeric_limits<double>::denorm_min();
   found.upper = found.upper > 0 ? std::ldexp(found.upper, -exponent) + rounding : 0;
   found.lower = std::max(0.0, std::ldexp(found.lower, -exponent) - rounding);
@@ -221,12 +221,12 @@ bool are_within(const Triangle& a, const Triangle& b, double distance) {
   // mutant within-rounding: `0x1p-40` -> `0`
   const double rounding = 0x1p-40 * (largest + distance), near = distance - rounding, far = distance + rounding;
   if (largest >= least_ordinary && near > 0x1p-400 && far < 0x1p400) {
-    // A slab between them that is wider than that: upper is no less than their distance, and that no less than the
-    // slab.
+    // If a slab between them is wider than that, upper is larger: upper is no less than their distance, which is no
+    // less than the slab.
     if (slab_width(a, b, a[0], (b[0] + b[1] + b[2]) - (a[0] + a[1] + a[2])) > distance) return false;
     const double squared = Search(a, b).try_features_until(near * near);
     if (squared <= near * near) return true;
-    // What crosses is at distance 0, and its features may be far apart.
+    // Crossing shapes are at distance 0, and its features may be far apart.
     // mutant within-crossing: `triangles_meet(a, b)` -> `false`
     if (squared > far * far) return triangles_meet(a, b);
   }
@@ -240,7 +240,7 @@ SegmentParameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& 
   if (dd <= 0) return {0, std::clamp(er / ee, 0.0, 1.0)};
   const double dr = dot(d, r);
   if (ee <= 0) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
-  // By cross products: between nearly parallel segments, differences of products of dot products lose all digits.
+  // Cross products are used: between nearly parallel segments, differences of products of dot products lose all digits.
   const double de = dot(d, e);
   const Vec3 normal = cross(d, e);
   const double determinant = squared_length(normal);
@@ -265,13 +265,13 @@ double nearest_parameter(const Vec3& p, const Vec3& q, const Vec3& x) {
 double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& any_direction) {
   const double largest = max_norm(any_direction);
   if (!(largest > 0) || !is_finite(any_direction)) return 0;
-  // Its size does not matter; so that no square of it vanishes.
+  // Its length is irrelevant, so it is scaled such that no square of it underflows.
   const int exponent = std::ilogb(largest);
   const Vec3 direction{std::ldexp(any_direction.x, -exponent), std::ldexp(any_direction.y, -exponent),
                        std::ldexp(any_direction.z, -exponent)};
   const double size = length(direction);
-  // `from` and `direction` are exact as they are, whatever they were meant to be. A difference is off by u of its
-  // length w, its product with the direction by 5 u |direction| w: both sides together by 10 u w, and 2^-49 w = 16 u w.
+  // `from` and `direction` count as exact, for any choice of them. A difference is off by u of its length w, its
+  // product with the direction by 5 u |direction| w: both sides together by 10 u w, and 2^-49 w = 16 u w.
   double top = -std::numeric_limits<double>::infinity(), bottom = std::numeric_limits<double>::infinity(), farthest = 0;
   for (const Vec3& p : a) {
     const Vec3 w = p - from;
@@ -284,7 +284,7 @@ double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& 
     farthest = std::max(farthest, squared_length(w));
   }
   const double width = (bottom - top) / size;
-  // Squares of differences below 2^-511 vanish; errors of those are below 2^-560.
+  // Squares of differences below 2^-511 underflow; errors of such differences are below 2^-560.
   // mutant nearest-slab-heights: `49 * std::sqrt(farthest) - 0x1p-` -> ``
   return width - 0x1p-50 * std::abs(width) - 0x1p-49 * std::sqrt(farthest) - 0x1p-560;
 }

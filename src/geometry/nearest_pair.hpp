@@ -11,24 +11,24 @@ namespace morula::detail {
 struct NearestPair {
   Barycentric a{}, b{};
   Vec3 point_a{}, point_b{};
-  /// lower <= distance of the two shapes <= upper, for corners as they are. 0 and 0 exactly when `crossing`.
+  /// lower <= distance of the two shapes <= upper, for exact corners. 0 and 0 exactly when `crossing`.
   double lower = 0, upper = 0;
-  /// The two have a point in common, decided exactly: touching and coplanar ones, too.
+  /// Whether the two have a common point, decided exactly, also for touching and coplanar ones.
   bool crossing = false;
 };
 
 /// a: the corners of a point, a segment or a triangle: 1, 2 or 3 of them.
 ///
-/// Among pairs of features the nearest by computed distance, the first of equals [ericson2005, 5.1.9, 5.1.10]. upper is
-/// the distance of the points found, rounded up; lower the width of a slab between the shapes, across the line through
-/// them or where that is loose across directions of the features, rounded down: so whatever features are chosen, both
-/// hold.
+/// The result is the pair of features that is nearest by computed distance, the first of equals [ericson2005, 5.1.9,
+/// 5.1.10]. upper is the distance of the points found, rounded up; lower the width of a slab between the shapes, along
+/// the line through them or, if that is loose, along directions of the features, rounded down: so both bounds hold for
+/// any choice of features.
 NearestPair nearest_pair(std::span<const Vec3> a, const Triangle& b);
 
-/// Whether nearest_pair(a, b).upper <= distance, sooner decided. distance: 0 or more.
+/// Whether nearest_pair(a, b).upper <= distance, decided faster. distance: 0 or more.
 bool are_within(const Triangle& a, const Triangle& b, double distance);
 
-/// Width of the slab across `direction` (from a to b, any length but 0) that has all of a on one side and all of b on
+/// Width of the slab along `direction` (from a to b, any length but 0) that has all of a on one side and all of b on
 /// the other; negative when there is none. Rounded down.
 double slab_width(std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& from, const Vec3& direction);
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One call of an object that is asked again and again: whole, refused, or, where an exception ends it or a callback
-// moves what it reads, as if the object were new.
+// One call of an object that serves many calls. It completes, or is rejected, or resets the object, if an exception
+// ends it or a callback moves the data that it reads.
 //
-// What an object calls may throw (filters, clocks, fields, executors, Interrupt, memory that is not there) and may call
-// the same object. So every public call that changes an object is an ObjectCall: a second one within it is refused, and
-// an exception that leaves it makes the object forget what it had found and begun. So does a callback that moves a body
-// or a surface that the call reads: results of two frames are results of none.
+// Functions that an object calls may throw (filters, clocks, fields, executors, Interrupt, failed allocations) and may
+// call the same object. So every public call that changes an object is an ObjectCall: a second one within it is
+// rejected, and an exception that leaves it makes the object discard all results and unfinished work. A callback that
+// moves a body or a surface that the call reads has the same effect: results that mix two frames are valid for none.
 #pragma once
 
 #include <exception>
@@ -17,7 +17,7 @@ namespace morula::detail {
 
 struct CallState {
   bool is_running = false;
-  Status ended{};  // reason for which the last call left no results; ok where it left some
+  Status ended{};  // reason why the last call left no results; ok if it left results
 };
 
 /// Throws std::invalid_argument within a call of the object: for functions that return no status.
@@ -26,11 +26,11 @@ inline void require_idle(const CallState& state) {
 }
 
 enum class CallKind {
-  begins,   ///< anew: whatever was before is of no account
-  goes_on,  ///< from where an earlier call ended
+  begins,   ///< starts again, regardless of earlier calls
+  goes_on,  ///< continues at the end of an earlier call
 };
 
-/// Object: has `CallState call` and `forget() noexcept`, which leaves no result, and nothing to go on from.
+/// Object: has `CallState call` and `forget() noexcept`, which leaves neither a result nor unfinished work.
 template <class Object>
 class ObjectCall {
  public:
@@ -47,10 +47,9 @@ class ObjectCall {
   ObjectCall(const ObjectCall&) = delete;
   ObjectCall& operator=(const ObjectCall&) = delete;
 
-  /// ok, or why the call is refused: nothing may be done then.
+  /// ok, or the reason why the call is rejected: then it may do no work.
   const Status& status() const { return status_; }
-  /// Every call that was not refused ends with it. status: ok, a refusal, which has changed nothing, or
-  /// changed_during_call.
+  /// Ends every call that was not rejected. status: ok, a rejection, which has changed nothing, or changed_during_call.
   void finish(const Status& status) {
     if (status) object_.call.ended = {};
     // mutant call-changed: `if (status.code == Status::Code::changed_during_call) end(status)` -> ``

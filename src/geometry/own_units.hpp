@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of sizes whose areas and volumes would vanish or overflow, in units of their own.
+// Meshes whose areas and volumes would underflow or overflow, in units of their own.
 #pragma once
 
 #include <cmath>
@@ -10,13 +10,13 @@
 
 namespace morula::detail {
 
-/// Meshes of ordinary size stay as they are and need no copy: scaling by a power of two changes no digit. Others have
+/// Meshes of ordinary size are unchanged and need no copy: scaling by a power of two changes no digit. Others have
 /// their vertices about the box's center.
 class OwnUnits {
  public:
-  /// box: of the mesh.
+  /// box: the box of the mesh.
   OwnUnits(const MeshView& mesh, const Box& box) : view_(mesh), box_(box) {
-    // In halves, which do not overflow.
+    // Halves are subtracted, because they do not overflow.
     const double size = max_norm(box.upper * 0.5 - box.lower * 0.5);
     constexpr int ordinary = 100;
     if (!(size > 0) || !std::isfinite(size) || std::abs(std::ilogb(size)) <= ordinary) return;
@@ -36,7 +36,7 @@ class OwnUnits {
 
   const MeshView& mesh() const { return view_; }
   const Box& box() const { return box_; }
-  /// The unit is 2^exponent.
+  /// The exponent of the unit, 2^exponent.
   int exponent() const { return exponent_; }
 
  private:

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Facets about the first corner are right when none of them turns against another and together they turn less than
-// once around that corner: each direction then leads through one facet at most, and the sum of the facets' areas is the
-// area of the polygon. Else ears are cut off: corners that turn left and whose triangle no side enters. A polygon
-// without crossings always has one [meisters1975]; what is left after the cut has no crossing either. Where two sides
-// cross, each enters every triangle on the other, whichever side of it that is on: neither goes, and no ear is left in
-// the end.
+// Facets about the first corner are right when none of them turns against another and together they turn less than once
+// around that corner: each direction from it then leads through one facet at most, and the sum of the facets' areas is
+// the area of the polygon. Otherwise ears are cut off: corners that turn left and whose triangle no side enters. A
+// polygon without crossings always has one [meisters1975]; the rest after the cut has no crossing either. If two sides
+// cross, each enters every triangle on the other, on either side of it: neither is cut off, and no ear is left in the
+// end.
 //
 // Sides may lie on each other and corners on sides. Sides that go out and come back the same way (spikes) enclose
 // nothing, yet one of their corners may look like an ear; so they are cut off first, as facets without area. Corners on
-// a straight line are no ears: with a polygon that has area there are others, and one without has spikes at its ends.
+// a straight line are no ears: a polygon with area has other ears, and one without area has spikes at its ends.
 #include "geometry/polygon.hpp"
 
 #include <algorithm>
@@ -21,11 +21,12 @@
 namespace morula::detail {
 namespace {
 
-// Tests that each corner earns beside those that every file has: a bound for files that were made to be slow.
+// The number of tests allowed per corner, in addition to the tests allowed for every file: a bound for files that were
+// made to be slow.
 constexpr std::uint64_t tests_per_corner = 4096;
 
 // A sum of products of differences in double is off by less than this share of the sum of their sizes for up to a
-// thousand corners. A sum that may be nothing but rounding says nothing of where a polygon lies.
+// thousand corners. A sum that may be only rounding does not determine the plane of a polygon.
 constexpr double certain_share = 0x1p-40;
 
 constexpr double most_bent = 0.1;
@@ -56,7 +57,7 @@ PolygonShape PolygonCutter::cut(std::span<const Vec3> points, std::span<const st
   PolygonShape shape{.cut = PolygonCut::fan, .bent = seen.bent};
   if (is_fan(seen.projection)) return shape;
   shape.cut = PolygonCut::ears;
-  // Facets of the wrong turn add up to an area of the other sign: there is no such way to fill a polygon.
+  // Facets of the wrong orientation add up to an area of the opposite sign, which cannot fill a polygon.
   if (!cut_ears(seen.projection, seen.likely_turn, corners, facets) &&
       !cut_ears(seen.projection, -seen.likely_turn, corners, facets)) {
     shape.cut = PolygonCut::crossing;
@@ -104,7 +105,7 @@ PolygonCutter::View PolygonCutter::view() const {
   return seen;
 }
 
-// Where facets do not turn against each other, the direction from the first corner goes one way round. It begins on the
+// If facets do not turn against each other, the direction from the first corner goes one way round. It begins on the
 // first side's line; once it has been on the right, it may not come back. Corners that repeat the first one at either
 // end have no direction and do no harm.
 bool PolygonCutter::is_fan(Projection projection) const {
@@ -147,7 +148,7 @@ bool PolygonCutter::same_place(std::size_t a, std::size_t b) const {
   return points_[a][first] == points_[b][first] && points_[a][second] == points_[b][second];
 }
 
-// Of three points on a line: p is strictly inside the segment.
+// Whether p is strictly inside the segment, for three points on a line.
 bool PolygonCutter::lies_between(std::size_t p, std::size_t a, std::size_t b) const {
   for (const int axis : {projection_.first, projection_.second}) {
     const double x = points_[p][axis], one = points_[a][axis], other = points_[b][axis];
@@ -163,8 +164,8 @@ PolygonCutter::Corner PolygonCutter::classify(std::size_t corner) const {
   return lies_between(corner, a, c) ? Corner::flat : Corner::spike;
 }
 
-// No other side enters the open triangle: a line through one of its sides, or the side itself, separates them. Nor does
-// a corner touch the diagonal, which would leave a facet without area.
+// Whether the corner is an ear. No other side may enter the open triangle: a line through one of its sides, or the side
+// itself, separates them. Nor may a corner touch the diagonal, which would leave a facet without area.
 bool PolygonCutter::is_ear(std::size_t corner) const {
   const std::size_t a = previous_[corner], b = corner, c = next_[corner];
   const auto [first, second] = projection_;
@@ -190,7 +191,7 @@ bool PolygonCutter::is_ear(std::size_t corner) const {
   return true;
 }
 
-// From there on around; the number of corners where there is none, or too many tests were made.
+// The next ear, cyclically from a corner on; the number of corners if there is none, or after too many tests.
 std::size_t PolygonCutter::next_ear(std::size_t from, std::size_t left) {
   for (std::size_t k = 0; k < left; ++k, from = next_[from]) {
     if (kind_[from] != Corner::convex) continue;
@@ -237,7 +238,7 @@ bool PolygonCutter::cut_ears(Projection projection, int turn, std::span<const st
     previous_[after] = before;
     look_at(before);
     look_at(after);
-    // Not the next corner: ears beside each other make slivers.
+    // The next corner is skipped, because adjacent ears make slivers.
     at = next_[after];
   }
   const std::size_t before = previous_[at], after = next_[at];

@@ -37,7 +37,7 @@ PrincipalAxes principal_axes(const std::array<double, 6>& tensor, double noise) 
       }
     }
   }
-  // The order of axes that turns least: the largest trace, signs chosen for it.
+  // The order of axes that rotates least: the largest trace, signs chosen for it.
   std::array<std::size_t, 3> order{0, 1, 2}, best = order;
   double best_trace = -1;
   do {

@@ -10,7 +10,7 @@ namespace morula::detail {
 
 struct PrincipalAxes {
   std::array<Vec3, 3> axes;  ///< orthonormal, right-handed; axis i is nearest to coordinate axis i
-  Vec3 moments;              ///< along them
+  Vec3 moments;              ///< moments along the axes
 };
 /// tensor: xx, xy, xz, yy, yz, zz. Entries off the diagonal up to the share `noise` of the largest entry count as 0.
 PrincipalAxes principal_axes(const std::array<double, 6>& tensor, double noise);

@@ -34,28 +34,29 @@ void turn(Facet& f) {
   std::swap(f[1], f[2]);
 }
 
-/// For every vertex the one that it becomes: itself, or an earlier one that stays.
+/// For every vertex, the vertex into which it is merged: itself, or an earlier one that is kept.
 std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, double distance) {
   std::vector<std::uint32_t> target(positions.size());
   std::iota(target.begin(), target.end(), std::uint32_t{0});
   Box box;
   for (const Vec3& p : positions)
     if (is_finite(p)) box.add(p);
-  // Cells no smaller than the distance, and not so small that their numbers would be rounded.
+  // The side of cells is no smaller than the distance, and not so small that their numbers would be rounded.
   const double cell = std::max(distance, 1e-12 * std::max(box.diagonal(), std::numeric_limits<double>::min()));
   using Cell = std::array<double, 3>;
   std::vector<Cell> cells(positions.size());
-  // The first vertex that stays in each cell, and from each that stays the next one in its cell.
+  // The first kept vertex of each cell, and for each kept vertex the next one in its cell.
   IndexTable first_in_cell;
   constexpr std::uint32_t none = IndexTable::none;
-  std::vector<std::uint32_t> next(positions.size(), none), last(positions.size(), none);  // last: of first ones
+  std::vector<std::uint32_t> next(positions.size(), none), last(positions.size(), none);  // last: last kept vertex of a
+                                                                                          // cell, by its first one
   const auto hash_of = [](const Cell& c) { return hash_of_numbers(c[0], c[1], c[2]); };
   const auto first_in = [&](const Cell& at) {
     return first_in_cell.find(hash_of(at), [&](std::uint32_t v) { return cells[v] == at; });
   };
   const auto cell_along = [cell](double x, double lower) {
     const double number = std::floor((x - lower) / cell);
-    return std::isnan(number) ? 0 : number;  // where both overflow
+    return std::isnan(number) ? 0 : number;  // both overflow
   };
   const auto cell_of = [&](const Vec3& p) {
     return Cell{cell_along(p.x, box.lower.x), cell_along(p.y, box.lower.y), cell_along(p.z, box.lower.z)};
@@ -121,7 +122,7 @@ void remove_degenerate(Mesh& mesh, RepairReport& report) {
   report.degenerate_facets += before - mesh.facet_count();
 }
 
-/// Pieces of facets that are connected by edges of two facets: what has one orientation.
+/// Sheets: facets connected by edges of two facets, which have one orientation.
 struct Sheets {
   std::vector<std::uint32_t> of_facet;
   std::vector<std::vector<std::uint32_t>> facets;
@@ -177,7 +178,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
   return sheets;
 }
 
-/// About a corner of its own, so that no digits are lost far from the origin.
+/// The volume is computed about a corner of the sheet, so that no digits are lost far from the origin.
 double volume_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
   const Vec3 origin = mesh.positions[mesh.facets[facets.front()][0]];
   double volume = 0;
@@ -199,7 +200,7 @@ bool contains(const Box& box, const Vec3& p) {
   return max(p, box.upper) == box.upper && min(p, box.lower) == box.lower;
 }
 
-/// Closed sheets, those that lie in no other facing outwards; the others turned with the one that contains them.
+/// Turns closed sheets: a sheet inside no other faces outwards, and the others turn with the one that contains them.
 void face_outwards(Mesh& mesh, const Sheets& sheets) {
   std::vector<Box> boxes;
   std::vector<double> volumes;
@@ -212,7 +213,7 @@ void face_outwards(Mesh& mesh, const Sheets& sheets) {
   std::vector<char> to_turn(sheets.facets.size(), 0);
   for (std::size_t s = 0; s < sheets.facets.size(); ++s) {
     if (volumes[s] == 0) continue;
-    // The largest one that contains it is the outermost.
+    // The largest sheet that contains it is the outermost.
     const Vec3 probe = mesh.positions[mesh.facets[sheets.facets[s].front()][0]];
     std::size_t outermost = s;
     for (std::size_t other = 0; other < sheets.facets.size(); ++other) {
@@ -235,7 +236,7 @@ void face_outwards(Mesh& mesh, const Sheets& sheets) {
 
 using Edge = std::array<std::uint32_t, 2>;  // lower vertex first
 
-/// Edges that are there: those of the mesh, ascending, and those of caps.
+/// Existing edges: the edges of the mesh, ascending, and the edges of caps.
 struct Edges {
   std::span<const Edge> of_mesh;
   std::set<Edge> of_caps{};
@@ -248,7 +249,7 @@ Edge edge_between(std::uint32_t a, std::uint32_t b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-/// Facets over a loop with the least area; none where each of the ways takes an edge that is there already.
+/// Facets over a loop with the least area; none if every triangulation takes an existing edge.
 std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vector<std::uint32_t>& loop,
                              const Edges& edges) {
   const std::size_t n = loop.size();
@@ -280,7 +281,7 @@ std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vect
     open.pop_back();
     if (j - i < 2) continue;
     const std::size_t k = middle[i * n + j];
-    // Against the way of the border, so that each of its edges is gone both ways.
+    // Facets run against the border, so that each of its edges is used in both directions.
     facets.push_back({loop[j], loop[k], loop[i]});
     open.push_back({i, k});
     open.push_back({k, j});
@@ -346,7 +347,7 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
   if (options.orient) orient_sheets(mesh, report);
   cap_holes(mesh, options.cap_edges, report);
   if (options.orient && !mesh.facets.empty()) {
-    RepairReport again;  // they agree by now
+    RepairReport again;  // the facets already agree
     face_outwards(mesh, orient_sheets(mesh, again));
   }
   AskNowAndThen ask_now_and_then(1u << 16);

@@ -29,8 +29,8 @@ double angle_near_zero(double r) {
   return r - r * sum;
 }
 
-// Of a point with 0 ≤ short_leg ≤ long_leg, not both 0: the nearest multiple k / 8 of its slope stands in a table, the
-// rest is small. With c for k / 8, (s - c l) / (l + c s) is the tangent of the difference.
+// The angle of a point with 0 ≤ short_leg ≤ long_leg, not both 0: the angle of the nearest multiple k / 8 of its slope
+// is in a table, and the rest is small. With c for k / 8, (s - c l) / (l + c s) is the tangent of the difference.
 double angle_below_diagonal(double short_leg, double long_leg) {
   // atan(k / 8)
   constexpr double table[9]{0,
@@ -51,7 +51,8 @@ double angle_below_diagonal(double short_leg, double long_leg) {
 
 SinCos sin_cos(double radians) {
   if (!std::isfinite(radians)) return {std::nan(""), std::nan("")};
-  // Whole turns are taken away exactly, of 2π as a double has it. Below, the number of quarter turns fits an integer.
+  // Whole turns of the double nearest to 2π are subtracted exactly. Below that limit the number of quarter turns fits
+  // an integer.
   if (std::abs(radians) > 0x1p30) radians = std::remainder(radians, 0x1.921fb54442d18p+2);
   // π/2 in three parts of 33 bits or fewer: products with small integers are exact.
   constexpr double high = 0x1.921fb544p+0, middle = 0x1.0b4611a6p-34, low = 0x1.3198a2e037073p-69;
@@ -79,7 +80,7 @@ double angle_of(double y, double x) {
   double angle = 0;
   if (along > 0) {
     if (std::isinf(along)) across = std::isinf(across) ? 1 : 0, along = 1;
-    // Products must neither overflow nor lose digits. Powers of two change none.
+    // Products must neither overflow nor lose digits. Scaling by powers of two changes no digit.
     if (along > 0x1p+1000) along *= 0x1p-100, across *= 0x1p-100;
     if (along < 0x1p-900) along *= 0x1p+100, across *= 0x1p+100;
     angle = angle_below_diagonal(across, along);

@@ -15,7 +15,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// Only directions count: divided by a power of two, which changes no digit, so that no square vanishes or overflows.
+// Only directions matter: vectors are divided by a power of two, which changes no digit, so that no square underflows
+// or overflows.
 int common_exponent(double largest) {
   return largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
 }
@@ -83,8 +84,8 @@ double deviation_from_rigid(const RigidTransform& t) {
 
 // Newton's iteration for the polar factor without an inverse: R <- (3 I - R R^T) R / 2. It keeps the singular vectors
 // of R and takes a singular value 1 + e to 1 - 3/2 e^2 - 1/2 e^3, so that the limit is the nearest rotation. A
-// deviation of 1e-5 leaves |e| <= 1.5e-5 (R R^T differs from I by at most three times that in norm), then 3.4e-10,
-// then 2e-19: two steps reach rounding, the third removes what the first two rounded.
+// deviation of 1e-5 leaves |e| <= 1.5e-5 (R R^T differs from I by at most three times that in norm), then 3.4e-10, then
+// 2e-19: two steps reach rounding, the third removes the rounding of the first two.
 RigidTransform orthonormalized(const RigidTransform& t) {
   const StandardFloats standard;
   RigidTransform nearest = t;

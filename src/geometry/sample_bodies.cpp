@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Bodies are square grids rolled up, without poles, so that facets are well shaped at every resolution. Only + − × ÷ √
-// and our own sine and cosine are used: the same bits everywhere.
+// and the library's own sine and cosine are used: the bits are the same everywhere.
 #include <algorithm>
 #include <array>
 #include <morula/geometry/reproducible.hpp>
@@ -21,7 +21,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr std::array<std::string_view, 8> body_names{"bar", "capsule", "limb", "torus", "blob", "plate", "two", "tool"};
 
-// Two facets for the square a b c d, cut along the shorter diagonal. Equal ones are cut a–c, whatever their rounding.
+// Two facets for the square a b c d, cut along the shorter diagonal. Equal diagonals are cut a–c, for any rounding.
 void add_square(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   const std::vector<Vec3>& p = mesh.positions;
   if (squared_distance(p[b], p[d]) < squared_distance(p[a], p[c]) * (1 - 1e-9))
@@ -54,7 +54,7 @@ Mesh box_surface(int nx, int ny, int nz, Point&& point) {
         if (k == 0 || k == nz || j == 0 || j == ny || i == 0 || i == nx)
           mesh.positions[index(i, j, k)] = point(i, j, k);
         else
-          i = nx - 1;  // nothing inside: go to the far side
+          i = nx - 1;  // the inside is skipped
       }
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
@@ -87,7 +87,7 @@ Mesh box(const std::array<int, 3>& cells, const Vec3& size) {
 // −1 … 1 as i runs from 0 to n, spaced so that on the sphere around a cube all steps turn by the same angle.
 double equal_angles(int i, int n) {
   const auto [s, c] = sin_cos(pi / 4 * (2 * static_cast<double>(i) / n - 1));
-  // The ends exactly: the sides of the cube must be symmetric to the bit.
+  // The ends are exact: the sides of the cube must be symmetric to the bit.
   return i == 0 ? -1.0 : i == n ? 1.0 : s / c;
 }
 
@@ -125,7 +125,7 @@ Mesh capsule(int resolution) {
   });
 }
 
-// An arm, roughly: bent at the elbow, thinner and flatter towards the hand, with muscles on the inside of the bend.
+// A rough arm: bent at the elbow, thinner and flatter towards the hand, with muscles on the inside of the bend.
 Mesh limb(int resolution) {
   const int quarter = std::max(1, (resolution + 2) / 4), along = std::max(1, resolution * 7 / 8);
   return rounded_tube(quarter, along, [](const Vec3& d, double even) {
@@ -138,7 +138,7 @@ Mesh limb(int resolution) {
     const Vec3 tangent = normalized(Vec3{2, 1.6 * u / root, 0.45 * u * u});
     const Vec3 side = normalized(Vec3{0, 0, 1} - tangent * tangent.z);
     const Vec3 up = cross(side, tangent);
-    // Everything that changes with a does so with level ends: the half spheres join without a crease.
+    // All values that change with a have level ends: the half spheres join without a crease.
     const double window = 16 * a * a * (1 - a) * (1 - a);
     const double biceps = bump(a, 0.28, 0.28), forearm = bump(a, 0.66, 0.3);
     const auto [ripple, other_ripple] = sin_cos(11 * a);
@@ -172,7 +172,7 @@ Mesh torus(int around, double tube_radius) {
 }
 
 Mesh blob(int resolution) {
-  // Unit directions of the lobes (to about 1e-2; normalized below) and how far each sticks out.
+  // Unit directions of the lobes (to about 1e-2; normalized below) and the height of each.
   constexpr std::array<Vec3, 6> lobes{Vec3{0.9, 0.3, 0.3},    Vec3{-0.4, 0.9, 0.2},  Vec3{-0.8, -0.5, 0.3},
                                       Vec3{0.3, -0.9, -0.35}, Vec3{0.1, 0.25, 0.96}, Vec3{-0.1, 0.3, -0.95}};
   constexpr std::array<double, 6> heights{0.75, 0.55, 0.65, 0.5, 0.6, 0.4};
@@ -189,7 +189,7 @@ Mesh blob(int resolution) {
   });
 }
 
-// A probe: its handle at negative x, its tip at positive x. Radii change with level ends, so that nothing creases.
+// A probe: its handle at negative x, its tip at positive x. Radii change with level ends, so that there are no creases.
 Mesh tool(int resolution) {
   const int quarter = std::max(1, (resolution + 4) / 8), along = std::max(1, 2 * resolution);
   constexpr double straight = 2.8, handle = 0.14, shaft = 0.1, tip = 0.05;
@@ -204,7 +204,7 @@ Mesh tool(int resolution) {
 
 // Two links of a chain: they hold each other but do not touch, 0.4 apart at the nearest.
 Mesh two(int resolution) {
-  Mesh mesh = torus(std::max(8, resolution), 0.3);  // with fewer edges, links cut their corners and each other
+  Mesh mesh = torus(std::max(8, resolution), 0.3);  // with fewer edges, the links would intersect
   const std::size_t count = mesh.vertex_count(), facets = mesh.facet_count();
   for (std::size_t v = 0; v < count; ++v) {
     const Vec3 p = mesh.positions[v];

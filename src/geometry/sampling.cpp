@@ -24,7 +24,7 @@ std::vector<SurfacePoint> sample_surface(const MeshView& mesh, std::size_t count
   Random random(seed);
   std::size_t f = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    // One sample in each of `count` equal stretches of area.
+    // Takes one sample in each of `count` equal stretches of area.
     const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count) * total;
     while (f + 1 < mesh.facet_count() && area_up_to[f] <= at) ++f;
     const double root = std::sqrt(random.uniform()), along = random.uniform();

@@ -10,7 +10,7 @@
 namespace morula {
 namespace {
 
-// Fixed notation would say 0.000000 of the one kind and 300 digits of the other.
+// Fixed notation would print 0.000000 for very small numbers and 300 digits for very large ones.
 std::string short_text(double x) {
   std::array<char, 32> digits;
   constexpr int figures = 3;
@@ -31,19 +31,19 @@ void require_usable_scale(const MeshView& mesh) {
 }
 
 bool has_usable_scale(const Sphere& sphere) {
-  // Comparisons that fail for what is not a number.
+  // Comparisons that fail for NaN.
   const auto fits = [](double x) { return std::abs(x) <= greatest_usable_scale; };
   return fits(sphere.center.x) && fits(sphere.center.y) && fits(sphere.center.z) && fits(sphere.radius);
 }
 
 double scaled_length(const Vec3& v) {
-  // In this range nothing that counts vanishes or overflows, and the bits are those of the scaled sum: a square below
-  // the least normal number is too small beside the others to change how their sum is rounded.
+  // In this range no relevant term underflows or overflows, and the bits are those of the scaled sum: a square below
+  // the least normal number is too small compared with the others to change how their sum is rounded.
   const double squared = squared_length(v);
   if (squared > 0x1p-800 && squared < 0x1p800) return std::sqrt(squared);
   const double largest = max_norm(v);
   if (!(largest > 0) || !is_finite(v)) return length(v);
-  // By a power of two, which changes no digit.
+  // Scales by a power of two, which changes no digit.
   const int exponent = std::ilogb(largest);
   const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
   return std::ldexp(length(Vec3{scaled(v.x), scaled(v.y), scaled(v.z)}), exponent);

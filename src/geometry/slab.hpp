@@ -10,17 +10,18 @@
 
 namespace morula::detail {
 
-// How far facets reach across the line through the best points so far: what is farther apart along it than these points
-// is farther apart. Sharper than spheres, and one subtraction per pair.
+// The extents of facets along the line through the best points so far: facets that are farther apart along it than
+// these points are farther apart. It is sharper than spheres, and costs one subtraction per pair.
 //
-// The direction is exact as it is, and its size does not matter: it is scaled by a power of two, so that no square of
-// it vanishes. A difference w and its product with the direction are off by 6 u |direction| |w|, below 11 u of its
-// largest coordinate; allowed 16 u each.
+// The direction counts as exact, and its length is irrelevant: it is scaled by a power of two, so that no square of it
+// underflows. A difference w and its product with the direction are off by 6 u |direction| |w|, below 11 u of its
+// largest coordinate; the allowance is 16 u each.
 class Slab {
  public:
   Slab(const Vec3& from, const Vec3& direction)
       : from_(from), direction_(ordinary(direction)), size_(length(direction_)) {}
-  // Not below where the triangle ends on the direction's side (side = 1) or, negated, on the other (side = -1).
+  // An upper bound of the triangle's end on the direction's side (side = 1) or, negated, of its end on the other (side
+  // = -1).
   double end(const Triangle& t, double side) const {
     double farthest = -std::numeric_limits<double>::infinity();
     for (const Vec3& p : t) {
@@ -30,11 +31,11 @@ class Slab {
     }
     return farthest;
   }
-  // Ends farther apart than this are farther apart than the distance.
+  // The width for a distance: facets whose ends are farther apart than the width are farther apart than the distance.
   // mutant slab-width: `size_ * (1 + 0x1p-48)` -> `size_`
   double width(double distance) const { return distance * size_ * (1 + 0x1p-48); }
 
-  /// The direction with a largest |coordinate| of 1…2; zero and what is not finite stay as they are.
+  /// The direction with a largest |coordinate| of 1…2; zero and values that are not finite stay unchanged.
   static Vec3 ordinary(const Vec3& direction) {
     const double largest = max_norm(direction);
     if (!(largest > 0) || !std::isfinite(largest)) return direction;

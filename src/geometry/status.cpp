@@ -7,7 +7,7 @@
 namespace morula {
 namespace {
 
-// What a message begins with.
+// The subject with which a message begins.
 enum class Subject : std::uint8_t { none, vertex, coordinate, bone, pair, body, surface };
 
 struct Words {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A text for parsers of others, which asks while it is read.
+// A text for external parsers that checks for interruption while it is read.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace morula::detail {
 
-/// Whoever reads it asks at every 65,536th character whether to go on. For parsers of JSON: a callback of theirs could
-/// ask, too, but nlohmann's takes quadratic time for long lists where it has one.
+/// Its iterators check at every 65,536th character whether to go on. It serves parsers of JSON: a callback of the
+/// parser could also check, but nlohmann's parser takes quadratic time for long lists if it has a callback.
 class AskingText {
  public:
   class Iterator {

@@ -44,7 +44,7 @@ std::vector<Sphere> read_balls(const std::filesystem::path& path) {
 
 bool is_ball_file(const std::filesystem::path& path) {
   if (lower_extension(path) != ".ply") return false;
-  // No header of ours or of any program we know is longer.
+  // No header of this library or of any known program is longer.
   constexpr std::uintmax_t longest_header = std::uintmax_t{1} << 18;
   try {
     const std::string start = read_part(path, 0, std::min(size_of_file(path), longest_header));
@@ -56,7 +56,7 @@ bool is_ball_file(const std::filesystem::path& path) {
 }
 
 void write_sofa_spheres(const std::filesystem::path& path, std::span<const Sphere> spheres) {
-  // The loader steps over the first line whatever it says, and does not look at the index.
+  // The loader skips any first line, and ignores the index.
   std::string text = "sph 1.0\nnums ";
   detail::append_number(text, spheres.size());
   detail::AskNowAndThen ask_now_and_then(4096);

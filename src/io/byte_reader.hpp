@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Reads binary files without trusting them. Shared by binary PLY, STL, .npy and .morula.
+// A reader of untrusted binary files. Shared by binary PLY, STL, .npy and .morula.
 #pragma once
 
 #include <algorithm>
@@ -32,10 +32,11 @@ requires(std::is_arithmetic_v<Value>) void store(std::string& bytes, Value value
   bytes.append(raw.data(), raw.size());
 }
 
-/// Every complaint is a FileError "FILE: byte N: what is wrong; remedy", N counted from the start of the file.
+/// Every error is a FileError "FILE: byte N: what is wrong; remedy", N counted from the start of the file.
 class ByteReader {
  public:
-  /// bytes: the whole file or its tail; base is the place of its first byte in the file. Must outlive the reader.
+  /// bytes: the whole file or its tail; base: the place of its first byte in the file. The bytes must outlive the
+  /// reader.
   ByteReader(const std::filesystem::path& path, std::string_view bytes, std::endian order, std::size_t base = 0)
       : path_(path), bytes_(bytes), order_(order), base_(base) {}
 

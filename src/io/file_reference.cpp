@@ -20,7 +20,7 @@ int hexadecimal(char c) {
   return -1;
 }
 
-/// %00 stays: the system would read the name only up to there, and another name than was checked.
+/// %00 is not decoded: the system would read the name only up to there, a name other than the checked one.
 std::string decoded(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -37,14 +37,14 @@ std::string decoded(std::string_view text) {
   return result;
 }
 
-/// The length of "scheme" in "scheme://…"; 0 where the text begins with none.
+/// The length of "scheme" in "scheme://…"; 0 if the text begins with none.
 std::size_t scheme_length(std::string_view text) {
   std::size_t end = 0;
   while (end < text.size() && (is_letter(text[end]) || (end > 0 && std::string_view("0123456789+-.").find(text[end]) !=
                                                                        std::string_view::npos))) {
     ++end;
   }
-  // One letter is a drive.
+  // A single letter is a drive.
   return end > 1 && text.substr(end).starts_with("://") ? end : 0;
 }
 
@@ -72,7 +72,7 @@ std::vector<std::string> paths_of_file_uri(std::string_view rest) {
   return distinct(decoded(rest), std::string(rest));
 }
 
-/// Links resolved, of as much of it as is there.
+/// The path with links resolved, as far as it exists.
 fs::path resolved(const fs::path& path) {
   std::error_code error;
   // mutant roots-links-not-resolved: `weakly_canonical ... error), error)` -> `absolute(path, error).lexically_normal()`
@@ -119,7 +119,7 @@ FileRoots::FileRoots(const std::vector<fs::path>& folders) {
 
 void FileRoots::add(const fs::path& folder) {
   fs::path plain = resolved(folder.empty() ? fs::path(".") : folder);
-  // A slash at the end is an empty name behind it, which no file has.
+  // A slash at the end means an empty name behind it, which no file has.
   if (!plain.has_filename() && plain.has_relative_path()) plain = plain.parent_path();
   if (plain.empty() || std::find(folders_.begin(), folders_.end(), plain) != folders_.end()) return;
   folders_.push_back(std::move(plain));

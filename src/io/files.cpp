@@ -47,7 +47,7 @@ bool natural_less(const std::string& a, const std::string& b) {
 // * stands for any characters, ? for one.
 bool matches(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0;
-  std::size_t star = std::string_view::npos, resume = 0;  // the last star, and where what it stands for ends
+  std::size_t star = std::string_view::npos, resume = 0;  // place of the last star, and end of the text that it matches
   while (n < name.size()) {
     if (p < pattern.size() && pattern[p] == '*') {
       star = p++;
@@ -85,7 +85,7 @@ std::optional<NumberedName> numbered(const fs::path& file) {
   return result;
 }
 
-/// Throws when frames that are numbered leave one out: the rest would move up unnoticed.
+/// Throws when numbered frames leave out a number: the rest would move up unnoticed.
 void require_no_gap(const fs::path& folder, std::string_view pattern, const std::vector<fs::path>& files) {
   std::vector<NumberedName> names;
   for (const fs::path& file : files) {
@@ -100,12 +100,12 @@ void require_no_gap(const fs::path& folder, std::string_view pattern, const std:
   if (step == 0) return;
   for (std::size_t i = 1; i < names.size(); ++i) {
     if (names[i].number - names[i - 1].number == step) continue;
-    // Numbers are padded as those of the name before are.
+    // Numbers are padded like those of the preceding name.
     std::string digits = std::to_string(names[i - 1].number + step);
     const std::size_t width = names[i - 1].digits.size();
     if (names[i - 1].digits.front() == '0' && digits.size() < width) digits.insert(0, width - digits.size(), '0');
     const std::string missing = names[i].before + digits + names[i].after;
-    if (!matches(pattern, missing)) continue;  // the pattern leaves it out on purpose
+    if (!matches(pattern, missing)) continue;  // the pattern excludes it on purpose
     throw FileError(folder.string() + ": " + missing + " is missing between " + files[i - 1].filename().string() +
                     " and " + files[i].filename().string() + "; add it, or number the frames without a gap");
   }

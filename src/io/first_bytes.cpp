@@ -10,11 +10,11 @@ namespace {
 
 using namespace std::string_view_literals;
 
-// Enough for comments before the first tag of a page.
+// The number of bytes examined, enough for comments ahead of the first tag of a page.
 constexpr std::size_t looked_at = 4096;
 
 struct Signature {
-  std::string_view begin, belongs_to, problem;  // where it may stand: an extension, or several
+  std::string_view begin, belongs_to, problem;  // belongs_to: extensions under which it is right
 };
 constexpr std::array signatures{
     Signature{"\x1f\x8b"sv, "", "is packed by gzip; unpack it with gunzip"},
@@ -46,7 +46,7 @@ constexpr std::array signatures{
     Signature{"$MeshFormat"sv, ".msh", "is a file of Gmsh; name it .msh"},
 };
 
-// Tags that a file of XML begins with; of pages there may be any.
+// Tags that an XML file begins with; pages may begin with any tag.
 constexpr std::array tag_signatures{
     Signature{"<!doctype html", "", "is a web page, not the file that it offers; download that one"},
     Signature{"<html", "", "is a web page, not the file that it offers; download that one"},

@@ -43,8 +43,8 @@ bool JsonFile::flag(const nlohmann::json& object, const char* key, const std::st
 }
 
 void JsonFile::forget_lists() {
-  // Small blocks that are free are joined by the C library when a large one becomes free. With each part it frees one
-  // of 96 KiB: else all are joined at once, at the end.
+  // The C library joins small free blocks when a large one becomes free. So a block of 96 KiB is freed with each part:
+  // otherwise all would be joined at once, at the end.
   constexpr std::ptrdiff_t elements_at_once = 6144;
   for (nlohmann::json& member : root_) {
     if (!member.is_array()) continue;

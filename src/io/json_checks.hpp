@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// JSON that is not trusted: every complaint names the file. For sources that use nlohmann-json.
+// Checks of untrusted JSON: every error names the file. For sources that use nlohmann-json.
 #pragma once
 
 #include <filesystem>
@@ -20,10 +20,10 @@ class JsonFile {
   /// `owner` names the object in messages.
   const nlohmann::json& member(const nlohmann::json& object, const char* key, const std::string& owner) const;
   std::uint64_t unsigned_member(const nlohmann::json& object, const char* key, const std::string& owner) const;
-  /// A member that may be missing, which says false.
+  /// A flag; a missing member counts as false.
   bool flag(const nlohmann::json& object, const char* key, const std::string& owner) const;
-  /// Frees the lists of the root, element by element, and asks in between whether to go on: millions of them take
-  /// tenths of a second. Nothing of the root may be used afterwards.
+  /// Frees the lists of the root, element by element, and checks in between whether to go on: millions of them take
+  /// tenths of a second. The root may not be used afterwards.
   void forget_lists();
   [[noreturn]] void fail(const std::string& problem) const;
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as text: the shortest digits that read back as the same bits, whatever the locale.
+// Numbers as text: the shortest digits that read back as the same bits, in every locale.
 #pragma once
 
 #include <charconv>

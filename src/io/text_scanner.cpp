@@ -35,7 +35,7 @@ TextScanner::TextScanner(std::filesystem::path path, std::string_view text, Synt
   constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (text.substr(0, byte_order_mark.size()) == byte_order_mark) text.remove_prefix(byte_order_mark.size());
   if (syntax_.line_end == '\0') syntax_.line_end = line_end_of(text);
-  // No comments: nothing that is not a line end already ends a word.
+  // Without comments the character is the line end, which ends a word anyway.
   if (syntax_.comment == '\n') syntax_.comment = syntax_.line_end;
   at_ = text.data();
   end_ = at_ + text.size();
@@ -94,7 +94,7 @@ void TextScanner::require_line_end(std::string_view expected) {
 std::string_view TextScanner::word() {
   if (at_line_end()) return {};
   const char* begin = at_;
-  // At least one character: a backslash that joins nothing is a word like any other.
+  // It takes at least one character: a backslash that joins no line is a word like any other.
   do ++at_;
   while (at_ < end_ && !ends_word(*at_));
   return {begin, static_cast<std::size_t>(at_ - begin)};
@@ -106,7 +106,7 @@ Value TextScanner::value(std::string_view what, const char* kind) {
   const char* const begin = at_;
   if (begins_with_old_nonfinite({at_, bytes_left()}))
     fail(std::string(what) + " is not finite; remove or repair it where the file was made");
-  // from_chars takes no plus; "+-1" must not slip through.
+  // from_chars takes no plus; "+-1" must not be accepted.
   if (*at_ == '+' && at_ + 1 < end_ && at_[1] != '-') ++at_;
   Value result{};
   const std::from_chars_result parsed = std::from_chars(at_, end_, result);

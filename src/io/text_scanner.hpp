@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Reads text files line by line and word by word, and says which line is wrong. Shared by all text formats.
+// A scanner of text files, line by line and word by word, whose errors name the line. Shared by all text formats.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,23 @@
 
 namespace morula::detail {
 
-/// Carriage return where a text has these and no line feed, as old Macintoshes wrote it; else line feed.
+/// The line end of a text: carriage return if it has these and no line feed, as in files of old Macintoshes; else line
+/// feed.
 char line_end_of(std::string_view text);
 
-/// Does the text begin with a number that is none, as old Visual C++ writes it: 1.#IND, -1.#INF, 1.#QNAN, …?
+/// Whether the text begins with a nonfinite number as old Visual C++ writes it: 1.#IND, -1.#INF, 1.#QNAN, …?
 bool begins_with_old_nonfinite(std::string_view text);
 
-/// Stands before the first line; next_line() steps onto it. Words are separated by blanks; carriage returns are blanks,
-/// unless they alone end lines, so all line ends work. Every complaint is a FileError "FILE:LINE: what is wrong;
-/// remedy".
+/// A scanner starts ahead of the first line; next_line() steps onto it. Words are separated by blanks; carriage returns
+/// are blanks, unless they alone end lines, so all line ends work. Every error is a FileError "FILE:LINE: what is
+/// wrong; remedy".
 class TextScanner {
  public:
   struct Syntax {
-    char comment = '\n';           ///< starts a comment that lasts to the end of the line; '\n': there are none
-    bool backslash_joins = false;  ///< a backslash at the end of a line continues it on the next
-    char line_end = '\0';          ///< '\0': as line_end_of() has it
+    char comment = '\n';           ///< character that starts a comment, which lasts to the end of the line; '\n': no
+                                   ///< comments
+    bool backslash_joins = false;  ///< whether a backslash at the end of a line continues it on the next
+    char line_end = '\0';          ///< end of lines; '\0': by line_end_of()
   };
 
   /// text must outlive the scanner.
@@ -36,25 +38,25 @@ class TextScanner {
 
   /// Leaves the rest of this line and goes to the next one that holds a word. False at the end of the file.
   bool next_line();
-  /// As next_line(), but the file must not end here: `done` of `total` rows of this kind were read.
+  /// Like next_line(), but the file must not end here: `done` of `total` rows of this kind were read.
   void require_line(std::uint64_t done, std::uint64_t total, std::string_view kind);
-  /// No word is left on this line.
+  /// Whether no word is left on this line.
   bool at_line_end();
-  /// The line has no more words, or FileError: `expected` says what should have been all.
+  /// Throws FileError if the line has more words; `expected` describes the complete line.
   void require_line_end(std::string_view expected);
   /// The next word of this line; empty at its end.
   std::string_view word();
   /// Takes back the last characters of a word.
   void back_up(std::size_t characters) { at_ -= characters; }
 
-  /// `what` names the value in messages, as in "a coordinate". Both accept a leading plus.
-  double number(std::string_view what);  ///< finite
+  /// `what` names the value in messages, as in "a coordinate". Both functions accept a leading plus.
+  double number(std::string_view what);  ///< a finite number
   std::int64_t integer(std::string_view what);
   std::uint64_t count(std::string_view what);  ///< an integer that is not negative
 
   std::size_t line() const { return line_; }
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - at_); }
-  /// What follows this line.
+  /// The text that follows this line.
   std::string_view after_line() const;
 
   [[noreturn]] void fail(const std::string& problem) const { fail_at(line_, problem); }

@@ -33,24 +33,25 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int most_attempts = 100;
-constexpr int most_links = 40;  // as the system follows
+constexpr int most_links = 40;  // the system's limit of links to follow
 
-// Hidden names that a process ending now would leave behind, and the lock under which they come and go.
+// Hidden names that the process would leave behind if it ended, and the lock for changes of them.
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
 };
-// Never destroyed: threads may end after main.
+// It is never destroyed: threads may end after main.
 Registry& registry() {
   static Registry& all = *new Registry;
   return all;
 }
 
-// Held while a name appears, is replaced or disappears: whoever abandons the rest then sees all of it or nothing.
+// Held while a name appears, is replaced or disappears: a thread that abandons the rest then sees all of a change or
+// none of it.
 std::unique_lock<std::mutex> lock_unfinished() {
   return std::unique_lock(registry().mutex);
 }
-// All under the lock.
+// The lock is held in all of these.
 void note_unfinished(const fs::path& path) {
   registry().paths.insert(path);
 }
@@ -61,7 +62,7 @@ bool is_unfinished(const fs::path& path) {
   return registry().paths.count(path) != 0;
 }
 
-/// Nobody else's, in this process and others: 64 random bits.
+/// A name that no thread or process shares: 64 random bits.
 fs::path hidden_name() {
   static thread_local std::uint64_t count = 0;
   std::uint64_t bits = 0;
@@ -69,7 +70,7 @@ fs::path hidden_name() {
     std::random_device device;
     bits = std::uint64_t{device()} << 32 | device();
   } catch (const std::exception&) {
-    // Without a source of randomness the process and a count will do: creation is exclusive anyway.
+    // Without a source of randomness the process and a count are sufficient, because creation is exclusive.
     bits = static_cast<std::uint64_t>(getpid()) << 32 | (++count & 0xffffffffu);
   }
   std::array<char, 17> digits{};
@@ -77,7 +78,7 @@ fs::path hidden_name() {
   return ".morula-" + std::string(digits.data()) + ".tmp";
 }
 
-/// Where a path leads when it is a link, to something that is there or not.
+/// The target of a path that is a link; the target need not exist.
 fs::path through_links(const fs::path& path) {
   fs::path at = path;
   for (int links = 0; links < most_links; ++links) {
@@ -99,13 +100,13 @@ fs::path without_slash(fs::path path) {
   return path.has_filename() || !path.has_parent_path() ? path : path.parent_path();
 }
 
-/// Some file systems cannot, and say so: no reason to fail.
+/// Some file systems cannot sync and return an error for it, which is no failure.
 bool sync_failed(int file) {
   if (fsync(file) == 0) return false;
   return errno != EINVAL && errno != ENOTSUP && errno != EROFS && errno != EBADF && errno != ENOSYS;
 }
 
-/// What a rename did survives a crash only when its folder was written, too. The files in it are safe in any case.
+/// A rename survives a crash only if its folder is also synced. The files in the folder are safe in any case.
 void sync_folder(const fs::path& folder) {
   const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) return;
@@ -113,10 +114,10 @@ void sync_folder(const fs::path& folder) {
   close(opened);
 }
 
-/// Owner and permissions of what is replaced, as far as this user may give them.
+/// Copies owner and permissions of the replaced file, as far as this user may set them.
 void take_over(int file, const struct stat& old) {
   if (fchown(file, old.st_uid, old.st_gid) != 0) {
-    // A stranger's file may still keep its group.
+    // A file of another user may still keep its group.
     const int ignored = fchown(file, static_cast<uid_t>(-1), old.st_gid);
     static_cast<void>(ignored);
   }
@@ -145,7 +146,7 @@ std::vector<fs::path> names_in(const fs::path& folder, std::error_code& error) {
   return names;
 }
 
-/// A folder of another file system, or one that this or the calling process stands in, cannot change its name.
+/// A folder of another file system, or the current folder of this or the calling process, cannot be renamed.
 bool stays_where_it_is(const fs::path& folder) {
   struct stat own {
   }, above{};
@@ -168,9 +169,9 @@ void abandon_unfinished() noexcept {
       std::error_code ignored;
       fs::remove_all(path, ignored);
     }
-    lock.release();  // for ever
+    lock.release();  // forever
   } catch (const std::exception&) {
-    // What is left is hidden, and in nobody's way.
+    // The remaining files are hidden and harmless.
   }
 }
 
@@ -219,7 +220,7 @@ WholeFile::WholeFile(const fs::path& target) : named_(target) {
   const std::unique_lock lock = lock_unfinished();
   for (int attempt = 0; attempt < most_attempts && file_ < 0; ++attempt) {
     temporary_ = folder_of(target_) / hidden_name();
-    // A secret stays one while it is written.
+    // The contents of a private file stay private while it is written.
     file_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, exists ? 0600 : 0666);
     if (file_ < 0 && errno != EEXIST) break;
   }
@@ -276,7 +277,7 @@ void WholeFile::overwrite(std::uint64_t offset, std::string_view bytes) {
 }
 
 void WholeFile::commit() {
-  // A folder that is itself unfinished is brought to the disk as a whole.
+  // A folder that is itself unfinished is synced to the disk as a whole.
   const fs::path folder = folder_of(target_);
   const bool alone = [&] {
     const std::unique_lock lock = lock_unfinished();
@@ -385,7 +386,7 @@ void WholeFolder::commit_by_exchange() {
   const auto refuse = [&](const std::string& why) {
     throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
   };
-  // Files of others are in both folders for a moment, so that no crash can lose one.
+  // Files of other programs are in both folders for a moment, so that no crash can lose one.
   std::vector<fs::path> later;
   std::error_code error;
   for (const fs::path& name : names_in(target_, error)) {

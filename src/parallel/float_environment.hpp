@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The floating-point environment that every error bound of the library assumes, whatever the host has set.
+// The floating-point environment that every error bound of the library assumes, for any setting of the host.
 //
 // A host may round upwards, flush denormal numbers to zero (a single library linked with -ffast-math is enough, and so
 // is an audio thread) or trap on overflow. Every allowance of the library is derived for rounding to nearest with
-// gradual underflow, and expansions of exact sums hold for nothing else. So whatever computes switches over at its
-// public door and back when it leaves. Where nothing was set, and that is the rule, this costs one read of a register.
+// gradual underflow, and expansions of exact sums hold only for that. So every public function that computes switches
+// to this environment at its entry, and back when it returns. If the environment is standard already, which is usual,
+// this costs one read of a register.
 #pragma once
 
 #if defined(__SSE2__) || defined(_M_X64)
@@ -33,7 +34,8 @@ class StandardFloats {
   using Bits = unsigned long long;
 #if defined(__SSE2__) || defined(_M_X64)
   static constexpr Bits relevant = 0xffc0;  // flush to zero, rounding, masked exceptions, denormals are zero
-  static constexpr Bits standard = 0x1f80;  // none, to nearest, all masked, no
+  static constexpr Bits standard = 0x1f80;  // no flush to zero, rounding to nearest, all exceptions masked, denormals
+                                            // kept
   static Bits control() noexcept {
     return _mm_getcsr();
   }
@@ -52,7 +54,7 @@ class StandardFloats {
     return static_cast<Bits>(std::fegetround());
   }
 #endif
-  // Out of line: no arithmetic moves across a call that may do anything.
+  // It is out of line: compilers move no arithmetic across a call of unknown effects.
   static void set(Bits bits) noexcept;
 
   Bits before_;

@@ -27,7 +27,7 @@ void detail::ask_to_go_on() {
   Interruption& whom = *asked.whom;
   if (whom.has_ended.load(std::memory_order_acquire)) std::rethrow_exception(whom.cause);
   if (!asked.is_owner) return;
-  // What is asked may call the library in its turn.
+  // The callback may itself call the library.
   const Uninterrupted alone;
   try {
     whom.ask();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// std::sort that asks whether to go on: millions of values take seconds.
+// std::sort with checks for interruption: millions of values take seconds.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Whether calls of this thread are to go on: what loops and searches ask between two pieces of work.
+// Checks for interruption of this thread's calls, which loops and searches make between two units of work.
 #pragma once
 
 #include <algorithm>
@@ -15,28 +15,28 @@ namespace morula::detail {
 
 struct Interruption;
 
-/// Whom this thread asks: nobody, or an Interruption, as its owner or as a helper of its owner.
+/// The Interruption that this thread checks, as its owner or as a helper of its owner, or none.
 struct WhomToAsk {
   Interruption* whom = nullptr;
   bool is_owner = false;
 };
 
-/// Of an Interrupt. Threads that help its owner ask it, too.
+/// The state of an Interrupt. Threads that help its owner also check it.
 struct Interruption {
   std::function<void()> ask;
-  WhomToAsk outer{};           // whom the owner asked before
-  std::exception_ptr cause{};  // written before has_ended, by the owner
+  WhomToAsk outer{};           // the owner's outer one, restored at the end
+  std::exception_ptr cause{};  // the owner writes it, and has_ended after it
   std::atomic<bool> has_ended{false};
 };
 
-/// Returns what was there before.
+/// Sets what this thread checks, and returns the preceding value.
 WhomToAsk exchange_asked(const WhomToAsk& next) noexcept;
 Interruption* asked_now() noexcept;
 
-/// Returns when the call is to go on, and throws what ends it.
+/// Returns when the call may go on, and throws the exception that ends it.
 void ask_to_go_on();
 
-/// Asks at every so many-th call: for pieces of work that take no longer than asking.
+/// Checks at every n-th call, for units of work that are as short as a check.
 class AskNowAndThen {
  public:
   explicit AskNowAndThen(std::uint32_t calls) : calls_(calls), left_(calls) {}
@@ -50,7 +50,7 @@ class AskNowAndThen {
   std::uint32_t calls_, left_;
 };
 
-/// values.resize(count), in stretches between which it asks: to fill fresh memory takes its time.
+/// values.resize(count) in steps with a check in between, since filling new memory takes long.
 template <class Value>
 void resize_asking(std::vector<Value>& values, std::size_t count) {
   constexpr std::size_t stretch = (std::size_t{1} << 20) / sizeof(Value);
@@ -61,8 +61,8 @@ void resize_asking(std::vector<Value>& values, std::size_t count) {
   }
 }
 
-/// Before so many values are added to a vector that may become very long: a vector that grows copies all that it has.
-/// This copies it in stretches between which it asks.
+/// Reserves room for so many more values of a vector that may become very long. A growing vector copies all its values;
+/// this function copies them in steps with a check in between.
 template <class Value>
 void make_room(std::vector<Value>& values, std::size_t more = 1) {
   constexpr std::size_t stretch = (std::size_t{1} << 20) / sizeof(Value);
@@ -78,7 +78,7 @@ void make_room(std::vector<Value>& values, std::size_t more = 1) {
   values.swap(longer);
 }
 
-/// While it lives this thread asks as a helper of the owner of `of`, unless it is the owner itself.
+/// Makes this thread check as a helper of the owner of `of` as long as it lives, unless the thread is the owner itself.
 class HelpsOwner {
  public:
   explicit HelpsOwner(Interruption* of) noexcept : joined_(of != asked_now()) {
@@ -95,7 +95,8 @@ class HelpsOwner {
   WhomToAsk before_{};
 };
 
-/// While it lives this thread asks nobody: for what is noexcept, and for what an exception would leave half done.
+/// Disables the checks of this thread as long as it lives: for noexcept functions, and for work that an exception would
+/// leave unfinished.
 class Uninterrupted {
  public:
   Uninterrupted() noexcept : before_(exchange_asked({})) {}

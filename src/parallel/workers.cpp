@@ -25,12 +25,12 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// True on a thread that is inside a chunk: nested loops then run where they are.
+// True on a thread that is inside a chunk: nested loops then run on that thread.
 thread_local bool inside_chunk = false;
 
-// A chunk that throws ends the loop: chunks that have not begun are left, and those that have run to their end. Chunks
-// begin in order, so all before the one that threw have begun: the exception of the lowest index is the same one
-// however many threads there are.
+// A chunk that throws ends the loop: chunks that have not begun are skipped, and chunks that have begun run to their
+// end. Chunks begin in order, so all chunks below the one that threw have begun: the exception of the lowest index is
+// the same for any number of threads.
 void run_serially(std::size_t count, ChunkFunction chunk) {
   for (std::size_t i = 0; i < count; ++i) {
     ask_to_go_on();
@@ -38,7 +38,8 @@ void run_serially(std::size_t count, ChunkFunction chunk) {
   }
 }
 
-// The host's threads get neither our exceptions nor nested loops, and our chunks none of the host's roundings.
+// The host's threads get neither the library's exceptions nor nested loops, and chunks do not get the host's rounding
+// modes.
 void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunction chunk) {
   std::mutex mutex;
   std::size_t failed_index = count;
@@ -66,7 +67,7 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
 }
 
 #ifdef MORULA_THREADS
-/// Tells the processor that a thread waits awake.
+/// Signals the processor that a thread is spinning.
 inline void relax() {
 #if defined(__SSE2__) || defined(_M_X64)
   _mm_pause();
@@ -80,9 +81,9 @@ inline void relax() {
 
 #ifdef MORULA_THREADS
 
-// Helpers join a loop when they are awake in time: the caller begins at once, and waits for those alone that have begun
-// a chunk. Between two loops that follow each other closely everybody stays awake, since waking a thread may take
-// longer than the loop.
+// Helpers join a loop if they are awake in time: the caller begins at once, and waits only for helpers that have begun
+// a chunk. Between two loops in quick succession all threads stay awake, since waking a thread may take longer than the
+// loop.
 struct Workers::Pool {
   explicit Pool(unsigned helpers) {
     const unsigned processors = std::thread::hardware_concurrency();
@@ -91,7 +92,7 @@ struct Workers::Pool {
     try {
       for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { serve(); });
     } catch (const std::system_error&) {
-      // The system has no more threads: those that are there do the work.
+      // The system has no more threads: the existing ones do the work.
     } catch (...) {
       stop();
       throw;
@@ -115,7 +116,7 @@ struct Workers::Pool {
     take_chunks({&f, count, asked_now()});
     {
       const std::lock_guard lock(mutex_);
-      loop_ = {};  // who comes now is too late
+      loop_ = {};  // helpers that come later are too late
     }
     if (!is_soon([this] { return helping_.load(std::memory_order_acquire) == 0; })) {
       std::unique_lock lock(mutex_);
@@ -132,7 +133,7 @@ struct Workers::Pool {
   };
 
   void serve() {
-    const StandardFloats standard;  // threads inherit what their maker had set
+    const StandardFloats standard;  // threads inherit the settings of their creator
     std::uint64_t seen = 0;
     for (;;) {
       const auto is_called = [&] { return generation_.load(std::memory_order_acquire) != seen; };
@@ -157,7 +158,7 @@ struct Workers::Pool {
     }
   }
 
-  /// Waits awake until something holds, for about as long as waking a thread takes. Does it hold?
+  /// Spins until a condition holds, for about as long as waking a thread takes. Returns whether it holds.
   template <class Holds>
   bool is_soon(const Holds& holds) const {
     if (!stays_awake_) return holds();
@@ -171,7 +172,7 @@ struct Workers::Pool {
     return holds();
   }
 
-  // An exception ends the loop: nobody takes another chunk.
+  // An exception ends the loop: no thread takes another chunk.
   void take_chunks(const Loop& loop) {
     const HelpsOwner helps(loop.interruption);
     inside_chunk = true;
@@ -202,12 +203,12 @@ struct Workers::Pool {
 
   std::vector<std::thread> threads_;
   bool stays_awake_ = true;
-  std::mutex mutex_;  // of all below; what is atomic is read without it, too
+  std::mutex mutex_;  // guards all members below; atomic ones are also read without it
   std::condition_variable wake_, idle_;
-  Loop loop_;  // nothing: none that a helper may join
+  Loop loop_;  // empty: no loop that a helper may join
   std::atomic<std::size_t> next_{0};
   std::atomic<std::uint64_t> generation_{0};
-  std::atomic<unsigned> helping_{0};  // those who joined the loop
+  std::atomic<unsigned> helping_{0};  // number of helpers in the loop
   std::size_t sleepers_ = 0;
   bool stopping_ = false;
   std::size_t failed_index_ = 0;

@@ -34,17 +34,18 @@ Vec3 least_axis(const Vec3& v) {
 
 Units::Units(const Box& box)
     : origin(box.center()), largest_coordinate(std::max(max_norm(box.lower), max_norm(box.upper))) {
-  constexpr int most = 200;  // a mesh that is smaller is a point to all that asks for it
+  constexpr int most = 200;  // a smaller mesh counts as a point in all queries
   const double size = max_norm(box.extent());
   if (size > 0) scale = std::ldexp(1.0, std::clamp(-1 - std::ilogb(size), -most, most));
 }
 
-// What is away from the center is off by a share of that: heights by 2^-21.9 of the reach, ends of a box by 2^-24 as
-// they are rounded, together less than 2^-21. Computed closest points are off by less than 2^-48 of their coordinates.
-// Where meshes are all but a point, that is more than a float holds, and as good as everything.
+// The error of a coordinate is a share of its distance from the center: heights are off by 2^-21.9 of the reach, ends
+// of a box by 2^-24 as they are rounded, together less than 2^-21. Computed closest points are off by less than 2^-48
+// of their coordinates. For meshes that are almost a point, the pad exceeds the range of float, and the box then holds
+// all points.
 BoxMaker::BoxMaker(const Units& units, const Box& all) : units_(units) {
   const Vec3 lower = units.of(all.lower), upper = units.of(all.upper), middle = (lower + upper) * 0.5;
-  // The same number in both, of 23 digits: GCC 12 may take back and forth between double and float for nothing at all.
+  // The number is the same in both types, of 23 digits: GCC 12 may remove a conversion from double to float and back.
   for (int c = 0; c < 3; ++c) {
     center_[c] = static_cast<double>(static_cast<int>(std::clamp(middle[c], -1.0, 1.0) * 0x1p23)) * 0x1p-23;
     boxes_.center[c] = static_cast<float>(center_[c]);
@@ -81,7 +82,7 @@ FacetBoxes BoxMaker::facets_of(int k, std::span<const Triangle> patch) const {
   return facets;
 }
 
-// In Units, from the center. Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
+// The box in Units, from the center. Heights are summed up in mesh coordinates, off by less than 2^-50 of the largest.
 Box BoxMaker::along(const Axes& axes, std::span<const Triangle> patch) const {
   const Vec3 rows[3] = {row(axes[0]), row(axes[1]), row(axes[2])};
   Vec3 lower{infinity, infinity, infinity}, upper = -lower;
@@ -106,14 +107,14 @@ void BoxMaker::set(int k, const Axes& axes, const Box& box) {
   if (axes != coordinates) boxes_.far_share = 1 - 0x1p-20f;
 }
 
-// Rows that are unit and at right angles up to 2^-22: before they are rounded to floats, up to 2^-30, since nothing
-// nearly cancels; after that three coordinates of two rows are off by 2^-25 each.
+// Rows that are unit and at right angles up to 2^-22: before they are rounded to floats, up to 2^-30, since no terms
+// nearly cancel; after that three coordinates of two rows are off by 2^-25 each.
 BoxMaker::Axes BoxMaker::axes_along(std::span<const Triangle> patch, const Vec3& area_vector) const {
   constexpr double least_size = 1e-140;  // below, squares lose digits
   const double size = length(area_vector);
   if (!(size > least_size)) return coordinates;
   const Vec3 normal = area_vector / size;
-  // Patches are cut along the coordinates: beside each other, their boxes overlap least along these.
+  // Patches are cut along the coordinates, and the boxes of adjacent patches overlap least along these.
   const Vec3 way = patch.size() == 1 ? longest_side(patch[0]) : least_axis(normal);
   const Vec3 in_plane = way - normal * dot(way, normal);
   const double extent = length(in_plane);
@@ -127,8 +128,8 @@ BoxMaker::Axes BoxMaker::axes_along(std::span<const Triangle> patch, const Vec3&
   return axes;
 }
 
-// Heights are off by 2^-50 |q|, and |q| is hardly more than the distance. Axes of a box's own lengthen by 1.5 * 2^-22,
-// those of the coordinates not at all.
+// Heights are off by 2^-50 |q|, and |q| is hardly more than the distance. Own axes of a box lengthen by 1.5 * 2^-22,
+// the axes of the coordinates not at all.
 template <class Boxes>
 double FarDistances::squared(const OrientedBoxes& axes, int k, const Boxes& boxes, int which) const {
   // mutant box-far-share: `(1 - 0x1p-44) * static_cast` -> `static_cast`

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Four boxes side by side, each in axes of its own, and how far they are from a point at least. A box that lies along a
-// flat patch of a surface holds little beside it. Where much of the surface is nearly as near as the nearest point, as
-// from the center of a ball inside it, boxes along the coordinates leave twenty times as many facets to be looked at.
+// Four boxes side by side, each in axes of its own, and lower bounds of their distances from a point. A box that lies
+// along a flat patch of a surface holds little other space. If much of the surface is nearly as near as the nearest
+// point, as from the center of an inscribed ball, boxes along the coordinates leave twenty times as many facets to be
+// tested.
 #pragma once
 
 #include <array>
@@ -15,11 +16,12 @@
 
 namespace morula::detail {
 
-/// Coordinates about the middle of a mesh, whose box's longest side is 1/2 to 1 in them unless it is all but a point.
+/// Coordinates about the center of a mesh's box, in which the longest side of the box is 1/2 to 1 unless the mesh is
+/// almost a point.
 struct Units {
   Vec3 origin;
   double scale = 1;               // a power of two
-  double largest_coordinate = 0;  // of the mesh, in its own coordinates
+  double largest_coordinate = 0;  // largest |coordinate| of the mesh, in its own coordinates
   static constexpr double near = 1024;
 
   Units() = default;
@@ -29,11 +31,11 @@ struct Units {
 
 struct alignas(64) OrientedBoxes {
   static constexpr int count = 4;
-  float axis[3][3][count];  // axis, coordinate, box
-  float lower[3][count];    // along the axes, from the center
+  float axis[3][3][count];  // unit axes: axis, coordinate, box
+  float lower[3][count];    // lower bounds along the axes, from the center
   float upper[3][count];
-  float center[3];  // in Units
-  float far_share;  // of squared distances in double, what is no more than the true one
+  float center[3];  // common center, in Units
+  float far_share;  // factor of squared distances in double that makes them no more than the true ones
 };
 
 /// Boxes about the facets of a patch, in the axes of the patch's own box and from its center.
@@ -42,18 +44,18 @@ struct alignas(16) FacetBoxes {
   float upper[3][OrientedBoxes::count];
 };
 
-/// Makes boxes that contain what a computed closest point of their facets may be, and more, see NearDistances.
+/// Makes boxes that contain every computed closest point of their facets, and more; see NearDistances.
 class BoxMaker {
  public:
-  /// all: contains everything that boxes will be about, mesh coordinates.
+  /// all: a box that contains all facets of the boxes, in mesh coordinates.
   BoxMaker(const Units& units, const Box& all);
-  /// A box along the coordinates. It contains the computed closest points already.
+  /// Sets box k to one along the coordinates. It contains the computed closest points already.
   void set(int k, const Box& box);
-  /// A box along a patch of facets, at right angles to its area vector, which is the sum of the facets'. Where that is
-  /// too short for a direction, the box lies along the coordinates.
+  /// Sets box k to one along a patch of facets, perpendicular to its area vector, which is the sum of the facets'. If
+  /// that is too short for a direction, the box lies along the coordinates.
   void set(int k, std::span<const Triangle> patch, const Vec3& area_vector);
   const OrientedBoxes& boxes() const { return boxes_; }
-  /// Boxes about each facet of the patch that box k was set to; no more than there is room for.
+  /// Boxes about each facet of the patch to which box k was set; no more than FacetBoxes holds.
   FacetBoxes facets_of(int k, std::span<const Triangle> patch) const;
 
  private:
@@ -68,29 +70,29 @@ class BoxMaker {
   double pad_ = 0;
 };
 
-/// Squared distances in Units from a point to four boxes: no more than the computed squared distances (closest_point)
-/// from that point, times the square of units.scale, of the facets in them. This is for points that are at most
+/// Squared distances in Units from a point to four boxes: no more than the computed squared distances (closest_point),
+/// times the square of units.scale, from that point to the facets in the boxes. It serves points that are at most
 /// Units::near along each axis.
 class NearDistances {
  public:
   using Scalar = float;
   NearDistances(const Units& units, const Vec3& p) : p_(units.of(p)) {}
-  /// A number that is no less.
+  /// A float that is no less.
   static float limit(double squared) {
     constexpr float most = std::numeric_limits<float>::max(), least = std::numeric_limits<float>::min();
-    // Of what is not small, rounding takes less than the product adds; of what is, less than the sum.
+    // Rounding takes less from a large value than the product adds, and less from a small one than the sum adds.
     // mutant box-limit-rounded: `* (1 + 0x1p-22f) +` -> `+ 0 *`
     return squared < 0x1p120 ? static_cast<float>(squared) * (1 + 0x1p-22f) + least : most;
   }
 
-  // Why these are no more: let x be the computed closest point of a facet, D its distance from p, q = p - center, r the
-  // reach of all boxes from their center, all in Units, and a_i a box's axes, as floats. Rounding moves q by 2^-24 |q|
-  // and 2^-52 |p|, three products and their sum are off by 3.01 * 2^-24 |q|: heights a_i q are off by less than
-  // 2^-21.9 |q| + 2^-52 |p|, where |q| <= D + r. The part of r, and how far x is from the exact facet, the boxes are
-  // padded by (BoxMaker), so a gap is at most |a_i (q - x)| + 2^-21.9 D, but for a last rounding of 2^-24 of itself.
-  // The axes are unit and at right angles up to 2^-22, so they lengthen q - x by at most 1.5 * 2^-22 D, and three gaps
-  // together are at most (1 + (0.25 + 1.5 + 1.9) * 2^-22) D. Of the square that is less than 1 + 7.4 * 2^-22, with the
-  // rounding of squares and sums less than 1 + 9 * 2^-22.
+  // Proof that these are no more: let x be the computed closest point of a facet, D its distance from p, q = p -
+  // center, r the reach of all boxes from their center, all in Units, and a_i a box's axes, as floats. Rounding moves q
+  // by 2^-24 |q| and 2^-52 |p|, three products and their sum are off by 3.01 * 2^-24 |q|: heights a_i q are off by less
+  // than 2^-21.9 |q| + 2^-52 |p|, where |q| <= D + r. The boxes are padded by the part of r and by the distance of x
+  // from the exact facet (BoxMaker), so a gap is at most |a_i (q - x)| + 2^-21.9 D, apart from a last rounding of 2^-24
+  // of itself. The axes are unit and at right angles up to 2^-22, so they lengthen q - x by at most 1.5 * 2^-22 D, and
+  // three gaps together are at most (1 + (0.25 + 1.5 + 1.9) * 2^-22) D. The square has a factor less than 1 + 7.4 *
+  // 2^-22, with the rounding of squares and sums less than 1 + 9 * 2^-22.
   void operator()(const OrientedBoxes& boxes, float* result) const {
     const std::array<float, 3> q = from_center(boxes);
     const Float4 x(q[0]), y(q[1]), z(q[2]);
@@ -101,7 +103,7 @@ class NearDistances {
         },
         boxes, result);
   }
-  /// To facets of box k. What was said holds for them as well: axes, center and pad are those of the box.
+  /// Squared distances to facets of box k. The proof holds for them as well: axes, center and pad are those of the box.
   void operator()(const OrientedBoxes& boxes, int k, const FacetBoxes& facets, float* result) const {
     const std::array<float, 3> q = from_center(boxes);
     squared(
@@ -133,7 +135,7 @@ class NearDistances {
   Vec3 p_;
 };
 
-/// The same for all other points: in double, since in floats one end of the mesh is as far as the other.
+/// The same for all other points, in double, since in floats both ends of the mesh would be equally far.
 class FarDistances {
  public:
   using Scalar = double;
@@ -149,7 +151,7 @@ class FarDistances {
   Vec3 p_;
 };
 
-/// visit(distances): with those for p.
+/// Calls visit(distances) with the distances for p.
 template <class Visit>
 auto with_distances(const Units& units, const Vec3& p, const Visit& visit) {
   return max_norm(units.of(p)) <= Units::near ? visit(NearDistances(units, p)) : visit(FarDistances(units, p));

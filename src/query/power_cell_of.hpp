@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Whose a point is, of a few spheres.
+// The sphere, among a few, whose power cell holds a point.
 #pragma once
 
 #include <cstdint>

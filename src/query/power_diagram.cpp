@@ -23,14 +23,14 @@ struct Corner {
   Vec3 point;
 };
 
-// Powers nearer to each other than this share of the squared distances involved count as equal: below it a sign is
-// rounding, and cutting there would only make slivers.
+// Powers nearer to each other than this share of the squared distances involved count as equal: below it the sign
+// depends on rounding, and a cut there would only make slivers.
 // mutant power-ties: `0x1p-50` -> `0`
 constexpr double relative_tie = 0x1p-50;
 
 struct Power {
   double value;
-  double rounding;  // of the value
+  double rounding;  // bound of the rounding error of the value
 };
 Power power_with_rounding(const Sphere& s, const Vec3& x) {
   const double squared = squared_distance(s.center, x), squared_radius = s.radius * s.radius;
@@ -44,22 +44,23 @@ double power_difference(const Sphere& a, const Sphere& b, const Vec3& x) {
   return std::abs(difference) <= pa.rounding + pb.rounding ? 0.0 : difference;
 }
 
-// A power at this distance from the center, lowered by more than rounding can have raised it.
+// A lower bound of the power at this distance from the center: it is lowered by more than the largest rounding error.
 double least_power(double distance, double radius) {
   // mutant power-least: `radius - 0x1p-40 * (distance * distance + radius * radius)` -> `radius`
   return distance * distance - radius * radius - 0x1p-40 * (distance * distance + radius * radius);
 }
 
 // Splits one polygon by bisectors of pairs that both own one of its corners. After a split by (a, b) neither half needs
-// both any more, so the recursion ends; every cut point is made once and belongs to both halves, so the pieces tile the
-// polygon whatever the rounding.
+// both, so the recursion ends; every cut point is made once and belongs to both halves, so the parts tile the polygon
+// for any rounding.
 class Cutter {
  public:
   Cutter(const FacetGeometry& facet, std::span<const Sphere> spheres, CutFacet& result)
       : facet_(facet), spheres_(spheres), result_(result) {}
 
   void cut(std::span<const Corner> polygon, std::span<const std::uint32_t> candidates) {
-    // One owner at all corners: the whole polygon is its, because differences of powers are affine. Most end here.
+    // If all corners have one owner, it owns the whole polygon, because differences of powers are affine. Most polygons
+    // end here.
     const std::uint32_t first = owner_at(polygon[0].point, candidates);
     std::uint32_t rival = first;
     for (std::size_t k = 1; k < polygon.size() && rival == first; ++k) {
@@ -77,14 +78,14 @@ class Cutter {
       std::erase(remaining, first);
       cut(side_of_rival, remaining);
     } else {
-      // Nowhere is `first` better than its rival by more than rounding.
+      // At no corner is `first` better than its rival by more than rounding.
       std::erase(remaining, first);
       cut(polygon, remaining);
     }
   }
 
  private:
-  // Most facets that are cut fall into a few pieces of a few corners, which need no heap.
+  // Most facets that are cut have a few parts of a few corners, which need no heap.
   using Corners = std::pmr::vector<Corner>;
   using Numbers = std::pmr::vector<std::uint32_t>;
 
@@ -122,7 +123,7 @@ class Cutter {
     return kept;
   }
 
-  // False when no corner lies strictly on the side of a, or a side is left without area.
+  // Returns false when no corner lies strictly on the side of a, or a side is left without area.
   bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, Corners& side_a, Corners& side_b) {
     std::pmr::vector<double> difference(&scratch_);
     difference.reserve(polygon.size());
@@ -141,17 +142,18 @@ class Cutter {
         side_b.push_back(made);
       }
     }
-    // Corners on the bisector alone can leave a side without area: its points belong to the other side as well.
+    // If all its corners are on the bisector, that can leave a side without area: its points belong to the other side
+    // as well.
     return side_a.size() >= 3 && side_b.size() >= 3;
   }
 
   // Differences of powers are affine, so around a convex polygon they are negative in one run and positive in another,
-  // with at most one zero on each way between. Rounded ones need not be: ties are wider where a corner is farther from
-  // the spheres, and thin polygons turn a rounded sign over. Sides that were made of such signs would overlap. So the
-  // smallest differences are taken for ties until there are two runs, a tie inside a run joins it, and of ties between
-  // two runs the one next to the negative ones is the corner that both sides share. Two convex polygons then share two
-  // points and the segment between them: they tile what was there. What that moves between the sides is as near to the
-  // bisector as the smallest differences are. Corners of a cut through equal signs keep their sign.
+  // with at most one zero on each way between. Rounded differences need not be: ties are wider where a corner is
+  // farther from the spheres, and thin polygons invert a rounded sign. Sides made of such signs would overlap. So the
+  // smallest differences count as ties until there are two runs; a tie inside a run joins it, and among ties between
+  // two runs the one next to the negative run is the corner that both sides share. Two convex polygons then share two
+  // points and the segment between them: they tile the original polygon. The area that this moves between the sides is
+  // as near to the bisector as the smallest differences are. Corners of a cut through equal signs keep their sign.
   static void make_two_sided(std::span<double> difference) {
     while (sign_changes(difference) > 2) {
       std::size_t least = difference.size();
@@ -165,7 +167,7 @@ class Cutter {
     if (start == difference.end()) return;
     constexpr double joins_negative = -std::numeric_limits<double>::min();
     constexpr double joins_positive = std::numeric_limits<double>::min();
-    // Round once from a negative corner to itself, run of ties by run of ties.
+    // Goes round once from a negative corner to itself, run of ties by run of ties.
     const auto first = static_cast<std::size_t>(start - difference.begin());
     const auto at = [&](std::size_t i) -> double& { return difference[(first + i) % count]; };
     for (std::size_t i = 1; i < count;) {
@@ -204,7 +206,7 @@ class Cutter {
   }
 
   // On a mesh edge the cut is computed from its two vertices, lower index first, lower sphere first: the facet on the
-  // other side then finds the same bits, and the two share one cut point.
+  // other side then computes the same bits, and the two share one cut point.
   bool cut_on_mesh_edge(const Corner& p, const Corner& q, std::uint32_t a, std::uint32_t b, Barycentric& made) const {
     for (int opposite = 0; opposite < 3; ++opposite) {
       if (p.barycentric[opposite] != 0 || q.barycentric[opposite] != 0) continue;
@@ -243,7 +245,7 @@ class Cutter {
 void cut_by_power(const FacetGeometry& facet, std::span<const Barycentric> polygon, std::span<const Sphere> spheres,
                   std::span<const std::uint32_t> candidates, CutFacet& cut) {
   assert(polygon.size() >= 3 && !candidates.empty());
-  // Corners of uncut facets and of pieces cut a few times fit without allocation.
+  // Corners of uncut facets and of polygons cut a few times fit without allocation.
   std::array<Corner, 16> few;
   std::vector<Corner> many;
   std::span<Corner> corners(few.data(), std::min(few.size(), polygon.size()));
@@ -313,7 +315,7 @@ namespace {
 // Depth first, nearer child first; the tree is balanced, so a small fixed stack is enough.
 constexpr int stack_size = 128;
 
-// visit(node) for the leaves whose bounds, and those of all nodes above, are not above limit().
+// Calls visit(node) for the leaves whose bounds, and those of all nodes above, are not above limit().
 template <class Nodes, class Bound, class Limit, class Visit>
 void visit_nearest_first(const Nodes& nodes, const Bound& bound, const Limit& limit, const Visit& visit) {
   std::array<std::uint32_t, stack_size> stack;
@@ -395,7 +397,8 @@ void PowerDiagram::candidates(const Triangle& triangle, std::vector<std::uint32_
   double reach = 0;
   for (const Vec3& p : triangle) reach = std::max(reach, distance(p, middle));
 
-  // The power that some sphere guarantees on the whole triangle: max over corners, because powers are convex.
+  // The power that some sphere guarantees on the whole triangle: the maximum over its corners, because powers are
+  // convex.
   double guaranteed = std::numeric_limits<double>::infinity();
   visit_nearest_first(
       nodes_,

@@ -22,12 +22,12 @@ constexpr std::size_t grain = 4096;
 constexpr std::uint32_t undecided = several_facets;
 
 // A facet whose height is below this share of its longest edge has a normal that rounding has turned. Across it the
-// surface goes on in a direction that its neighbors' normals do not show, so leaving it out of an average is no cure:
-// what touches it is decided by the winding number.
+// surface goes on in a direction that its neighbors' normals do not show, so an average without it would also be wrong:
+// the winding number decides for points whose nearest feature touches it.
 // mutant signed-slivers: `1e-7` -> `0`
 constexpr double sliver_ratio = 1e-7;
 
-// Unit; zero where it would be meaningless.
+// The unit normal; zero if it would be meaningless.
 Vec3 normal_of(const Triangle& t) {
   const Vec3 normal = area_vector(t);
   const double twice_area = length(normal);
@@ -38,11 +38,11 @@ Vec3 normal_of(const Triangle& t) {
 
 }  // namespace
 
-// What is found out before the index is made, so that the connectivity is gone when the index needs the memory.
+// The data computed before the index is made, so that the connectivity is freed before the index needs memory.
 struct SignedDistance::Sides {
   bool has_volume;
   double orientation;
-  Normals normals;  // where pseudo_normal is possible and may be wanted
+  Normals normals;  // normals; empty unless pseudo_normal is possible and may be requested
 
   Sides(const MeshView& mesh, const SignMethod* method, Workers& workers) {
     const StandardFloats standard;
@@ -84,7 +84,8 @@ bool SignedDistance::separates_sides() const {
     const Triangle t = bvh_.triangle(static_cast<std::uint32_t>(i * bvh_.facet_count() / count));
     if (!(length(area_vector(t)) > 0)) continue;
     const Vec3 middle = at_barycentric(t, {1.0 / 3, 1.0 / 3, 1.0 / 3});
-    // A facet counts fully where it is met, and rounding decides on which side of it its middle lies: without itself.
+    // The facet itself is subtracted: it counts fully at a point on it, and rounding decides on which side of it its
+    // middle lies.
     const double rest = bvh_.winding_number(middle) - solid_angle(t, middle) / (4 * std::numbers::pi);
     if (std::abs(orientation_ * rest - 0.5) > 0.25) return false;
   }
@@ -133,7 +134,8 @@ SignedDistance::Normals::Normals(const MeshView& mesh, const Connectivity& conne
 SignedDistance::Result SignedDistance::at(const Vec3& p, double known) const {
   const StandardFloats standard;
   constexpr double rounding = 1 + 1e-9;
-  // What is nearest within a reach is nearest of all, and the lowest of equally near facets is found either way.
+  // A facet that is nearest within a reach is the nearest of all, and the lowest of equally near facets is found either
+  // way.
   std::optional<ClosestFacetPoint> closest = bvh_.closest_point(p, known * rounding);
   // mutant known-reach-believed: `!closest` -> `false`
   if (!closest) closest = bvh_.closest_point(p);
@@ -146,7 +148,8 @@ SignedDistance::Result SignedDistance::at(const Vec3& p, double known) const {
 }
 
 bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& closest, double distance) const {
-  // A body is inside its box. From far away rounding decides which facet is nearest, and it may be one behind.
+  // A body is inside its box. From far away rounding decides which facet is nearest, and that may be a facet on the far
+  // side.
   const Box& box = bvh_.bounding_box();
   if (has_volume_ && (max(p, box.upper) != box.upper || min(p, box.lower) != box.lower)) return false;
   if (method_ == SignMethod::pseudo_normal) {
@@ -164,9 +167,9 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
         normal = (normal + normal_of(bvh_.triangle(other))) * 0.5;
       }
     }
-    // From a corner rather than from the nearest point: the normal is at right angles to the facet or edge between
-    // them, and the corner has not been rounded. Slivers leave no normal, razor edges a short one, and within rounding
-    // of the surface there is no direction to speak of: then this says nothing.
+    // The vector starts at a corner rather than at the nearest point: the normal is perpendicular to the facet or edge
+    // between them, and the corner has no rounding error. Slivers leave no normal, razor edges a short one, and within
+    // rounding of the surface the direction is meaningless: the normal decides nothing then.
     // mutant signed-short-normals: `1e-6` -> `0`
     constexpr double least_cosine = 1e-6;
     const double along = orientation_ * dot(p - bvh_.triangle(closest.facet)[corner], normal);
@@ -174,7 +177,7 @@ bool SignedDistance::decide_inside(const Vec3& p, const ClosestFacetPoint& close
   }
   double turns = orientation_ * bvh_.winding_number(p);
   // A closed surface goes around a point a whole number of times: anything else is the far field's error, or a point on
-  // the surface, where either answer will do.
+  // the surface, for which either answer is valid.
   if (has_volume_ && std::abs(turns - std::round(turns)) > 0.2) turns = orientation_ * bvh_.winding_number(p, 8.0);
   return turns > 0.5;
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball ∩ object as a sum over facets of ball ∩ cone(center, facet), arranged so that nothing is
-// singular wherever the center lies. In units of the radius, with the center at the origin, a facet T in the plane n·x
-// = H cuts the ball in D = T ∩ disc. Its cone inside the ball has three times the volume
+// Ball ∩ object as a sum over facets of ball ∩ cone(center, facet), arranged so that no term is singular for any
+// center. In units of the radius, with the center at the origin, a facet T in the plane n·x = H cuts the ball in D = T
+// ∩ disc. Its cone inside the ball has three times the volume
 //
 //   H area(D) + s Ω(T) − s Ω(D),   s the sign of H, Ω the solid angle.
 //
@@ -12,8 +12,8 @@
 // foot g(t₂) − g(t₁) with tan g = H t / (h √(H² + h² + t²)). The replaced parts are outside the ball, so these are
 // smooth.
 //
-// What the facets that miss the ball contribute is their solid angle. The index gives it roughly; and with all the
-// others it makes up a multiple of 4π, so the solid angles of the facets that meet the ball, modulo 2π, say the rest.
+// The facets that miss the ball contribute their solid angle. The index computes it roughly; with all the others it
+// makes up a multiple of 4π, so the solid angles of the facets that meet the ball, modulo 2π, give the rest.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,20 +29,20 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// Stands in for a length of zero where only its direction counts; its fourth power is still a normal number.
+// A length that replaces zero where only the direction counts; its fourth power is still a normal number.
 constexpr double next_to_nothing = 1e-50;
 
 bool comes_before(const Vec3& a, const Vec3& b) {
   return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-// The line through a facet's side from a to b, which differ. Close to the line everything depends on the direction from
-// the center to it, and the two facets that share the side must see the same one, or their solid angles would not fit
-// together. Hence nothing here depends on the order of a and b but the signs of `along` and `plane`, and the nearest
-// point is found from the nearer end, where it loses least.
+// The line through a facet's side from a to b, which differ. Close to the line all terms depend on the direction from
+// the center to it, and the two facets that share the side must use the same direction, or their solid angles would not
+// match. Hence only the signs of `along` and `plane` depend on the order of a and b, and the nearest point is found
+// from the nearer end, where it loses least.
 struct Side {
-  Vec3 along;          // unit, from a to b
-  Vec3 nearest;        // point of the line nearest to the center
+  Vec3 along;          // unit direction from a to b
+  Vec3 nearest;        // the point of the line nearest to the center
   Vec3 plane;          // normal of the plane through center, a and b, seen from the left of the side
   double first, last;  // a and b, as distances along the line from `nearest`
 };
@@ -55,7 +55,7 @@ Side side_between(const Vec3& a, const Vec3& b) {
   const double to_a = squared_length(a), to_b = squared_length(b);
   const bool from_a = to_a != to_b ? to_a < to_b : comes_before(a, b);
   side.nearest = from_a ? a - side.along * side.first : b - side.along * side.last;
-  // Through the center, as far as rounding can tell: what is left points along the line.
+  // The line passes through the center up to rounding: the remainder points along the line.
   const double off_line = squared_length(side.nearest);
   side.nearest -= side.along * dot(side.along, side.nearest);
   if (!(squared_length(side.nearest) > 0.25 * off_line)) {
@@ -77,7 +77,7 @@ bool passes_closely(const Triangle& t) {
 }
 
 // Solid angle of the triangle modulo 2π, by the angles between the planes through the center and its sides: their sum
-// less π. Seen from behind all change their signs, and π is as good as −π.
+// less π. From behind all angles change their signs, and π is as good as −π.
 double solid_angle_modulo_turn(const Triangle& corners, const std::array<Side, 3>& sides) {
   double sum = -std::numbers::pi;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -92,9 +92,10 @@ double angle_between(double x1, double y1, double x2, double y2) {
   return angle_of(std::abs(x1 * y2 - x2 * y1), x1 * x2 + y1 * y2);
 }
 
-// H area(D) + s Ω(T) − s Ω(D), one side's part. height is H, the same for all sides.
+// The part of one side in H area(D) + s Ω(T) − s Ω(D). height is H, the same for all sides.
 double part_of_cone(const Vec3& normal, double height, const Side& side) {
-  const double signed_distance = dot(cross(side.along, normal), side.nearest);  // of the line, from the foot
+  const double signed_distance = dot(cross(side.along, normal), side.nearest);  // signed distance of the line from the
+                                                                                // foot
   const double distance = std::abs(signed_distance);
   const double squared = squared_length(side.nearest);
   const auto replaced = [&](double t1, double t2) {
@@ -115,8 +116,8 @@ double part_of_cone(const Vec3& normal, double height, const Side& side) {
 // Sums over the facets that meet the ball.
 struct ConeSums {
   double cones = 0;        // H area(D) + s Ω(T) − s Ω(D)
-  double solid_angle = 0;  // as the index has it
-  double modulo_turn = 0;  // the same, modulo 2π where the center passes closely
+  double solid_angle = 0;  // solid angle as the index computes it
+  double modulo_turn = 0;  // the same angle, modulo 2π for facets that the center passes closely
 
   void add(const Triangle& t, const Sphere& ball);
 };
@@ -127,11 +128,11 @@ void ConeSums::add(const Triangle& t, const Sphere& ball) {
   for (std::size_t k = 0; k < 3; ++k) {
     local[k] = (t[k] - ball.center) / ball.radius;
     if (local[k] != Vec3{}) continue;
-    // As if the center were beside the vertex, on the same side for all facets there.
+    // The center counts as next to the vertex, on the same side for all facets there.
     local[k] = Vec3{0.48, 0.62, 0.62} * next_to_nothing;
     is_at_corner = true;
   }
-  // What the index has summed, even where rounding has given an angle to a facet that has none.
+  // The same angle as in the index's sum, even if rounding has made one for a facet that has none.
   const double angle = morula::solid_angle(t, ball.center);
   solid_angle += angle;
   if (local[0] == local[1] || local[1] == local[2] || local[2] == local[0]) return;
@@ -141,7 +142,7 @@ void ConeSums::add(const Triangle& t, const Sphere& ball) {
   const auto [nearest, farthest] = std::minmax_element(squared.begin(), squared.end());
   const Vec3 area_vector = morula::area_vector(local);
   const Vec3 normal = normalized(area_vector, Vec3{});
-  // A facet that only touches the ball replaces all of its border and is left with nothing.
+  // A facet that only touches the ball replaces its whole border and contributes nothing.
   const double height = std::clamp(dot(normal, local[static_cast<std::size_t>(nearest - squared.begin())]), -1.0, 1.0);
 
   const bool is_whole = *farthest <= 1;
@@ -163,7 +164,8 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
   const StandardFloats standard;
   if (!(ball.radius > 0)) return 0;
   if (!has_usable_scale(ball)) throw std::invalid_argument("volume of a ball: it has a number beyond 1e30");
-  // So small that it is a point beside the object's coordinates: in units of its radius those would overflow.
+  // A ball so small counts as a point compared with the object's coordinates: in units of its radius they would
+  // overflow.
   const Box& box = object.bvh().bounding_box();
   constexpr double smallest_share = 0x1p-60;
   if (!(ball.radius > smallest_share * std::max(max_norm(box.lower), max_norm(box.upper))))
@@ -175,9 +177,9 @@ double inside_volume(const SignedDistance& object, const Sphere& ball) {
   ConeSums sums;
   for (const std::uint32_t f : near) sums.add(object.bvh().triangle(f), ball);
 
-  // The index sums the very same solid angles of the facets nearby, so whatever rounding does to them when the center
-  // is on the surface drops out of the difference. On an open surface nothing says the rest: the result is then the
-  // integral of the winding number, as exact as the far field.
+  // The index sums the very same solid angles of the facets nearby, so their rounding errors when the center is on the
+  // surface cancel in the difference. On an open surface the rest is unknown: the result is then the integral of the
+  // winding number, as exact as the far field.
   constexpr double turn = 2 * std::numbers::pi;
   const auto far_solid_angle = [&](double accuracy) {
     return 2 * turn * object.bvh().winding_number(ball.center, accuracy) - sums.solid_angle;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Memory for what is short-lived and small: no heap as long as it suffices.
+// Memory for short-lived, small allocations: it uses no heap as long as it suffices.
 #pragma once
 
 #include <array>
@@ -10,20 +10,22 @@
 
 namespace morula::detail {
 
-/// Gives memory out of itself, the rest from the heap. What is given back last in, first out, as locals of nested calls
-/// are, is free again at once; what is given back in another order stays taken. For one thread.
+/// A memory resource that allocates from a buffer inside itself, and from the heap when that is full. Memory that is
+/// freed last in, first out, as by locals of nested calls, is free again at once; memory freed in another order stays
+/// allocated. One thread may use it.
 template <std::size_t size>
 class StackMemory : public std::pmr::memory_resource {
  public:
   StackMemory() = default;
   StackMemory(const StackMemory&) = delete;
   StackMemory& operator=(const StackMemory&) = delete;
-  /// Bytes of itself that are given out.
+  /// Allocated bytes of the buffer.
   std::size_t used() const { return used_; }
 
  private:
   static constexpr std::size_t step = alignof(std::max_align_t);
-  // No bytes take a step as well: else they would lie behind the last one, which is no longer here.
+  // An allocation of 0 bytes takes a step as well: otherwise its address could be behind the last byte, outside the
+  // buffer.
   static std::size_t rounded(std::size_t bytes) { return bytes == 0 ? step : (bytes + step - 1) / step * step; }
   bool owns(const void* memory) const {
     const std::less<const void*> before;
@@ -31,7 +33,7 @@ class StackMemory : public std::pmr::memory_resource {
   }
 
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    // What does not fit as it is might be rounded up beyond the largest number.
+    // The size is compared first: a size that does not fit might be rounded up beyond the largest number.
     if (alignment > step || bytes > size - used_ || rounded(bytes) > size - used_)
       return std::pmr::new_delete_resource()->allocate(bytes, alignment);
     void* const memory = memory_.data() + used_;

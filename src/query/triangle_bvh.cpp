@@ -23,20 +23,20 @@ namespace {
 using wide::Clusters;
 using wide::Node;
 
-// From here the whole mesh, whose coordinates end at 2^100, is one point, whatever the rounding; squares stay finite up
-// to here.
+// From this distance on the whole mesh, whose coordinates are below 2^100, counts as one point up to rounding; squares
+// stay finite up to this distance.
 constexpr double too_far = 0x1p200;
 
-// A child waiting to be looked at: a node, or the slots of a leaf. Its squared distance is in the tree's Units.
+// A child waiting to be visited: a node, or the slots of a leaf. Its squared distance is in the tree's Units.
 template <class Scalar>
 struct Waiting {
   Scalar squared_distance;
   std::uint32_t first;
-  std::uint32_t node;  // whose child it is, and which
+  std::uint32_t node;  // the parent, and the place of the child in it
   std::uint8_t k, count;
 };
 
-// On large meshes most of a query is waiting for nodes: those that are going to be looked at are fetched meanwhile.
+// On large meshes queries mostly wait for nodes in memory: nodes that will be visited are prefetched.
 void fetch_early([[maybe_unused]] const Node& node) {
 #ifdef __GNUC__
   constexpr std::size_t line = 64;
@@ -45,7 +45,7 @@ void fetch_early([[maybe_unused]] const Node& node) {
 #endif
 }
 
-// Nearest last, so that it is popped first. Children at the same distance keep their order.
+// The nearest child is pushed last, so that it is popped first. Children at the same distance keep their order.
 template <class Scalar>
 void push_by_distance(const wide::Tree& tree, std::uint32_t index, const Scalar* distances, Scalar limit,
                       Waiting<Scalar>* stack, int& top) {
@@ -67,7 +67,7 @@ struct Nearest {
   std::uint32_t facet = none;
 };
 
-// What is exactly as far as the best is still looked at: it may hold a facet of lower index.
+// A child exactly as far as the best is still visited: it may hold a facet of lower index.
 template <class Distances>
 Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Distances& to) {
   using Scalar = typename Distances::Scalar;
@@ -85,7 +85,7 @@ Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Dista
       push_by_distance(tree, next.first, distances, limit_in_units, stack, top);
       continue;
     }
-    // Where the point is in the leaf's box, it is in most of the facets' as well: they are not worth reading.
+    // A point in the leaf's box is also in most boxes of its facets, so reading these boxes is not worthwhile.
     const bool is_apart = next.squared_distance > 0 && next.count > 1;
     if (is_apart) {
       const Node& parent = tree.nodes[next.node];
@@ -107,8 +107,8 @@ Nearest nearest(const wide::Tree& tree, const Vec3& p, double limit, const Dista
   return best;
 }
 
-// ∫ (x − p)·n / |x − p|³ over each cluster, expanded about its centroid to first order: with R = centroid − p, area
-// vector N and moment M,  R·N / R³ + tr(M) / R³ − 3 Rᵀ M R / R⁵.
+// Computes ∫ (x − p)·n / |x − p|³ over each cluster, expanded about its centroid to first order: with R = centroid − p,
+// area vector N and moment M, R·N / R³ + tr(M) / R³ − 3 Rᵀ M R / R⁵.
 void far_fields(const Clusters& c, const Vec3& p, double* squared_distances, double* fields) {
   for (int k = 0; k < wide::width; ++k) {
     const double x = c.centroid[0][k] - p.x, y = c.centroid[1][k] - p.y, z = c.centroid[2][k] - p.z;

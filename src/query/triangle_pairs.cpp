@@ -12,7 +12,7 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same verdicts.
 namespace plain {
 
 struct Lone {

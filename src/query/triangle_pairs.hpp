@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Eight pairs of triangles side by side, and the kernel that finds which of them clearly meet or are clearly apart:
-// nearly all. The others go to triangles_meet().
+// Eight pairs of triangles side by side, and the kernel that finds the pairs that clearly meet or are clearly apart:
+// nearly all pairs. triangles_meet() decides the others.
 #pragma once
 
 #include <bit>
@@ -25,21 +25,23 @@ struct alignas(64) TrianglePairs {
   }
 };
 
-/// Bit k of `apart`: the triangles of pair k have no common point; of `meeting`: they have. Neither: in doubt.
+/// Bit k of `apart`: the triangles of pair k have no common point; of `meeting`: they have one. Neither bit: the pair
+/// is in doubt.
 struct TriangleVerdicts {
   unsigned apart, meeting;
 };
-/// As triangles_meet() decides, but in doubles alone, with the bounds of exact_predicates.hpp: by their planes, and
-/// where each crosses the other's, by the order of the four corners on the line of both; what lies in one plane or
-/// nearly so, by lines of edges, seen along the axis along which a looks largest. All kinds of processor find the same.
-/// Standard floating-point environment.
+/// Decides like triangles_meet(), but in doubles only, with the bounds of exact_predicates.hpp: by their planes and, if
+/// each crosses the other's, by the order of the four corners on the common line; for triangles that lie in one plane
+/// or nearly so, by lines of edges, projected along the axis along which a has the largest area. All kinds of
+/// processors give the same verdicts. Requires the standard floating-point environment.
 using LookAtTriangles = TriangleVerdicts (*)(const TrianglePairs& pairs);
-/// Narrowest first; what this processor runs.
+/// The kernels that this processor runs, the narrowest first.
 std::span<const LookAtTriangles> all_look_at_triangles();
-/// The widest.
+/// The widest kernel.
 LookAtTriangles look_at_triangles();
 
-/// Calls found(i) for i from 0 on where the triangles of pair i meet. get(i, put): calls put(a, b) with them.
+/// Calls found(i), i ascending from 0, for each pair i whose triangles meet. get(i, put) calls put(a, b) with the
+/// triangles.
 template <class Get, class Found>
 void find_meeting(std::size_t count, const Get& get, const Found& found) {
   const LookAtTriangles look = look_at_triangles();

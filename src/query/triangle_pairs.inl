@@ -84,7 +84,7 @@ inline Lone lone_corners(const Triangles& t, const Sides& s) {
           pick(t.corner[2], t.corner[0], t.corner[1]), value < 0};
 }
 
-// Two coordinates of each, those that are left along the axis of each pair.
+// The two coordinates of each corner that remain when the axis of the pair is dropped.
 struct Flat {
   Doubles first[3], second[3];
 };
@@ -115,7 +115,7 @@ inline unsigned are_beyond_an_edge(const Flat& of, const Flat& t) {
   return beyond;
 }
 
-// Seen along the axis along which a looks largest.
+// The projection is along the axis along which a has the largest area.
 inline unsigned are_beyond_an_edge(const Planes& planes, const Triangles& a, const Triangles& b) {
   const Doubles x = size_of(planes.normal.x), y = size_of(planes.normal.y), z = size_of(planes.normal.z);
   const auto flat = [&](const Triangles& t) {
@@ -133,7 +133,7 @@ inline unsigned are_beyond_an_edge(const Planes& planes, const Triangles& a, con
   return beyond == every ? beyond : beyond | are_beyond_an_edge(flat_b, flat_a);
 }
 
-// Of triangles that cross each other's planes, all corners off them.
+// The overlap of triangles that cross each other's planes, with all corners off these planes.
 struct Overlaps {
   unsigned none, some;
 };
@@ -162,7 +162,8 @@ TriangleVerdicts look(const TrianglePairs& pairs) {
     if (apart != every) {
       const Sides of_a = sides_of(planes_of(b), a);
       apart |= of_a.all_above() | of_a.all_below();
-      // What decides most of them comes first. Nothing depends on the order: no two tests disagree.
+      // The test that decides most pairs comes first. The result does not depend on the order, since no two tests
+      // disagree.
       // mutant triangle-pairs-crossed: `() & of_b.all_known()` -> `()`
       const unsigned known = of_a.all_known() & of_b.all_known();
       const bool edges_first = (known | apart) != every;

@@ -16,13 +16,13 @@
 namespace morula::detail::wide {
 namespace {
 
-// Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by
-// one chunk. Large enough to amortize a chunk, small enough that a few cores have something to do.
+// Ranges of more facets are split one node after the other, level by level; each smaller one is built to the end by one
+// chunk. The size is large enough to amortize a chunk, and small enough to give work to a few cores.
 constexpr std::uint32_t subtree_grain = 4096;
 constexpr std::size_t facet_grain = 8192;
 
 // A box as its lower corner and the negative of its upper one, so that growing it is one kind of minimum, in
-// coordinates that the mesh's box maps to [−½, ½]. It only steers splits: nothing depends on its rounding but speed.
+// coordinates that the mesh's box maps to [−½, ½]. It only steers splits: only speed depends on its rounding.
 struct FloatBox {
   static constexpr float infinity = std::numeric_limits<float>::infinity();
   Float4 lower{infinity, infinity, infinity, infinity};
@@ -39,7 +39,7 @@ struct FloatBox {
   }
 };
 
-// A facet's box; the lane that boxes have no use for holds the facet's index.
+// A facet's box; the lane that boxes do not use holds the facet's index.
 struct Reference {
   FloatBox box;
   std::uint32_t facet() const { return std::bit_cast<std::uint32_t>(float{box.minus_upper[3]}); }
@@ -63,7 +63,7 @@ struct Summary {
 };
 
 // The nearest point of a triangle is computed as corner + edges × weights, so rounding may put it outside the box of
-// the corners by a few ulps of the coordinates. Boxes are padded by more, and pruning by box distance can never
+// the corners by a few ulps of the coordinates. Boxes are padded by more, so pruning by box distance can never
 // contradict the distance that the facet itself would report.
 Box facet_box(const Triangle& t) {
   Box box;
@@ -113,7 +113,7 @@ void set_cluster(Clusters& clusters, int k, const Summary& s) {
   clusters.radius[k] = s.radius;
 }
 
-// Only patches of a few facets are flat.
+// The largest patch with oriented boxes: only patches of a few facets are flat.
 constexpr std::uint32_t largest_patch = 512;
 
 class Builder {
@@ -130,7 +130,7 @@ class Builder {
     make_references();
     split_large_ranges();
 
-    // A batch of subtrees at a time: until they are appended they take their memory twice.
+    // The number of subtrees built at a time: until they are appended they take their memory twice.
     constexpr std::size_t batch = 64;
     std::vector<std::array<Summary, width>> summaries(tree_.nodes.size());
     tree_.clusters.resize(tree_.nodes.size());
@@ -156,7 +156,7 @@ class Builder {
     std::vector<Clusters> clusters;
     std::vector<FacetBoxes> boxes;
     Summary summary;
-    // By slot, while it is made.
+    // By slot, while the tree is made.
     std::uint32_t first_slot = 0;
     std::vector<Triangle> triangles;
     std::span<const Triangle> patch(const Range& range) const {
@@ -225,14 +225,15 @@ class Builder {
     }
   }
 
-  // Subtrees behind all nodes so far; pending: theirs first, then those still to come.
+  // Appends subtrees behind all nodes so far. pending: the entries of these subtrees first, then the entries of later
+  // ones.
   void append(std::span<const Subtree> subtrees, std::span<const Pending> pending,
               std::vector<std::array<Summary, width>>& summaries) {
     std::size_t nodes = 0, boxes = 0, facets = 0, all_facets = 0;
     for (const Subtree& subtree : subtrees) nodes += subtree.nodes.size(), boxes += subtree.boxes.size();
     for (std::size_t i = 0; i < pending.size(); ++i)
       all_facets += pending[i].range.count(), facets += i < subtrees.size() ? pending[i].range.count() : 0;
-    // Room for those to come as well, if they are like these: growing by doubling would take it twice.
+    // Reserves room for later subtrees as well, estimated from these: growth by doubling would take the memory twice.
     const double share = 1.1 * static_cast<double>(all_facets) / static_cast<double>(facets);
     const auto make_room = [&](auto& all, std::size_t now) {
       if (all.size() + now > all.capacity())
@@ -256,7 +257,8 @@ class Builder {
     }
   }
 
-  // From the last node above the subtrees up to the root. summaries: of their children, as far as they are subtrees.
+  // Completes the nodes from the last one above the subtrees up to the root. summaries: summaries of those children
+  // that are subtrees.
   void close_top(std::vector<std::array<Summary, width>>& summaries) {
     const std::size_t top_count = summaries.size();
     for (std::size_t n = top_count; n-- > 0;) {
@@ -274,7 +276,7 @@ class Builder {
     }
   }
 
-  // Depth-first, parents before children. Returns what the node's own parent needs to know.
+  // Depth-first, parents before children. Returns the summary that the node's parent needs.
   Summary build_node(Subtree& subtree, const Range& range, int depth) {
     assert(depth < largest_depth);
     const std::size_t index = subtree.nodes.size();
@@ -304,7 +306,7 @@ class Builder {
       }
       const auto patch = subtree.patch(ranges[k]);
       maker.set(k, patch, summaries[k].area_vector);
-      // A leaf's box is as good as that of its only facet.
+      // The box of a leaf with one facet is as tight as the facet's own box.
       if (node.count[k] < 2) continue;
       node.leaf[k] = static_cast<std::uint32_t>(subtree.boxes.size());
       subtree.boxes.push_back(maker.facets_of(k, patch));
@@ -325,7 +327,7 @@ class Builder {
     return joined(summaries, static_cast<int>(range.count()));
   }
 
-  // Cuts a range into up to `width` parts. Parts that would do as a leaf are cut too while there is room: a tighter box
+  // Cuts a range into up to `width` parts. Parts small enough for a leaf are cut too while there is room: a tighter box
   // costs nothing in a node that is tested as a whole.
   int split_node(const Range& range, int depth, Range* parts) {
     parts[0] = range;
@@ -350,7 +352,7 @@ class Builder {
     return count;
   }
 
-  // Ranges too large for a leaf come first: the others need no further node.
+  // Ranges too large for a leaf come first, because the others need no further node.
   static bool is_wider(const Range& a, const Range& b) {
     const bool a_is_leaf = a.count() <= largest_leaf, b_is_leaf = b.count() <= largest_leaf;
     return a_is_leaf != b_is_leaf ? b_is_leaf : a.half_area > b.half_area;
@@ -365,7 +367,7 @@ class Builder {
   }
 
   static constexpr int most_bins = 16;
-  // Where a box falls on each axis: by its center, doubled.
+  // The bin of a box on each axis, by its doubled center.
   struct Binning {
     Float4 lower, scale, last;
     Float4 operator()(const FloatBox& box) const {
@@ -373,7 +375,7 @@ class Builder {
     }
   };
 
-  // References in bins before `bin` first. Returns where the others begin.
+  // Moves the references in bins below `bin` to the front. Returns where the others begin.
   std::uint32_t partition(const Range& range, const Binning& binning, int axis, int bin) {
     const auto first = static_cast<float>(bin);
     Reference *low = references_.data() + range.begin, *high = references_.data() + range.end;
@@ -422,7 +424,7 @@ class Builder {
     int best_axis = -1, best_bin = 0;
     Cut cut{};
     for (int axis = 0; axis < 3; ++axis) {
-      // Cutting in front of bin b leaves bins b and up on the right.
+      // A cut in front of bin b leaves bins b and up on the right.
       float right_area[bin_count];
       FloatBox right, left;
       for (int b = bin_count - 1; b > 0; --b) {
@@ -445,7 +447,7 @@ class Builder {
         cut.half_area[1] = right_area[b];
       }
     }
-    if (best_axis < 0) return halves(range);  // all centers at one point
+    if (best_axis < 0) return halves(range);  // all centers are at one point
 
     cut.middle = partition(range, binning, best_axis, best_bin);
     return cut;

@@ -45,12 +45,12 @@ std::uint32_t BoxTree::take() {
   return static_cast<std::uint32_t>(nodes_.size() - 1);
 }
 
-// A leaf takes itself and the node above it.
+// A leaf takes two nodes: itself and the node above it.
 void BoxTree::reserve() {
   const std::size_t needed = nodes_.size() + 2;
   if (needed > nodes_.capacity()) nodes_.reserve(2 * needed);
   parent_.reserve(nodes_.capacity());
-  // So that giving back allocates nothing.
+  // Reserves room, so that a return allocates nothing.
   free_.reserve(nodes_.capacity());
 }
 
@@ -80,7 +80,7 @@ std::uint32_t BoxTree::insert(const FloatBox& box, std::uint32_t item) {
       return below + (c.right == none ? grown : grown - surface(c.box));
     };
     const float left = cost_of(node.left), right = cost_of(node.right);
-    // Where surfaces are no numbers, any place is as right.
+    // If surface areas are NaN, any place is valid.
     if (here < left && here < right) break;
     inherited = below;
     sibling = right < left ? node.right : node.left;
@@ -115,7 +115,7 @@ void BoxTree::mend(std::uint32_t node) {
   }
 }
 
-// Of the four exchanges of a child with a grandchild below the other child, the one that saves most surface.
+// Makes the exchange that saves most surface, of the four between a child and a grandchild below the other child.
 void BoxTree::turn(std::uint32_t node) {
   const std::uint32_t children[2] = {nodes_[node].left, nodes_[node].right};
   float best = 0;

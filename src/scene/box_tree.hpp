@@ -10,7 +10,7 @@
 
 namespace morula::detail {
 
-/// In float, rounded outwards: what lies beyond float is at infinity.
+/// A box in float, rounded outwards; bounds beyond the range of float are infinite.
 struct FloatBox {
   float lower[3], upper[3];
   bool overlaps(const FloatBox& other) const {
@@ -25,20 +25,21 @@ struct FloatBox {
 FloatBox float_box(const Box& box);
 FloatBox joined(const FloatBox& a, const FloatBox& b);
 
-/// A leaf is put where the boxes on its way grow least in surface; on the way back up, a node and the child of its
-/// sibling change places where that makes the sibling smaller [kopta2012].
+/// A leaf is inserted where the boxes on its path grow least in surface; on the way back up, a node and the child of
+/// its sibling change places where that makes the sibling smaller [kopta2012].
 class BoxTree {
  public:
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
   /// Makes room for one more leaf: the next insert() allocates nothing and does not throw.
   void reserve();
-  /// Returns the leaf. Room: by reserve(), or by the remove() of another leaf before.
+  /// Returns the leaf. Requires room: by reserve(), or by an earlier remove() of another leaf.
   std::uint32_t insert(const FloatBox& box, std::uint32_t item);
   void remove(std::uint32_t leaf);
   const FloatBox& box(std::uint32_t node) const { return nodes_[node].box; }
 
-  /// f(item) for the leaves that reaches(box) holds for, as it does for all boxes above. No order is promised.
+  /// Calls f(item) for the leaves for which reaches(box) holds, as it does for all boxes above. The order is
+  /// unspecified.
   template <class Reaches, class F>
   void visit(const Reaches& reaches, const F& f) const {
     if (root_ == none) return;
@@ -61,7 +62,7 @@ class BoxTree {
  private:
   struct Node {
     FloatBox box;
-    std::uint32_t left, right;  // of a leaf: the item, none
+    std::uint32_t left, right;  // children; for a leaf: the item, none
   };
 
   std::uint32_t take();

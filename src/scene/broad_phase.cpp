@@ -14,7 +14,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// Larger boxes: this share of the longest side on all sides, and so many of the last move ahead.
+// The enlargement of boxes: this share of the longest side on all sides, and this multiple of the last move ahead.
 constexpr double slack_share = 0.05, moves_ahead = 4;
 
 enum Flag : std::uint8_t { moved = 1, placed_anew = 2, removed = 4 };
@@ -53,7 +53,7 @@ double longest_side(const FloatBox& b) {
 struct BroadPhase::State {
   struct Entry {
     Box box;
-    std::uint32_t leaf = BoxTree::none;  // none: there is no such box
+    std::uint32_t leaf = BoxTree::none;  // the leaf of a box; none: there is no such box
     bool is_static = false;
   };
   struct Candidate {
@@ -62,9 +62,9 @@ struct BroadPhase::State {
   };
 
   std::vector<Entry> entries;
-  std::vector<std::uint8_t> flags;     // per entry, since the last update
-  std::vector<std::uint32_t> changed;  // entries that have flags
-  std::vector<std::uint32_t> free;     // a heap, the lowest first
+  std::vector<std::uint8_t> flags;     // flags per entry, set since the last update
+  std::vector<std::uint32_t> changed;  // entries with flags
+  std::vector<std::uint32_t> free;     // free entries, a heap with the lowest first
   BoxTree tree;
   std::vector<Candidate> candidates, merged;
   std::vector<std::uint64_t> found;
@@ -73,7 +73,7 @@ struct BroadPhase::State {
 
   bool has(std::uint32_t number) const { return number < entries.size() && entries[number].leaf != BoxTree::none; }
 
-  /// For one more box: adding it, moving and giving back allocate nothing then.
+  /// Reserves memory for one more box: adding, moving and removing it then allocate nothing.
   void reserve() {
     if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 1);
     flags.reserve(entries.capacity());
@@ -93,7 +93,7 @@ struct BroadPhase::State {
     tree.visit([&](const FloatBox& box) { return box.overlaps(larger); },
                [&](std::uint32_t other) {
                  if (other == number || (entry.is_static && entries[other].is_static)) return;
-                 // Of two that look around, the lower one finds the pair.
+                 // If both entries of a pair search, the lower one lists the pair.
                  if ((flags[other] & placed_anew) != 0 && other < number) return;
                  found.push_back(std::uint64_t{std::min(number, other)} << 32 | std::max(number, other));
                });
@@ -104,7 +104,7 @@ struct BroadPhase::State {
         overlap(entries[candidate.key >> 32].box, entries[static_cast<std::uint32_t>(candidate.key)].box);
   }
 
-  // The number is the item of its leaf.
+  // The number of an entry is the item of its leaf.
   template <class Reaches>
   void list(const Reaches& reaches, std::vector<std::uint32_t>& numbers) const {
     numbers.clear();
@@ -122,7 +122,7 @@ std::uint32_t BroadPhase::add(const Box& box, bool is_static) {
   const StandardFloats standard;
   if (!is_usable(box)) throw std::invalid_argument("a box of the broad phase is empty or not finite");
   State& s = *state_;
-  // Memory comes first: where there is none, nothing has changed.
+  // Memory is allocated first: if that fails, nothing has changed.
   // mutant broad-memory-later: `  s.reserve();` -> `;`
   s.reserve();
   std::uint32_t number;
@@ -162,7 +162,7 @@ Status BroadPhase::move(std::uint32_t number, const Box& box) {
   const FloatBox& larger = s.tree.box(entry.leaf);
   const Vec3 e = box.extent();
   const double longest = std::max({e.x, e.y, e.z});
-  // One that has shrunk is worth another place.
+  // A box that has shrunk is inserted again.
   if (larger.contains(float_box(box)) && longest_side(larger) <= 2 * longest + 2 * moves_ahead * max_norm(way))
     return {};
   s.tree.remove(entry.leaf);
@@ -210,14 +210,14 @@ void BroadPhase::update() {
   };
   for (State::Candidate& candidate : s.candidates) {
     const std::uint8_t flags = s.flags[candidate.key >> 32] | s.flags[static_cast<std::uint32_t>(candidate.key)];
-    // Those that look around find all of their pairs anew.
+    // Entries that search find all of their pairs again.
     if ((flags & (placed_anew | removed)) != 0) continue;
     take_found(candidate.key);
     if (flags != 0) s.compare(candidate);
     take(candidate);
   }
   take_found(~std::uint64_t{0});
-  // All memory has been had: nothing below throws.
+  // All memory is allocated: nothing below throws.
   s.candidates.swap(s.merged);
   s.pairs.swap(s.next_pairs);
 
@@ -244,7 +244,7 @@ void BroadPhase::find(const Box& box, std::vector<std::uint32_t>& found) const {
 
 void BroadPhase::find_behind(const Vec3& normal, double offset, std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
-  // The corner that is farthest behind; rounding counts in its favor.
+  // Tests the corner that is farthest behind; rounding only adds boxes.
   state_->list(
       [&](const FloatBox& b) {
         double least = 0, size = 0;
@@ -263,7 +263,7 @@ void BroadPhase::find_behind(const Vec3& normal, double offset, std::vector<std:
 void BroadPhase::find_along(const Vec3& origin, const Vec3& direction, double t_end,
                             std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
-  // Slabs; a comparison with what is no number keeps the box.
+  // The slab test; a comparison with NaN keeps the box.
   state_->list(
       [&](const FloatBox& b) {
         double enter = 0, leave = t_end;
@@ -275,7 +275,7 @@ void BroadPhase::find_along(const Vec3& origin, const Vec3& direction, double t_
           }
           double near = (lower - origin[axis]) / direction[axis], far = (upper - origin[axis]) / direction[axis];
           if (near > far) std::swap(near, far);
-          // What is rounded in differences and quotients, as a share of the largest coordinate.
+          // The rounding of differences and quotients, as a share of the largest coordinate.
           const double pad = 0x1p-50 * (std::abs(origin[axis]) + std::max(std::abs(lower), std::abs(upper))) /
                                  std::abs(direction[axis]) +
                              0x1p-50 * (std::abs(near) + std::abs(far));

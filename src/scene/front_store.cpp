@@ -9,7 +9,8 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t fewest_parted_fronts = 64;
-// After so many updates, parted pairs give back their memory, at most twice as many: those that come and go keep it.
+// The number of updates after which parted pairs free their memory; it takes at most twice as many. Pairs that come and
+// go keep their memory.
 constexpr std::uint32_t updates_kept = 32;
 
 bool is_earlier(const PairFront* x, const PairFront* y) {
@@ -28,7 +29,7 @@ void FrontStore::discard(PairFront* front) {
   spare_.push_back(front);
 }
 
-// So many are kept for later as are in use.
+// Fronts of parted pairs are kept up to the number of fronts in use.
 PairFront* FrontStore::take(BodyId a, BodyId b) {
   const auto known = std::lower_bound(parted_.begin(), parted_.end(), std::pair(a, b),
                                       [](const PairFront* front, const std::pair<BodyId, BodyId>& ids) {

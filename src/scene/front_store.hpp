@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Front store: all fronts of a scene, and which of them are of pairs that parted, or of none.
+// Front store: all fronts of a scene, including the fronts of parted pairs and unused ones.
 //
 //   new ──> in use: NearPair::front ── part() ──> parted ── give_back_rested() ──> spare
 //            ^  ^     │                             │                              ^  │
@@ -17,28 +17,31 @@
 
 namespace morula::detail {
 
-/// All fronts that a scene has made. list_near() takes those of new pairs and gives back those of pairs that are gone.
+/// All fronts that a scene has made. list_near() takes fronts for new pairs and returns the fronts of pairs that are
+/// gone.
 class FrontStore {
  public:
-  /// A front for two bodies that have come near: the one that they had when they were near, or a spare one. It is of
-  /// any two bodies, or of none, so bind() may come next.
+  /// Returns a front for two bodies that have come near: the one that they had when they were near last, or a spare
+  /// one. The front may belong to any two bodies, or to none, so the caller may have to call bind().
   PairFront* take(BodyId a, BodyId b);
-  /// Takes back a front of two bodies that may come near again. Allocates nothing.
+  /// Stores a front of two bodies that may come near again. Allocates nothing.
   void part(PairFront* front);
-  /// Takes back a front of a body that was removed. Allocates nothing.
+  /// Stores a front of a body that was removed. Allocates nothing.
   void discard(PairFront* front);
-  /// The body has another collider: no parted front is of it any more.
+  /// Unbinds the parted fronts of a body, which has another collider.
   void unbind(BodyId id);
-  /// Once an update. Parted pairs may come back, so they keep what they have until they have been seen here twice.
+  /// Frees memory; called once per update. Parted pairs may come back, so their fronts keep their memory until two such
+  /// calls have found them parted.
   void give_back_rested();
-  /// None is in use.
+  /// Resets the store: no front is in use.
   void forget() noexcept;
 
  private:
   std::vector<std::unique_ptr<PairFront>> all_;
-  std::vector<PairFront*> spare_, parted_;  // with room for all there are; parted ones in the order of their bodies
-  std::size_t next_to_forget_ = 0;          // of parted_, where there are too many
-  std::uint32_t updates_to_give_back_ = 0;  // since memory was given back last
+  std::vector<PairFront*> spare_, parted_;  // fronts not in use, with room for all fronts; parted ones in the order of
+                                            // their bodies
+  std::size_t next_to_forget_ = 0;          // place in parted_ of the next front to reuse, if there are too many
+  std::uint32_t updates_to_give_back_ = 0;  // updates since memory was freed last
 };
 
 }  // namespace morula::detail

@@ -13,7 +13,7 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t least_for_a_try = 512;
-// As many tests of a descent take as long as one of a front.
+// The number of a descent's tests that take as long as one test of a front.
 constexpr std::size_t descent_tests = 4;
 
 }  // namespace
@@ -33,7 +33,7 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
   CollideOptions result{.margin = options.margin, .budget = budget};
-  // Where both trees end above the level, contacts are those of leaves.
+  // If both trees end above the level, contacts are pairs of leaves.
   if (options.level && *options.level < std::max(a().tree().level_count(), b().tree().level_count()))
     result.level = options.level;
   return result;
@@ -53,13 +53,13 @@ void PairFront::part() {
   extras_.forget();
 }
 
-// A front is what a pair needs that takes more tests than it can have at a time. Most take few, and are done three to
-// four times as soon depth-first, without one.
+// A pair needs a front only if it takes more tests than it may have at a time. Most pairs take few, and finish three to
+// four times sooner by a depth-first descent without a front.
 bool PairFront::is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const {
   if (is_current_ || (carries() && !(by_time && front_.carrying_was_dear))) return false;
   if (const std::optional<std::size_t> expected = tests_expected()) return *expected <= most_tests;
-  // Where nothing is known: with surfaces or crossings, which are those of finished contacts alone, only what cannot be
-  // stopped; else as many as a round gives at least.
+  // If the cost is unknown: with surfaces or crossings, which only finished contacts have, descend only if the descent
+  // cannot be stopped; otherwise with as many tests as a round gives at least.
   if (options.surfaces || options.find_crossings)
     return a().tree().node_count() * b().tree().node_count() <= most_tests;
   return most_tests >= least_for_a_try && most_tests > 2 * cost_.in_vain;
@@ -70,7 +70,7 @@ std::optional<std::size_t> PairFront::tests_expected() const {
   return *cost_.to_finish + *cost_.to_finish / 4;
 }
 
-// To carry a front over, all nodes are looked at once: dear where there are more of them than tests.
+// Carrying a front into the next frame reads all nodes once: that is expensive if there are more nodes than tests.
 bool PairFront::carries() const {
   return front_.is_there && front_.tests > a().tree().node_count() + b().tree().node_count();
 }

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a scene keeps of two bodies that are near each other: contacts, a front where there is one, and how important
-// they are.
+// The data that a scene keeps for two bodies near each other: contacts, a front if there is one, and their importance.
 #pragma once
 
 #include <memory>
@@ -17,18 +16,17 @@
 
 namespace morula::detail {
 
-/// Memory to look at the facets of one pair at a time. It is shared by all pairs of a scene: a pair keeps what was
-/// found.
+/// Memory to examine the facets of one pair at a time. All pairs of a scene share it; a pair keeps only the results.
 struct PairExtras {
   SurfaceScratch surfaces;
   CrossingQuery crossings;
   std::vector<NodePair> nodes;
 };
 
-/// One for each thread that is at work.
+/// A pool of such memories, one for each working thread.
 class ExtrasPool {
  public:
-  /// Taken out of the pool as long as it lives.
+  /// A memory taken from the pool, and returned at the end of its life.
   class Loan {
    public:
     explicit Loan(ExtrasPool& pool) : pool_(pool), extras_(pool.take()) {}
@@ -42,7 +40,7 @@ class ExtrasPool {
     std::unique_ptr<PairExtras> extras_;
   };
 
-  /// None is on loan. What was interrupted may be half made.
+  /// Discards all memories, which an interruption may have left inconsistent. None may be on loan.
   void forget() noexcept { free_.clear(); }
 
  private:
@@ -50,7 +48,7 @@ class ExtrasPool {
     const std::lock_guard lock(mutex_);
     if (free_.empty()) {
       ++count_;
-      // So that giving back allocates nothing.
+      // Reserves room, so that a return allocates nothing.
       free_.reserve(count_);
       return std::make_unique<PairExtras>();
     }
@@ -68,37 +66,37 @@ class ExtrasPool {
   std::size_t count_ = 0;
 };
 
-/// What a pair gets of the budget of one update: SceneState::look_at_roots() fills it, PairRefinement goes by it.
+/// The priority of a pair in the budget of one update: SceneState::look_at_roots() fills it, PairRefinement reads it.
 struct PairPriority {
-  double importance = 0;  ///< weights included
+  double importance = 0;  ///< importance, weights included
   std::uint32_t updates_left_out = 0;
-  std::size_t tests = 0;  ///< in this update
+  std::size_t tests = 0;  ///< tests in this update
 };
 
-/// Of two bodies, from one update to the next. Each update fills it in this order: bind() if it was of others, visit()
-/// or part() if a body has moved, refine(), add_extras().
+/// The front of two bodies, from one update to the next. Each update fills it in this order: bind() if it belonged to
+/// others, visit() or part() if a body has moved, refine(), add_extras().
 class PairFront {
  public:
-  /// Borrowed while they are a pair. Forgets whatever was known of others.
+  /// Binds the front to two bodies, which have to live while they are a pair. Forgets all data of others.
   void bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider& b);
   bool is_of(BodyId id_a, BodyId id_b) const { return id_a == bodies_.id_a && id_b == bodies_.id_b; }
-  /// A collider is another one: bind() comes next.
+  /// Unbinds the front, because a collider has changed; bind() has to follow.
   void unbind() { bodies_.id_a = bodies_.id_b = {}; }
   BodyId id_a() const { return bodies_.id_a; }
   BodyId id_b() const { return bodies_.id_b; }
   const Collider& a() const { return *bodies_.a; }
   const Collider& b() const { return *bodies_.b; }
-  /// A look at both roots, of bodies that have moved: contacts are coarse then. Cost: some 0.2 us.
+  /// Tests both roots, after bodies have moved; contacts are coarse then. Cost: about 0.2 µs.
   void visit(const SceneOptions& options);
-  /// Both roots are apart, as is known otherwise.
+  /// Notes that both roots are apart, without a test.
   void part();
-  /// No front of before fits any more.
+  /// Discards the front of earlier poses.
   void forget_front() { front_.is_there = false; }
 
-  /// Goes on, with at most so many tests; without any number, to the end. by_time: time counts, not their number, so
-  /// where tests take less time, there are more. Returns the tests done.
+  /// Continues with at most so many tests; without a number, to the end. by_time: the budget is one of time, so there
+  /// are more tests where tests take less time. Returns the number of tests done.
   std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time = false);
-  /// Surfaces and crossings of what is finished, as options say. is_late() ends surfaces.
+  /// Adds surfaces and crossings of finished contacts, by the options. is_late() ends surfaces.
   template <class IsLate>
   void add_extras(const SceneOptions& options, const FacetShares& shares_a, const FacetShares& shares_b,
                   PairExtras& extras, const IsLate& is_late);
@@ -108,23 +106,24 @@ class PairFront {
     return !roots_.overlap || (is_current_ && (!front_.is_there || front_.query->contacts().finished));
   }
   bool is_current() const { return is_current_; }
-  /// What it took when it was finished last, and a quarter, for bodies that have moved; nothing where that is unknown.
+  /// The tests to expect: those that the last finished refinement took, and a quarter more if bodies have moved; none
+  /// if that is unknown.
   std::optional<std::size_t> tests_expected() const;
   double overlap_share() const { return roots_.overlap_share; }
   std::span<const Contact> contacts() const;
-  /// Of contacts, the first ones.
+  /// Number of finished contacts, which are the first ones.
   std::size_t finished_count() const;
   bool extras_are_due() const { return extras_.are_due; }
-  /// Other ones are asked for: what is current gets them anew.
+  /// Notes that other extras are requested: current contacts get them again.
   void renew_extras() { extras_.are_due = extras_.are_due || is_current_; }
   std::span<const ContactSurface> surfaces() const { return extras_.surfaces; }
   std::span<const Crossing> crossings() const { return extras_.crossings; }
 
-  /// All memory. bind() comes next.
+  /// Frees all memory. bind() has to follow.
   void give_back();
 
   PairPriority priority;
-  bool has_rested = false;  ///< FrontStore's: spare or parted when memory was given back last
+  bool has_rested = false;  ///< set by FrontStore: whether it was spare or parted when memory was freed last
 
  private:
   bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const;
@@ -133,32 +132,32 @@ class PairFront {
   ContactStatus refine_front(const SceneOptions& options, const Budget& budget);
   CollideOptions options_for(const SceneOptions& options, const Budget& budget) const;
 
-  /// Whose front it is. bind() fills it, before anything else; unbind() takes the ids.
+  /// The bodies of the front. bind() fills it first; unbind() clears the ids.
   struct Bodies {
     BodyId id_a{}, id_b{};
     const Collider *a = nullptr, *b = nullptr;
   };
-  /// What visit() or part() has found of the roots in the present poses.
+  /// The result of visit() or part() for the roots in the present poses.
   struct Roots {
     bool overlap = false;
     double overlap_share = 0;
     Contact coarse{};
   };
-  /// refine_front() makes it and goes on with it; descend() and forget_front() end it.
+  /// The front: refine_front() makes and continues it; descend() and forget_front() end it.
   struct Front {
-    std::unique_ptr<ContactQuery> query{};  ///< once there was a front
-    std::size_t tests = 0;                  ///< what a fresh front has cost
-    bool is_there = false;                  ///< of these or earlier poses
-    bool carrying_was_dear = false;         ///< bodies had moved so far that it saved too few tests
+    std::unique_ptr<ContactQuery> query{};  ///< null until there was a front
+    std::size_t tests = 0;                  ///< tests that a new front has cost
+    bool is_there = false;                  ///< whether there is a front of these or earlier poses
+    bool carrying_was_dear = false;         ///< whether carrying saved too few tests, because bodies had moved far
   };
-  /// What refine() has taken in these and earlier poses.
+  /// The cost of refine() in these and earlier poses.
   struct Cost {
-    std::optional<std::size_t> to_finish{};  ///< tests, when it last was
-    std::size_t in_vain = 0;                 ///< tests of the last descent that was stopped; 0 since one was not
+    std::optional<std::size_t> to_finish{};  ///< tests of the last finished refinement
+    std::size_t in_vain = 0;                 ///< tests of the last descent, if it was stopped; else 0
   };
-  /// Of finished contacts: add_extras() fills it, and whatever changes contacts empties it.
+  /// Extras of finished contacts: add_extras() fills it, and every change of contacts empties it.
   struct Extras {
-    bool are_due = false;  ///< if they are asked for
+    bool are_due = false;  ///< whether extras have to be computed, if the options request them
     std::vector<ContactSurface> surfaces;
     std::vector<Crossing> crossings;
     void forget() { surfaces.clear(), crossings.clear(); }
@@ -168,8 +167,9 @@ class PairFront {
   Roots roots_;
   Front front_;
   Cost cost_;
-  std::vector<Contact> descended_;  ///< contacts without a front
-  bool is_current_ = false;  ///< contacts are of the present poses: the query's, or else descended_ and all of them
+  std::vector<Contact> descended_;  ///< contacts found without a front
+  bool is_current_ = false;  ///< whether contacts belong to the present poses: the query's contacts, or else all of
+                             ///< descended_
   Extras extras_;
 };
 
@@ -178,13 +178,13 @@ void PairFront::add_extras(const SceneOptions& options, const FacetShares& share
                            PairExtras& extras, const IsLate& is_late) {
   extras_.forget();
   extras_.are_due = false;
-  // A sleeping body may have been refused an update since it was read.
+  // A sleeping body may have had a rejected update since it was read.
   if (!askable(a()) || !askable(b())) return;
   const std::span<const Contact> finished = contacts().first(finished_count());
   if (options.surfaces) {
     extras.surfaces.start(a(), shares_a, b(), shares_b);
     for (const Contact& c : finished) {
-      // A pair that rests goes on with its surfaces in the next update, where time ended them.
+      // If time ended its surfaces, a pair at rest continues with them in the next update.
       extras_.are_due = is_late();
       if (extras_.are_due) break;
       extras_.surfaces.push_back(

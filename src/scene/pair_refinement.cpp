@@ -14,11 +14,11 @@
 namespace morula::detail {
 namespace {
 
-// A pair gets no fewer tests than this at a time, so that a large budget is dealt out in a few rounds.
+// The least number of tests that a pair gets at a time, so that a few rounds assign a large budget.
 constexpr std::size_t quantum = 512;
-// And no more at once, however many it took.
+// The most tests that a pair gets at once by its earlier cost.
 constexpr std::size_t most_expected = 2048;
-// With fewer tests than one block of eight by eight nodes a round is not worth it.
+// The least budget of a round, one block of eight by eight nodes; with fewer tests a round is not worthwhile.
 constexpr std::size_t least_budget = 64;
 
 }  // namespace
@@ -31,7 +31,7 @@ std::size_t PairRefinement::run(const SceneOptions& options, std::chrono::nanose
   } else if (budget.is_tests()) {
     run_by_tests(options, static_cast<std::size_t>(budget.tests()), workers);
   } else {
-    // Surfaces get half of what is left.
+    // Surfaces get half of the rest.
     const std::chrono::nanoseconds begun = now(options.clock);
     run_by_time(options, options.surfaces ? begun + (deadline - begun) / 2 : deadline, workers);
   }
@@ -51,10 +51,10 @@ void PairRefinement::run_all(const SceneOptions& options, Workers& workers) {
   for (const std::size_t used : used_) tests_done_ += used;
 }
 
-// In rounds. Each deals what is left to the pairs with the greatest importance per work already done, the lowest first
-// among equals: to each what it took last time and somewhat more, or a quantum. What one of them does not need is there
-// for the next round. Everything depends on counts alone, so the same pairs get the same tests for any number of
-// workers.
+// Works in rounds. Each round assigns the rest of the budget to the pairs with the greatest importance per work already
+// done, the lowest first among equals: each pair gets the tests that it took last time and somewhat more, or a quantum.
+// Unused tests are available in the next round. The result depends only on counts, so the same pairs get the same tests
+// for any number of workers.
 void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests, Workers& workers) {
   std::size_t left = tests;
   while (left >= std::min(least_budget, tests) && left > 0 && !work_.empty()) {
@@ -74,13 +74,13 @@ void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests
     for (; count < order_.size() && dealt < left; ++count) {
       const PairFront& front = *work_[order_[count]];
       const std::size_t wanted = std::clamp(front.tests_expected().value_or(quantum), least_budget, most_expected);
-      // The last one gets what is left; where that is too little to open anything, nobody does.
+      // The last pair gets the rest; if that is too little to open any pair of nodes, no pair gets it.
       const std::size_t share = std::min(wanted, left - dealt);
       if (count > 0 && share < std::min(wanted, least_budget)) break;
       shares_[order_[count]] = share;
       dealt += share;
     }
-    // work_ is in the order of places, and stays so.
+    // work_ stays in the order of places.
     used_.assign(work_.size(), 0);
     parallel_for(workers, work_.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
@@ -93,15 +93,16 @@ void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests
       front->priority.tests += used_[i];
       left -= used_[i];
       tests_done_ += used_[i];
-      // What it got is too little to open anything, and there will not be more.
+      // The pair got too few tests to open any pair of nodes, and later rounds give no more.
       if (front->is_finished() || used_[i] == 0) front = nullptr;
     }
     std::erase(work_, nullptr);
   }
 }
 
-// As many of the most important ones as there is time for, then the others by importance in steps of a factor of two.
-// Each part in the order of places, as bodies and fronts lie in memory: in another order a test takes a fifth longer.
+// Chooses as many of the most important pairs as there is time for, then the others by importance in steps of a factor
+// of two. Each part is in the order of places, in which bodies and fronts lie in memory: in another order a test takes
+// a fifth longer.
 void PairRefinement::choose_by_importance(std::size_t count) {
   if (count >= work_.size()) return;
   constexpr int steps = 128;
@@ -121,8 +122,8 @@ void PairRefinement::choose_by_importance(std::size_t count) {
   work_.swap(chosen_);
 }
 
-// One long wait for the processor must not keep all pairs from being begun in later updates: what is noted grows by a
-// factor of four at most, and falls by an eighth where no pair was begun for it.
+// One long wait for the processor must not keep later updates from beginning any pair: the noted time grows at most by
+// a factor of four, and falls by an eighth if no pair was begun because of it.
 void PairRefinement::note_first_round(std::int64_t spent, std::int64_t pairs) {
   if (pairs == 0) {
     // mutant scene-long-wait: `0.875` -> `1`
@@ -133,11 +134,12 @@ void PairRefinement::note_first_round(std::int64_t spent, std::int64_t pairs) {
   first_round_of_pair_ = first_round_of_pair_ > 0 ? std::min(of_pair, 4 * first_round_of_pair_) : of_pair;
 }
 
-// Each gets a quantum, then all of them again twice as much.
+// Each pair gets a quantum, then in each further round twice as much.
 void PairRefinement::run_by_time(const SceneOptions& options, std::chrono::nanoseconds deadline, Workers& workers) {
-  // A clock of the caller's is read from this thread alone.
+  // Only this thread reads a clock of the caller.
   Workers& used_workers = options.clock ? serial_workers() : workers;
-  // Somewhat fewer than the last update says, so that the last of them are not always those that are left over.
+  // The number is somewhat below the estimate from the last update, so that the rest does not always consist of the
+  // same last pairs.
   values_.clear();
   for (const PairFront* front : work_) values_.push_back(front->priority.importance);
   const double time = 0.9 * static_cast<double>((deadline - now(options.clock)).count()) * used_workers.thread_count();
@@ -145,14 +147,16 @@ void PairRefinement::run_by_time(const SceneOptions& options, std::chrono::nanos
                            ? static_cast<std::size_t>(std::max(1.0, time / first_round_of_pair_))
                            : work_.size());
   std::atomic<bool> is_late = false;
-  // What a pair takes on average in this round, twice, is not begun after the deadline is that near. Of the first pair
-  // of a round it is what the round before says, twice, and of the first round what the last update says.
+  // No pair is begun when the deadline is nearer than twice the average time of a pair in this round. For the first
+  // pair of a round that is twice the average of the preceding round, and in the first round the average of the last
+  // update.
   std::atomic<std::int64_t> spent = 0, pairs = 0;
   auto expected = static_cast<std::int64_t>(first_round_of_pair_);
   for (std::size_t share = quantum; !work_.empty() && !is_late; share *= 2) {
     used_.assign(work_.size(), 0);
     spent = 0, pairs = 0;
-    // Of the first round, in which most are finished, the clock is read for some at a time, if they are quick.
+    // In the first round, in which most pairs are finished, the clock is read once for several pairs, if they are
+    // quick.
     constexpr double at_once_for = 10000;  // ns
     const std::size_t at_once = share == quantum && first_round_of_pair_ > 0
                                     ? static_cast<std::size_t>(std::clamp(at_once_for / first_round_of_pair_, 1.0, 8.0))
@@ -177,7 +181,7 @@ void PairRefinement::run_by_time(const SceneOptions& options, std::chrono::nanos
     if (pairs > 0) expected = 2 * spent / pairs;
     if (share == quantum) note_first_round(spent, pairs);
     for (const std::size_t used : used_) tests_done_ += used;
-    // Where there was time and nothing was done, nothing can be.
+    // If there was time and no test was done, none can be done.
     for (std::size_t i = 0; i < work_.size(); ++i)
       if (work_[i]->is_finished() || (used_[i] == 0 && !is_late)) work_[i] = nullptr;
     std::erase(work_, nullptr);

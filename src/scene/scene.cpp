@@ -37,8 +37,8 @@ BodyStamp detail::stamp_of(const Collider& collider) {
 
 // A pair test counts r_a as (1 + 2^-20) r_a, r_b as (1 + 2^-19) r_b, and adds 2^-20 (|c_b|_1 + U) + 2^-46 A + 2^-60 and
 // the margin (placed_pair.hpp). U, the distance of both origins along an axis, is at most |c_a| + |c_b| + r_a + r_b and
-// the margin where the test says that they overlap. So each side's share is below 2^-18 (|c|_1 + r) + 2^-46 A + 2^-60
-// and half the margin with 2^-19 of it; here is twice that, which pays for rounding, the kernel's included.
+// the margin if the test returns that they overlap. So each side's share is below 2^-18 (|c|_1 + r) + 2^-46 A + 2^-60
+// and half the margin with 2^-19 of it; the pad here is twice that, which pays for rounding, the kernel's included.
 Sphere detail::ball_around(const Collider& collider, double margin) {
   const Sphere root = PlacedSpheres(collider)(0);
   const Spheref& local = collider.sphere_state().spheres[0];
@@ -95,7 +95,7 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
     throw std::invalid_argument("the weight of a body is " + std::to_string(options.weight) +
                                 ": it must be finite and not negative");
   require_good(s.usable(collider));
-  // Memory comes first: where there is none, nothing has changed.
+  // Memory is allocated first: if that fails, nothing has changed.
   if (s.bodies.size() == s.bodies.capacity()) s.bodies.reserve(2 * s.bodies.size() + 1);
   const std::uint32_t place = s.broad.add(box_around(ball_around(collider, s.options.margin)), options.is_static);
   if (place >= s.bodies.size()) s.bodies.resize(place + 1);

@@ -14,13 +14,13 @@ using namespace detail;
 namespace {
 
 Box grown(Box box, double by) {
-  // What rounding takes from it, and what the tests of shapes allow.
+  // Pays for rounding, and for the allowances in the tests of shapes.
   const double pad = by * (1 + 0x1p-40) + 0x1p-40 * (max_norm(box.lower) + max_norm(box.upper));
   box.lower = box.lower - Vec3{pad, pad, pad}, box.upper = box.upper + Vec3{pad, pad, pad};
   return box;
 }
 
-/// find(margin): the bodies that the shape may come so near, in s.shapes.bodies.
+/// find(margin) writes the bodies within `margin` of the shape to s.shapes.bodies.
 template <class Shape, class Find>
 SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const TouchOptions& options, const Find& find) {
   const StandardFloats standard;
@@ -43,7 +43,7 @@ SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const Tou
       if (!touch.proven_clear) s.shapes.touches.push_back({s.id_of(place), &touch});
     }
   } catch (...) {
-    // Some of them would look like all, and a query may be half made.
+    // A part of the results would look like all of them, and a query may be inconsistent.
     s.shapes.touches.clear(), s.shapes.queries.clear();
     throw;
   }
@@ -86,7 +86,7 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
     hit.body = s.id_of(place);
     rest.t_end = here.first->t;
   }
-  // Bodies that the ray does not come near could stick out of their boxes.
+  // Bodies that the ray does not come near are checked too, because they could stick out of their boxes.
   for (const SceneBody& body : s.bodies)
     hit.certified = hit.certified && (body.collider == nullptr || body.collider->sphere_state().covers);
   return hit;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a scene knows between two updates.
+// The state of a scene between two updates.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace morula::detail {
 
-/// What tells whether a body has moved.
+/// The stamp by which a scene sees that a body has moved.
 struct BodyStamp {
   std::uint64_t cover_id = 0, frame = 0;
   Vec3 origin{};
@@ -25,25 +25,27 @@ struct BodyStamp {
   bool operator==(const BodyStamp&) const = default;
 };
 
-/// A body of a scene: its collider, what was read of it, and the box that it lies in.
+/// A body of a scene: its collider, the data read from it, and the box that contains it.
 struct SceneBody {
-  const Collider* collider = nullptr;  ///< none: there is no such body
+  const Collider* collider = nullptr;  ///< the collider; null: there is no such body
   std::uint32_t generation = 0;
   SceneBodyOptions options{};
   bool is_asleep = false;
-  bool is_falling_asleep = false;  ///< looked at once more in the next update: its last move may have come just before
-  bool is_to_be_read = false;      ///< in the next update, though it is static or asleep; counts as moved then
-  bool has_moved = false;          ///< in this update
+  bool is_falling_asleep = false;  ///< whether the next update reads it once more: it may have moved just before it
+                                   ///< fell asleep
+  bool is_to_be_read = false;      ///< whether the next update reads it, though it is static or asleep; it then counts
+                                   ///< as moved
+  bool has_moved = false;          ///< true if it has moved in this update
   BodyStamp stamp{};
-  Sphere around{};       ///< the ball that the box is around
-  FacetShares shares{};  ///< of the collider, once surfaces were asked for
+  Sphere around{};       ///< the ball that the box contains
+  FacetShares shares{};  ///< shares of the collider, once surfaces were requested
 
   bool is_looked_at() const {
     return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
   }
 };
 
-/// What an update finds of a body, before it is known whether all can be used.
+/// The data that an update reads of a body, before all bodies are known to be usable.
 struct BodyRead {
   Status status{};
   bool has_moved = false;
@@ -52,7 +54,7 @@ struct BodyRead {
 };
 
 BodyStamp stamp_of(const Collider& collider);
-/// Two such balls have a point in common wherever the pair test of both roots says that they overlap or are no farther
+/// Two such balls have a point in common whenever the pair test of both roots says that they overlap or are no farther
 /// apart than the margin.
 Sphere ball_around(const Collider& collider, double margin);
 Box box_around(const Sphere& ball);
@@ -66,48 +68,50 @@ inline SceneStatus refusal(const Status& status, std::optional<BodyId> offender 
 /// Two bodies whose boxes overlap, by place.
 struct NearPair {
   enum class Stage : std::uint8_t {
-    unasked,    ///< new: the masks and the filter come next
-    unwanted,   ///< by them; there is no front
-    roots_due,  ///< wanted, and the roots are to be looked at
+    unasked,    ///< new: the masks and the filter are not applied yet
+    unwanted,   ///< rejected by them; there is no front
+    roots_due,  ///< accepted, and the roots have to be tested
     looked_at,
   };
   std::uint32_t a = 0, b = 0;
-  PairFront* front = nullptr;  ///< of a pair that is wanted
+  PairFront* front = nullptr;  ///< front of an accepted pair
   Stage stage = Stage::unasked;
-  std::uint32_t generation_a = 0, generation_b = 0;  ///< of these bodies the front is; 0: of others
+  std::uint32_t generation_a = 0, generation_b = 0;  ///< generations of the bodies of the front; 0: it belongs to
+                                                     ///< others
 };
 
-/// All near pairs. Every update makes the lists anew: list_near() makes `pairs`, then look_at_roots() makes
+/// All near pairs. Every update makes the lists again: list_near() makes `pairs`, then look_at_roots() makes
 /// `looked_at`.
 struct NearPairs {
-  std::vector<NearPair> pairs, next;   ///< ascending; `next`: memory of list_near()
-  std::vector<std::size_t> looked_at;  ///< of pairs, where the roots may have changed
+  std::vector<NearPair> pairs, next;   ///< near pairs, ascending; `next`: memory of list_near()
+  std::vector<std::size_t> looked_at;  ///< places in `pairs` whose roots may have changed
 };
 
-/// What an update finds of bodies, by place: read_bodies() fills it, before anything else changes.
+/// The data that an update reads of bodies, by place: read_bodies() fills it, before any other data change.
 struct BodyReads {
   std::vector<BodyRead> found;
-  std::vector<ColliderAsRead> as_read;  ///< where an update has callbacks: unmoved() compares
+  std::vector<ColliderAsRead> as_read;  ///< bodies as read, if an update has callbacks; unmoved() compares with them
 };
 
-/// What the next update has to do again for all bodies or pairs. Methods of the scene note it; an update that succeeds
-/// clears it.
+/// The work that the next update has to repeat for all bodies or pairs. Methods of the scene set it; an update that
+/// succeeds clears it.
 struct SceneRenewal {
-  bool everything = false;  ///< other levels or another margin, or there are no pairs since an update was interrupted
-  bool filter = false;      ///< other masks, or another SceneOptions::accepts
-  bool extras = false;      ///< other SceneOptions::surfaces or find_crossings
+  bool everything = false;  ///< after a change of the level or the margin, or an interrupted update, which leaves no
+                            ///< pairs
+  bool filter = false;      ///< after a change of masks or SceneOptions::accepts
+  bool extras = false;      ///< after a change of SceneOptions::surfaces or find_crossings
 };
 
-/// What an update tells of: pairs in contact, and touches that ended. publish() fills it, at the end of an update:
-/// start(), add() for each pair, finish(); then the update has succeeded, and calls commit().
+/// The published results of an update: pairs in contact, and touches that ended. publish() fills it, at the end of an
+/// update: start(), add() for each pair, finish(); then the update has succeeded, and calls commit().
 class PublishedPairs {
  public:
   const std::vector<ScenePair>& pairs() const { return pairs_; }
   const std::vector<EndedPair>& ended() const { return ended_; }
-  /// Touches that were told of stay, and are still to end.
+  /// Clears both lists. Published touches stay, and their ends are still to be published.
   void clear() noexcept { pairs_.clear(), ended_.clear(); }
   void start();
-  /// Pairs with contacts, in the order of their bodies. Sets ScenePair::id and began.
+  /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::id and began.
   void add(ScenePair pair);
   void finish();
   void commit() noexcept { told_.swap(next_told_); }
@@ -115,41 +119,41 @@ class PublishedPairs {
  private:
   std::vector<ScenePair> pairs_;
   std::vector<EndedPair> ended_;
-  /// The touches that an update has told of and none has ended, ascending; what an update makes of them. Apart from
-  /// fronts and lists, so that an update that fails loses none.
+  /// The touches that an update has published and none has ended, ascending; the list that an update makes of them.
+  /// They are separate from fronts and lists, so that an update that fails loses none.
   std::vector<EndedPair> told_, next_told_;
-  std::size_t walked_ = 0;  ///< so many of told_ are before the pairs added so far, or are theirs
+  std::size_t walked_ = 0;  ///< number of touches in told_ that precede the pairs added so far, or belong to them
   std::uint64_t next_touch_ = 1;
 };
 
-/// What Scene::touch() has found, and memory of all questions of rays and shapes: each call fills it anew.
+/// The results of Scene::touch(), and memory of all queries of rays and shapes: each call fills it again.
 struct ShapeTouches {
   std::vector<SceneTouch> touches;
-  std::vector<std::unique_ptr<TouchQuery>> queries;  ///< touch i is of query i
-  mutable std::vector<std::uint32_t> bodies;         ///< by place: those that the ray or shape comes near
+  std::vector<std::unique_ptr<TouchQuery>> queries;  ///< queries; touch i belongs to query i
+  mutable std::vector<std::uint32_t> bodies;         ///< places of the bodies that the ray or shape comes near
 };
 
 /// Work and memory of add_extras(): surfaces and crossings of finished pairs.
 struct ExtrasWork {
   ExtrasPool pool;
   std::vector<PairFront*> due;
-  std::vector<std::uint32_t> places;  ///< of bodies whose shares are to follow
+  std::vector<std::uint32_t> places;  ///< places of bodies whose shares have to be updated
 };
 
 /// A scene between two updates. An update fills it in this order: read_bodies() `reads_`, then `bodies`; list_near()
-/// `near` and its fronts; look_at_roots() the roots of fronts, and what `refinement_` has to do; refine() contacts,
-/// then surfaces and crossings, of fronts; publish() `published`.
+/// `near` and its fronts; look_at_roots() the roots of fronts, and the work of `refinement_`; refine() contacts, then
+/// surfaces and crossings, of fronts; publish() `published`.
 struct SceneState {
   SceneOptions options;
   BroadPhase broad;
-  std::vector<SceneBody> bodies;  ///< by their numbers in the broad phase
+  std::vector<SceneBody> bodies;  ///< bodies by their numbers in the broad phase
   NearPairs near;
   FrontStore fronts;
   PublishedPairs published;
   SceneRenewal renewal;
-  /// By a callback, or for lack of memory: there are no pairs until an update succeeds.
+  /// Whether a callback or a lack of memory interrupted an update: there are no pairs until an update succeeds.
   bool is_interrupted = false;
-  /// A callback may be running.
+  /// True while a callback may be running.
   bool is_updating = false;
   ShapeTouches shapes;
 
@@ -158,7 +162,8 @@ struct SceneState {
            bodies[id.place].collider != nullptr;
   }
   SceneBody& known(BodyId id);
-  /// Throws std::logic_error with the method's name while an update is running, as it is where a callback asks.
+  /// Throws std::logic_error with the method's name while an update is running, that is, when a callback calls the
+  /// method.
   SceneState& idle(std::string_view method);
   BodyId id_of(std::uint32_t place) const { return {place, bodies[place].generation}; }
   Status usable(const Collider& collider) const;
@@ -169,8 +174,8 @@ struct SceneState {
 
  private:
   SceneStatus read_bodies(Workers& workers);
-  /// May an update call functions of the caller's? To look after bodies that they might move takes as long as to look
-  /// for bodies that have moved.
+  /// Whether an update may call functions of the caller. The check for bodies that they might move takes as long as the
+  /// search for bodies that have moved.
   bool has_callbacks(const Workers& workers) const;
   /// ok, or the first body that a callback has moved since read_bodies().
   SceneStatus unmoved() const;
@@ -188,7 +193,7 @@ struct SceneState {
   BodyReads reads_;
   PairRefinement refinement_;
   ExtrasWork extras_;
-  std::chrono::nanoseconds to_publish_{0};  ///< what the end of an update takes
+  std::chrono::nanoseconds to_publish_{0};  ///< estimated time of the end of an update
 };
 
 }  // namespace morula::detail

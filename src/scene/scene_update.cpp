@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One update of a scene: who has moved, who is near, and where the budget goes.
+// One update of a scene: it finds moved bodies and near pairs, and assigns the budget.
 #include <algorithm>
 #include <utility>
 
@@ -13,7 +13,8 @@ namespace {
 
 using Stage = NearPair::Stage;
 
-// Roots that only just overlap share nothing, or by rounding less than that, and would wait for ever.
+// The least share of two roots: roots that only just overlap have a share of 0, or by rounding less, and would wait
+// forever.
 constexpr double least_share = 0x1p-10;
 
 }  // namespace
@@ -22,7 +23,7 @@ std::chrono::nanoseconds SceneState::now() const {
   return detail::now(options.clock);
 }
 
-// Bodies are read side by side, since their memory is cold; then all is taken over, or nothing.
+// Bodies are read in parallel, since their memory is cold; then either all or none of the data are stored.
 SceneStatus SceneState::read_bodies(Workers& workers) {
   reads_.found.resize(bodies.size());
   const bool is_watched = has_callbacks(workers);
@@ -56,7 +57,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     if (!read.has_moved) continue;
     body.stamp = read.stamp;
     body.around = read.around;
-    static_cast<void>(broad.move(place, box_around(body.around)));  // good: the box is finite where usable() says ok
+    static_cast<void>(broad.move(place, box_around(body.around)));  // ok: the box is finite where usable() says ok
   }
   return {};
 }
@@ -81,7 +82,7 @@ void SceneState::end(const NearPair& pair) {
   }
 }
 
-// Old pairs go, new ones come; both lists are ascending.
+// Drops pairs that are gone and adds new ones; both lists are ascending.
 void SceneState::list_near() {
   near.next.clear();
   auto old = near.pairs.begin();
@@ -111,7 +112,7 @@ void SceneState::list_near() {
     }
     if (pair.stage == Stage::unwanted) continue;
     if (pair.front == nullptr) pair.front = fronts.take(id_of(pair.a), id_of(pair.b));
-    // Asked of the pair alone: its front is elsewhere in memory.
+    // The test reads only the pair: its front is elsewhere in memory.
     if (pair.generation_a == a.generation && pair.generation_b == b.generation) continue;
     if (!pair.front->is_of(id_of(pair.a), id_of(pair.b))) {
       pair.front->bind(id_of(pair.a), *a.collider, id_of(pair.b), *b.collider);
@@ -131,7 +132,8 @@ void SceneState::look_at_roots(Workers& workers) {
     for (std::size_t k = begin; k < end; ++k) {
       NearPair& pair = near.pairs[near.looked_at[k]];
       if (renewal.everything) pair.front->forget_front();
-      // Balls that are apart in double, by more than its rounding, are so in the test of roots, which has more to do.
+      // Balls that are apart in double, by more than its rounding, are also apart in the test of roots, which takes
+      // longer.
       const Sphere &a = bodies[pair.a].around, &b = bodies[pair.b].around;
       if (distance(a.center, b.center) * (1 - 0x1p-40) > a.radius + b.radius) {
         pair.front->part();
@@ -157,7 +159,7 @@ void SceneState::look_at_roots(Workers& workers) {
   }
 }
 
-// The shares of a body serve all of its pairs, so they are there before pairs are looked at side by side.
+// The shares of a body serve all of its pairs, so they are updated before pairs are refined in parallel.
 void SceneState::follow_shares(Workers& workers) {
   extras_.places.clear();
   for (const PairFront* front : extras_.due)
@@ -174,7 +176,7 @@ void SceneState::follow_shares(Workers& workers) {
 
 void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers) {
   extras_.due.clear();
-  // As many as there may be with as many pairs.
+  // Reserves for the most that so many pairs can have.
   extras_.due.reserve(near.pairs.size());
   for (const NearPair& pair : near.pairs)
     if (pair.front != nullptr && pair.front->extras_are_due() && pair.front->finished_count() > 0)
@@ -188,7 +190,7 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
   if (options.surfaces) follow_shares(used_workers);
   const auto is_late = [&] { return by_time && now() >= deadline; };
   used_workers.run(extras_.due.size(), [&](std::size_t i) {
-    // Crossings are on top of any budget.
+    // Crossings are computed outside any budget.
     if (!options.find_crossings && is_late()) return;
     PairFront& front = *extras_.due[i];
     const ExtrasPool::Loan extras(extras_.pool);
@@ -207,7 +209,7 @@ void PublishedPairs::start() {
   walked_ = 0;
 }
 
-// Pairs and touches are in the same order, so what began and what ended comes of one walk along both.
+// Pairs and touches are in the same order, so one walk along both finds the touches that began and ended.
 void PublishedPairs::add(ScenePair pair) {
   const auto ids = [](const EndedPair& touch) { return std::pair(touch.a, touch.b); };
   const std::pair bodies(pair.a, pair.b);
@@ -256,7 +258,8 @@ SceneStatus SceneState::update(Workers& workers) {
   }
 }
 
-// As if all bodies had just been added. Only the touches that were told of remain, whose end is still to be told.
+// Resets the scene to one whose bodies have just been added. Only the published touches remain; their ends are still to
+// be published.
 void SceneState::start_over() noexcept {
   published.clear();
   // mutant scene-interrupted-lists: `near.pairs.clear(), near.next.clear(), refinement_.forget` -> `refinement_.forget`
@@ -289,7 +292,7 @@ SceneStatus SceneState::update_once(Workers& workers) {
     }
   const std::chrono::nanoseconds refined = by_time ? now() : std::chrono::nanoseconds(0);
   publish(status);
-  // The longest of late: it falls by an eighth an update.
+  // The longest recent time; it falls by an eighth per update.
   if (by_time) to_publish_ = std::min(std::max(now() - refined, to_publish_ * 7 / 8), options.budget.time() / 2);
   // Nothing below throws.
   published.commit();

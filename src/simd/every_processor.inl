@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Includes MORULA_KERNELS, a file, once per kind of processor: in a namespace of its own and under its instructions.
 // Everything that the loops of that file call is defined in it or in wide.inl: an inline function of a header would be
-// compiled for one kind and could end up in the program for all. To be included in namespace morula or in one inside
-// it, after processors.hpp and float4.hpp, and after namespace plain, which has the plain loops that the others have to
-// reproduce. A KernelTable is then filled by MORULA_EVERY_KIND(name).
+// compiled for one kind and could be linked into the program for all. Include it in namespace morula or in one inside
+// it, after processors.hpp and float4.hpp, and after namespace plain, which has the plain loops whose results the
+// others have to reproduce. A KernelTable is then filled by MORULA_EVERY_KIND(name).
 
 #ifdef MORULA_VECTORS
 namespace baseline {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Four floats, or two doubles, in one register: for code of fixed width, which every processor runs alike. Each type
-// has a scalar twin that does the same operations in the same order, so the same bits; it takes over where the compiler
-// has no vector types. Loops that gain from wider registers are kernels: every_processor.inl, wide.inl.
+// Four floats, or two doubles, in one register: for code of fixed width, which every processor runs in the same way.
+// Each type has a scalar twin that does the same operations in the same order, hence with the same bits; it replaces
+// the type if the compiler has no vector types. Loops that gain from wider registers are kernels: every_processor.inl,
+// wide.inl.
 //
-// Minima and maxima are the second where the two are equal or not comparable, as the instructions of x86 have it.
-// NEON's own have other ideas of NaN and of zeros' signs.
+// Minima and maxima are the second where the two are equal or not comparable, like the instructions of x86. NEON's own
+// instructions differ for NaN and for signs of zeros.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@
 
 namespace morula::detail {
 
-/// What has three coordinates in float: a vector of the library's, which lies above this folder.
+/// A type with three coordinates in float: a vector of the library, which is in a layer above this folder.
 template <class Vector>
 concept HasThreeFloats = requires(const Vector& v) {
   { v.x } -> std::convertible_to<const float&>;
@@ -110,7 +111,7 @@ class ScalarFloat4 {
   friend ScalarFloat4 sqrt(const ScalarFloat4& a) {
     return a.with(a, [](float s, float) { return std::sqrt(s); });
   }
-  /// All bits of a lane that is not a number, none of the others.
+  /// Sets all bits of lanes that are NaN, and none of the others.
   friend ScalarFloat4 not_numbers(const ScalarFloat4& a) {
     return a.with(a, [](float s, float) { return std::bit_cast<float>(s == s ? 0u : ~0u); });
   }
@@ -119,14 +120,14 @@ class ScalarFloat4 {
       return std::bit_cast<float>(std::bit_cast<std::uint32_t>(s) | std::bit_cast<std::uint32_t>(t));
     });
   }
-  /// Rounded towards zero, as numbers and as floats. Lanes must fit an int.
+  /// Rounds towards zero, to integers and to floats. Lanes must fit an int.
   ScalarFloat4 truncated(std::array<int, 4>& whole) const {
     ScalarFloat4 result;
     for (std::size_t k = 0; k < 4; ++k)
       whole[k] = static_cast<int>(lane_[k]), result.lane_[k] = static_cast<float>(whole[k]);
     return result;
   }
-  /// Rows become columns.
+  /// Transposes: rows become columns.
   static void transpose(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, ScalarFloat4& d) {
     const ScalarFloat4 rows[4]{a, b, c, d};
     for (std::size_t k = 0; k < 4; ++k) {
@@ -134,7 +135,7 @@ class ScalarFloat4 {
       c.lane_[k] = rows[k].lane_[2], d.lane_[k] = rows[k].lane_[3];
     }
   }
-  /// Four points become their x, their y and their z.
+  /// Transposes four points into their x, y and z.
   static void transpose_points(ScalarFloat4& a, ScalarFloat4& b, ScalarFloat4& c, ScalarFloat4 d) {
     transpose(a, b, c, d);
   }

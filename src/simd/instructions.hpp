@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Vector instructions that this compiler has for us. MORULA_SCALAR turns them off: everything then runs in plain
+// The vector instructions that this compiler supports. MORULA_SCALAR turns them off: everything then runs in plain
 // loops.
 //
 //   MORULA_VECTORS   vector types of GCC and Clang: registers of four floats (SSE2, NEON), in float4.hpp and wide.inl

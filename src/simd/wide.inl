@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Registers of MORULA_LANES floats, and points in them: what the kernels of all loops are made of. The words are those
-// of Float4. See every_processor.inl, which includes this first, for why nothing here comes from a header.
+// Registers of MORULA_LANES floats, and points in them: the parts of the kernels of all loops. The names are those of
+// Float4. every_processor.inl, which includes this file first, explains why no function here comes from a header.
 
 constexpr int lanes = MORULA_LANES;
 typedef float Wide __attribute__((vector_size(4 * lanes)));
@@ -11,7 +11,7 @@ typedef float Four __attribute__((vector_size(16), may_alias));
 inline Wide all(float x) {
   return x - Wide{};
 }
-// The second where the two are equal or not comparable, as of Float4.
+// The second if the two are equal or not comparable, like Float4.
 inline Wide max(Wide a, Wide b) {
   return a > b ? a : b;
 }
@@ -20,7 +20,7 @@ inline Wide min(Wide a, Wide b) {
 }
 inline Wide root(Wide a) {
 #if MORULA_LANES == 16
-  return _mm512_maskz_sqrt_ps(0xffff, a);  // GCC 12 takes the plain one for a read of nothing
+  return _mm512_maskz_sqrt_ps(0xffff, a);  // GCC 12 takes the plain one for a read of an uninitialized value
 #elif MORULA_LANES == 8
   return _mm256_sqrt_ps(a);
 #elif defined(__x86_64__)
@@ -33,7 +33,7 @@ inline Wide root(Wide a) {
   return roots;
 #endif
 }
-// Bit i: lane i of a comparison. x86 has instructions for it, each kind its own.
+// Bit i: lane i of a comparison. Each kind of x86 has its own instructions for it.
 #ifdef MORULA_DISPATCH
 inline unsigned lanes_equal(Wide a, Wide b) {
 #if MORULA_LANES == 16
@@ -54,7 +54,7 @@ inline unsigned lanes_at_most(Wide a, Wide b) {
 #endif
 }
 #else
-typedef std::int32_t WideMask __attribute__((vector_size(4 * lanes)));  // all ones or zeros
+typedef std::int32_t WideMask __attribute__((vector_size(4 * lanes)));  // lanes of all ones or all zeros
 inline unsigned lane_bits(WideMask mask) {
 #ifdef __aarch64__
   constexpr uint32x4_t bit_of_lane{1, 2, 4, 8};
@@ -97,7 +97,7 @@ inline unsigned greater(Doubles a, Doubles b) {
 }
 inline Doubles root(Doubles a) {
 #if MORULA_LANES == 16
-  return _mm512_maskz_sqrt_pd(0xff, a);  // as of floats
+  return _mm512_maskz_sqrt_pd(0xff, a);  // masked like the root of floats
 #elif MORULA_LANES == 8
   return _mm256_sqrt_pd(a);
 #elif defined(__x86_64__)
@@ -121,8 +121,8 @@ inline Four load_point(const LocalPoint& p) {
   return *reinterpret_cast<const Four*>(&p);
 }
 
-// Points 0, step, 2 step … of a list, one after the other. From memory into their places: compilers make shuffles of it
-// otherwise, which all wait for the one unit that has them.
+// Points 0, step, 2 step … of a list, one after the other. Values are loaded from memory into their lanes: otherwise
+// compilers generate shuffles, which all wait for the one unit that executes them.
 template <int step>
 inline Wide points_apart(const LocalPoint* points, const std::uint32_t* index) {
 #if MORULA_LANES == 4
@@ -139,7 +139,7 @@ inline Wide points_apart(const LocalPoint* points, const std::uint32_t* index) {
 #endif
 }
 
-// As many points as there are lanes: four registers whose quarters are points, or coordinate by coordinate.
+// Points, one per lane: four registers whose quarters are points, or coordinate by coordinate.
 struct Rows {
   Wide a, b, c, d;
 };
@@ -173,7 +173,7 @@ inline WidePoints columns(const Rows& rows) {
   const Wide z_ab = MORULA_PICK(a, b, 2, 3, 2, 3), z_cd = MORULA_PICK(c, d, 2, 3, 2, 3);
   return {MORULA_PICK(ab, cd, 0, 1, 0, 1), MORULA_PICK(ab, cd, 2, 3, 2, 3), MORULA_PICK(z_ab, z_cd, 0, 2, 0, 2)};
 }
-// What stands behind z in each row: the radius of a sphere.
+// The number after z in each row: the radius of a sphere.
 inline Wide last_column(const Rows& rows) {
   return MORULA_PICK(MORULA_PICK(rows.a, rows.b, 2, 3, 2, 3), MORULA_PICK(rows.c, rows.d, 2, 3, 2, 3), 1, 3, 1, 3);
 }
@@ -186,7 +186,7 @@ inline Rows gather(const LocalPoint* points, const std::uint32_t* index) {
           points_apart<4 * step>(points, index + 2 * step), points_apart<4 * step>(points, index + 3 * step)};
 }
 
-// Every fourth of the points that lie one after the other: of four such rows the columns are in order.
+// Every fourth of consecutive points: the columns of four such rows are in order.
 inline Wide points_in_rows(const LocalPoint* points) {
   constexpr std::uint32_t index[]{0, 4, 8, 12};
   return points_apart<1>(points, index);
@@ -207,7 +207,7 @@ inline Wide spread(const float* numbers) {
   return spread(numbers[0], numbers[1]);
 }
 #else
-// Masks of all ones: GCC 12 takes what has none for a read of nothing.
+// Masks of all ones are used: GCC 12 takes an intrinsic without a mask for a read of an uninitialized value.
 inline Wide spread(Four four) {
   return _mm512_maskz_permutevar_ps(0xffff, _mm512_maskz_broadcast_f32x4(0xffff, four),
                                     _mm512_set_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0));
@@ -217,7 +217,7 @@ inline Wide spread(const float* numbers) {
 }
 #endif
 
-// Points that lie one after the other, in any order.
+// Consecutive points, in any order.
 inline Rows load_run(const LocalPoint* points) {
   const LooseWide* rows = reinterpret_cast<const LooseWide*>(points);
   return {rows[0], rows[1], rows[2], rows[3]};

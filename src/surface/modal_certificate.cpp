@@ -22,12 +22,12 @@ namespace {
 
 constexpr std::uint32_t facets_of_a_leaf = 4;
 
-/// Facets [begin, end) of the sorted ones; children are the halves.
+/// Facets [begin, end) in sorted order; the children are the halves.
 struct Node {
   std::uint32_t begin, end;
   std::uint32_t left = 0, right = 0;  // 0: a leaf
   Box box{};
-  double spread = 0;  // displacements of no vertex are farther from the mean, all modes together
+  double spread = 0;  // largest distance of a vertex's displacements from the mean, all modes together
 };
 
 bool share_a_vertex(const Facet& f, const Facet& g) {
@@ -43,12 +43,12 @@ struct ModalCertificate::State {
   double largest_norm = 1;
 
   struct Open {
-    double norm;  // up to which the pair is proven apart
+    double norm;  // norm up to which the pair is proven apart
     std::uint32_t a, b;
     auto operator<=>(const Open&) const = default;
   };
-  std::vector<double> norms;       // ascending
-  std::vector<FeaturePair> pairs;  // of each
+  std::vector<double> norms;       // norms in ascending order
+  std::vector<FeaturePair> pairs;  // the pair of each norm
   double free = 0;
   std::size_t facet_pairs = 0, node_pairs = 0;
 
@@ -59,7 +59,7 @@ struct ModalCertificate::State {
 
 namespace {
 
-/// Looks at pairs from the root down.
+/// Examines pairs from the root down.
 class ModalCertifier {
  public:
   ModalCertifier(const MeshView& mesh, const Modes& modes, const ModalCertificateOptions& options,
@@ -68,7 +68,7 @@ class ModalCertifier {
         modes_(modes.mode_count),
         largest_norm_(options.largest_norm),
         rest_distance_(options.rest_distance) {
-    // Displacements for coordinates of norm 1, vertex by vertex.
+    // Displacements for modal coordinates of norm 1, vertex by vertex.
     moves_.resize(tree_.mesh.rest.size() * modes_);
     double farthest = 0, coordinate = 0;
     for (std::size_t v = 0; v < tree_.mesh.rest.size(); ++v) {
@@ -82,15 +82,15 @@ class ModalCertifier {
       coordinate = std::max(coordinate, max_norm(tree_.mesh.rest[v]));
     }
     // Positions of vertices: sums of as many terms as there are modes, each off by 2^-52 of itself. Gaps and lengths
-    // here: some 2^-48 of coordinates and displacements. All of it is below 2^-44 of what a vertex may reach, for less
-    // than 2^6 modes, and more in proportion.
+    // here are off by about 2^-48 of coordinates and displacements. The sum of all errors is below 2^-44 of the largest
+    // coordinate that a vertex may reach, for less than 2^6 modes, and grows in proportion beyond.
     const double terms = std::max(1.0, static_cast<double>(modes_) / 64);
     pad_ = options.margin * (1 + 0x1p-40) +
            0x1p-44 * terms * (coordinate + farthest * largest_norm_ * std::sqrt(static_cast<double>(modes_ + 1)));
     make_node(0, static_cast<std::uint32_t>(tree_.blocks.order.size()));
   }
 
-  /// open(norm, facet, facet) of each pair that is not proven apart up to the largest norm.
+  /// Calls open(norm, facet, facet) for each pair that is not proven apart up to the largest norm.
   template <class Found>
   void search(const Found& open) {
     std::vector<std::array<std::uint32_t, 2>> stack{{0, 0}};
@@ -147,15 +147,15 @@ class ModalCertifier {
     return number;
   }
 
-  /// (gap − what is allowed for) / length, rounded down.
+  /// (gap − allowance) / length, rounded down.
   double ratio(double gap, double length) const {
     const double room = gap - pad_;
     if (!(room > 0)) return 0;
     return length > 0 ? room / (length * (1 + 0x1p-40)) * (1 - 0x1p-50) : std::numeric_limits<double>::infinity();
   }
 
-  /// Up to which norm all of one node is proven apart from all of the other: along the line through the nearest points
-  /// of their boxes, which the boxes are as far apart along as these points are.
+  /// The norm up to which all of one node is proven apart from all of the other. The direction is that of the line
+  /// through the nearest points of their boxes; along it the boxes are as far apart as these points.
   double norm_of_nodes(std::uint32_t a, std::uint32_t b) const {
     const Box &p = nodes_[a].box, &q = nodes_[b].box;
     const Vec3 gap = max(q.lower - p.upper, Vec3{}) - max(p.lower - q.upper, Vec3{});
@@ -171,7 +171,7 @@ class ModalCertifier {
     return ratio(apart, std::sqrt(square) + nodes_[a].spread + nodes_[b].spread);
   }
 
-  /// The same for two facets, along a direction of any length but 0.
+  /// The same norm for two facets, along a direction of any length except 0.
   double norm_along(const Facet& f, const Facet& g, const Vec3& direction) const {
     const double size = length(direction);
     if (!(size > 0x1p-400) || !std::isfinite(size)) return 0;
@@ -191,7 +191,7 @@ class ModalCertifier {
     return least;
   }
 
-  /// Any direction proves something; the best of a few.
+  /// The best of several directions. Every direction gives a valid norm.
   double norm_of_facets(const Facet& f, const Facet& g) const {
     const Triangle s{tree_.mesh.rest[f[0]], tree_.mesh.rest[f[1]], tree_.mesh.rest[f[2]]};
     const Triangle t{tree_.mesh.rest[g[0]], tree_.mesh.rest[g[1]], tree_.mesh.rest[g[2]]};
@@ -290,7 +290,7 @@ double ModalCertificate::norm(std::span<const double> coordinates) const {
     const double y = coordinates[j] / state_->scales[j];
     square += y * y;
   }
-  // Squares that vanish are of numbers below 2^-500. A sum of n of them is off by n 2^-53 of itself.
+  // Squares that underflow to 0 belong to numbers below 2^-500. A sum of n of them is off by n 2^-53 of itself.
   const double rounding = 0x1p-44 + 0x1p-53 * static_cast<double>(coordinates.size());
   const double norm = (std::sqrt(square) + 0x1p-500) * (1 + rounding);
   return std::isnan(norm) ? std::numeric_limits<double>::infinity() : norm;

@@ -9,7 +9,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// The vertices that a nearest point is made of, ascending; the rest is no_slot.
+/// The vertices that a nearest point is combined from, ascending; unused places hold no_slot.
 using Simplex = std::array<std::uint32_t, 3>;
 
 Simplex simplex(const SurfaceTreeState& s, Feature feature, std::uint32_t number, const Barycentric& weights) {
@@ -29,7 +29,7 @@ struct ProximityQuery::State {
   CallState call;
   ProximityOptions options;
   FeatureQuery<ProximityPair> query;
-  std::vector<ProximityPair> once;  // the found ones whose nearest features no pair before has
+  std::vector<ProximityPair> once;  // the pairs found whose nearest features no earlier pair has
 
   void forget() noexcept {
     query.forget();
@@ -69,7 +69,7 @@ void ProximityQuery::State::keep_nearest_features_once() {
     const ProximityPair& pair = found[i];
     Key key{simplex(query.search().a(), feature_a(pair.kind), pair.a, pair.weights_a),
             simplex(query.search().b(), feature_b(pair.kind), pair.b, pair.weights_b), i};
-    // Of one surface with itself it does not matter which is first.
+    // For one surface with itself the order of the two is irrelevant.
     if (query.search().is_with_itself() && key.second < key.first) std::swap(key.first, key.second);
     keys.push_back(key);
   }
@@ -125,7 +125,7 @@ void ProximityQuery::safe_distances(std::span<double> distances) const {
   const StandardFloats standard;
   const PairSearch& search = state_->query.search();
   if (!search.is_started() || state_->call.is_running) return std::fill(distances.begin(), distances.end(), 0.0);
-  // Distances that are computed may be longer than they are, and pairs that are as near as they may be missing.
+  // Computed distances may exceed the true ones, so pairs at the true distance may be missing.
   // mutant safe-distances-rounding: `0x1p-46` -> `0`
   const double rounding = 0x1p-46 * state_->query.largest_coordinate();
   const auto half = [rounding](double distance) { return std::max(0.0, 0.5 * (distance - rounding) * (1 - 0x1p-50)); };

@@ -15,7 +15,7 @@ void take_candidates(const SurfaceTreeState&, const SurfaceTreeState&, std::span
   found.insert(found.end(), pairs.begin(), pairs.end());
 }
 
-/// Those that are not proven to stay apart.
+/// Computes the times of impact of pairs that are not proven to stay apart.
 struct Impact {
   double distance;
 
@@ -36,7 +36,7 @@ struct SweptQuery::State {
   SweptOptions options;
   FeatureQuery<SweptPair> query;
   FeatureQuery<FeaturePair> candidates;
-  bool has_candidates = false;  // of the two, what was started last
+  bool has_candidates = false;  // whether the query of candidates was started last, of the two
 
   void forget() noexcept {
     query.forget();

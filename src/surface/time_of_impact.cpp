@@ -16,12 +16,13 @@ using namespace detail;
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-/// Steps tried for one pair: hardly any pair needs twenty. What is left then ends at the time reached.
+/// The most steps for one pair; hardly any pair needs twenty. The rest of the interval then counts as not proven, from
+/// the time reached on.
 constexpr int most_steps = 1000;
-/// A step that gains less time than this gains none.
+/// A step that gains less time than this counts as none.
 constexpr double least_gain = 0x1p-24;
 
-/// Points about one of them, so that numbers are as small as the pair.
+/// The points of two features relative to one of the points, so that numbers are as small as the pair.
 class Pair {
  public:
   Pair(std::span<const Vec3> a_from, std::span<const Vec3> a_to, std::span<const Vec3> b_from,
@@ -37,7 +38,7 @@ class Pair {
     take(a_from, a_from_), take(a_to, a_to_), take(b_from, b_from_), take(b_to, b_to_);
   }
 
-  /// The first time that is not proven to be free of impacts; more than 1 when all are.
+  /// The first time that is not proven to be free of impacts; more than 1 when all times are.
   double advance() const {
     double time = 0, ahead = 1;
     for (int steps = 0; steps < most_steps; ++steps) {
@@ -51,8 +52,8 @@ class Pair {
       } else {
         ahead /= 8;
       }
-      // Where features are so near that the direction between nearest points is mostly rounding, the one that they
-      // have by themselves may still tell them apart.
+      // If features are so near that the direction between nearest points is mostly rounding, a direction of the
+      // features themselves may still separate them.
       if (!(reached - time >= least_gain) && ahead < least_gain)
         reached = std::max({reached, last_apart(normal(time), time), last_apart(-normal(time), time)});
       if (reached >= 1) return never;
@@ -76,7 +77,7 @@ class Pair {
     for (std::size_t j = 0; j < size_b_; ++j) p.b[j] = at(b_from_[j], b_to_[j], time);
     return p;
   }
-  /// From a to b, of largest coordinate 1; zero where they touch.
+  /// The direction from a to b, of largest |coordinate| 1; zero where they touch.
   Vec3 nearest_direction(double time) const {
     const Pose p = pose(time);
     const PairKind kind = size_a_ == 2   ? PairKind::edge_edge
@@ -97,9 +98,10 @@ class Pair {
     const Vec3 direction = v / largest;
     return is_finite(direction) ? direction : Vec3{};
   }
-  /// What a gap along a direction has to exceed: what counts as an impact, and what rounding may have done. Coordinates
-  /// are differences (2^-53 of them), heights sums of three products (3 × 2^-53 of their sizes), gaps at a time another
-  /// difference, product and sum: together less than 2^-48 |direction|_1 reach, and |direction|_1 is at most 3.
+  /// The lower bound that a gap along a direction has to exceed: the distance that counts as an impact, plus an
+  /// allowance for rounding. Coordinates are differences (2^-53 of them), heights sums of three products (3 × 2^-53 of
+  /// their sizes), gaps at a time another difference, product and sum: together less than 2^-48 |direction|_1 reach,
+  /// and |direction|_1 is at most 3.
   double allowance(const Vec3& direction) const {
     const double size = length(direction) * (1 + 0x1p-50);
     // mutant impact-rounding: `0x1p-46 * 3` -> `0`
@@ -107,8 +109,8 @@ class Pair {
     return (distance_ * size) * (1 + 0x1p-50) + 0x1p-46 * 3 * reach_ + 0x1p-1000;
   }
 
-  /// Are the two apart from `begin` to `end`, by a direction that turns from the given one to that of the nearest
-  /// points at the end?
+  /// Whether the two are apart from `begin` to `end` by a direction that turns from the given one to that of the
+  /// nearest points at the end.
   ///
   /// n(u) = (1 − u) m + u n and the difference w(u) = (1 − u) w0 + u w1 of one point of b and one of a are linear in
   /// the share u of the interval, so the gap n(u) · w(u) is quadratic: in Bernstein's form m·w0, (m·w1 + n·w0) / 2,
@@ -116,7 +118,7 @@ class Pair {
   bool is_apart(const Vec3& direction, double begin, double end) const {
     if (!(end > begin)) return false;
     const Vec3 turned = nearest_direction(end);
-    // Points at both ends are rounded by 2^-52 of their coordinates: less than is allowed for.
+    // Points at both ends are rounded by 2^-52 of their coordinates: less than the allowance.
     // mutant impact-first-direction: `std::max(allowance(direction), allowance(turned))` -> `allowance(turned)`
     // mutant impact-turned-direction: `std::max(allowance(direction), allowance(turned))` -> `allowance(direction)`
     const double allowed = std::max(allowance(direction), allowance(turned));
@@ -133,13 +135,13 @@ class Pair {
   }
 
   /// The last time, from `time` on, up to which the direction (from a to b) separates all points; `time` when it does
-  /// not there, more than 1 when it does to the end.
+  /// not separate them there, more than 1 when it does to the end.
   ///
   /// Over a step, every point's height along a fixed direction is linear in time, and so is the difference g of the
-  /// heights of one point of b and one of a. Where g, less what counts as an impact and less what rounding may have
-  /// done, is positive at two times, it is positive between them: so it is enough to look at `time` and at 1, and to
-  /// take the first zero between them where it is not at 1. All of b lies beyond all of a when all such differences
-  /// are positive, since a feature is the hull of its points.
+  /// heights of one point of b and one of a. If g, less the distance that counts as an impact and less the allowance
+  /// for rounding, is positive at two times, it is positive between them: so it is enough to evaluate it at `time` and
+  /// at 1, and to take the first zero between them if it is not positive at 1. All of b lies beyond all of a when all
+  /// such differences are positive, since a feature is the hull of its points.
   double last_apart(const Vec3& direction, double time) const {
     const double allowed = allowance(direction);
     double last = never;
@@ -150,7 +152,8 @@ class Pair {
         const double here = start + (end - start) * time - allowed, there = end - allowed;
         if (!(here > 0)) return time;
         if (there > 0) continue;
-        // The quotient is off by 2^-51, in which time no gap shrinks by more than 2^-51 × 6 reach: that is allowed for.
+        // The quotient is off by 2^-51, in which time no gap shrinks by more than 2^-51 × 6 reach: the allowance
+        // contains that.
         last = std::min(last, time + (1 - time) * (here / (here - there)));
       }
     }

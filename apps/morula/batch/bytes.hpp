@@ -24,13 +24,13 @@ class Hash128 {
 };
 std::string hash_of_bytes(std::string_view bytes);
 
-/// Why no file can be read there: "is a FIFO, not a file". Nothing where a file is. Opens nothing.
+/// The reason why no file can be read there: "is a FIFO, not a file". None for a file. Opens nothing.
 std::optional<std::string> why_no_file(const std::filesystem::path& path);
 
-/// The bytes of a file, up to `limit` of them. Nothing where there is no file, it cannot be read, or it is larger.
-/// FIFOs and devices are not waited for.
+/// The bytes of a file, up to `limit` of them. None if there is no file, it cannot be read, or it is larger. The
+/// function does not wait for FIFOs and devices.
 std::optional<std::string> bytes_of_file(const std::filesystem::path& path, std::uintmax_t limit = UINTMAX_MAX);
-/// Hashes a file. Returns the reason where it cannot be read.
+/// Hashes a file. Returns the reason if it cannot be read.
 std::optional<std::string> hash_file(const std::filesystem::path& path, Hash128& hash);
 
 }  // namespace morula::cli

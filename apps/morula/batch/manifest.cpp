@@ -136,7 +136,7 @@ std::vector<ManifestRow> rows_of_text(std::istream& in, const fs::path& folder) 
   return rows;
 }
 
-// Takes what a key is made of.
+// The hash of the parts of a key.
 class KeyHash {
  public:
   KeyHash(const std::string& extension, const std::vector<std::string>& words) {
@@ -179,7 +179,7 @@ std::string key_of_readable_file(const fs::path& mesh, const std::vector<std::st
   const FileRoots beside({mesh.parent_path()});
   for (const std::string& buffer : buffers_of(bytes_of_file(mesh).value_or(""), kind)) {
     const fs::path file = referenced_file(buffer, mesh.parent_path());
-    // The build says what is wrong with a buffer that cannot be read, or may not be.
+    // The build reports a buffer that cannot be read, or may not be.
     // mutant batch-key-buffers: `if (beside.hold(file) && !why_no_file(file)) take` -> `static_cast<void>`
     // mutant batch-buffers-outside: `beside.hold(file) && !` -> `!`
     if (beside.hold(file) && !why_no_file(file)) take(file);

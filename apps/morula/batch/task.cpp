@@ -30,7 +30,7 @@ constexpr std::array columns{
     "looseness", "uncovered_area", "uncovered_distance", "protrusion"};
 constexpr std::array costs{"seconds", "cpu_seconds", "peak_mb"};
 
-// Values nested deeper than any of ours are left out: whoever writes them could exhaust the stack of what reads them.
+// Values nested deeper than any of this program are left out: deep input could exhaust the stack of its readers.
 std::optional<Json> parsed(const std::string& text) {
   constexpr int deepest = 8;
   const auto is_shallow = [](int depth, Json::parse_event_t, const Json&) { return depth <= deepest; };
@@ -203,7 +203,7 @@ std::optional<Json> whole_result(const std::string& text, const std::string& key
     if (!has_text(*result, name)) return std::nullopt;
   // mutant batch-result-hash: `key || result->at("hash") != hash_of(*result)` -> `key`
   if (result->at("key") != key || result->at("hash") != hash_of(*result)) return std::nullopt;
-  // The rest is as it was written. Whoever computes hashes by hand shall break nothing either.
+  // The rest is unchanged since it was written. A result with a hash computed by hand must not cause a fault either.
   if (!result->contains("cost") || !result->at("cost").is_object()) return std::nullopt;
   for (const char* name : costs)
     if (!result->at("cost").contains(name) || !result->at("cost").at(name).is_number()) return std::nullopt;

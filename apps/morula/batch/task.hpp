@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Task: one mesh of a batch, as a worker takes it, and the result that it gives.
+// Task: one mesh of a batch, in the form that a worker takes, and its result.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@ namespace morula::cli {
 struct BatchTask {
   std::string key;
   std::filesystem::path mesh, tree;
-  std::filesystem::path result;          ///< where the worker keeps the result; empty: the caller keeps it
+  std::filesystem::path result;          ///< file in which the worker keeps the result; empty: the caller keeps it
   std::vector<std::string> words;        ///< options of `morula build`, and --measure
   std::optional<double> time_limit;      ///< seconds of wall time
-  std::optional<std::size_t> megabytes;  ///< of address space, besides the worker's own
+  std::optional<std::size_t> megabytes;  ///< address space besides the worker's own, MiB
   bool no_trees = false;                 ///< the tree is removed once its hash is taken
 };
 /// One line of JSON, and the task that it holds. Throws std::invalid_argument for a line that holds none.
@@ -36,10 +36,10 @@ struct ProcessEnd {
 };
 
 /// The result of a task: status, message, the report, the hash of the tree's file, cost, and a hash of all of it. All
-/// but the cost and the last hash are the same on every run. `is_kept` becomes false for a result that says nothing
-/// about the mesh: a tree that could not be written.
+/// but the cost and the last hash are the same on every run. `is_kept` becomes false for a result that does not depend
+/// on the mesh: a tree that could not be written.
 Json result_of(const ProcessEnd& end, const BatchTask& task, bool& is_kept);
-/// The result of a mesh for which no build is started: the status says what happened, the message why.
+/// The result of a mesh for which no build is started: the status and the message give the reason.
 Json result_without_build(const std::string& key, const std::string& status, const std::string& message);
 
 /// The result of a task over which two workers in turn were lost.
@@ -49,12 +49,12 @@ Json lost_result(const BatchTask& task);
 Json with_hash(Json result);
 /// A result's text, as it is kept.
 std::string result_text(const Json& result);
-/// The result that `text` holds. Nothing unless it is one of this key, whole and unchanged.
+/// The result that `text` holds. None unless it is one of this key, whole and unchanged.
 std::optional<Json> whole_result(const std::string& text, const std::string& key);
-/// The hash of the tree's file that belongs to a result; nothing where there is no tree.
+/// The hash of the tree's file that belongs to a result; none if there is no tree.
 std::optional<std::string> tree_file_hash(const Json& result);
 
-/// Where everything of a batch is.
+/// The folders and files of a batch.
 struct BatchPlaces {
   std::filesystem::path folder;
   static std::string result_name(const std::string& key) { return "results/" + key.substr(0, 2) + "/" + key + ".json"; }
@@ -63,11 +63,11 @@ struct BatchPlaces {
   std::filesystem::path tree(const std::string& key) const { return folder / tree_name(key); }
 };
 
-/// A row of the table: its name as text, and its key, or the message of its refusal.
+/// A row of the table: its name as text, and its key, or the message of its rejection.
 struct TableRow {
   std::string name, key, message;
 };
-/// The tables: the same bytes whenever and however often a batch was interrupted; only `cost` differs.
+/// The tables: the same bytes for any interruptions of a batch; only `cost` differs.
 struct BatchTables {
   std::string csv, jsonl, cost;
   std::map<std::string, std::size_t> statuses;  ///< rows of each

@@ -146,7 +146,7 @@ int measure_built(const BatchTask& task, const Streams& streams) {
   }
 }
 
-// `morula build`, then figures where they are wanted. Returns the exit code.
+// `morula build`, then figures if they are requested. Returns the exit code.
 int build_and_measure(const BatchTask& task, const Streams& streams) {
   std::vector<std::string> words{"morula", "build", task.mesh.native(), "-o", task.tree.native(), "--threads",
                                  "1",      "--json"};
@@ -208,14 +208,14 @@ static void note_request_to_end(int) {
 }
 }
 
-// True when nobody takes an answer any more: the input is closed, or the worker was asked to end.
+// True when no answer is needed: the input is closed, or the end of the worker was requested.
 bool should_leave() {
   if (asked_to_end != 0) return true;
   pollfd input{STDIN_FILENO, 0, 0};
   return poll(&input, 1, 0) > 0 && (input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
 
-// Ends the build and this worker. A build that is asked to end removes what it has not finished.
+// Ends the build and this worker. A build whose end is requested removes its unfinished files.
 [[noreturn]] void leave_with(pid_t build) {
   kill(build, SIGTERM);
   for (int tries = 0; tries < 50 && waitpid(build, nullptr, WNOHANG) == 0; ++tries) usleep(10'000);
@@ -282,7 +282,7 @@ Json keep(const Json& result, const BatchTask& task) {
   return result;
 }
 
-// What is written to a link is written to what it leads to, which may be what is kept of another mesh.
+// A write to a link goes to its target, which may be the kept result of another mesh.
 void remove_link(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_symlink(fs::symlink_status(path, ignored))) fs::remove(path, ignored);

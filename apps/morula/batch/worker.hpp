@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A worker as the batch that started it has it.
+// A worker, from the side of the batch that started it.
 #pragma once
 
 #include <sys/types.h>
@@ -30,13 +30,13 @@ class BatchWorker {
   BatchWorker& operator=(const BatchWorker&) = delete;
 
   void give(const BatchTask& task);
-  /// To be polled for input: there is an answer, or the worker is gone.
+  /// The file to poll for input, which means an answer or the end of the worker.
   int answers() const { return from_; }
   /// Reads what is there, without waiting. The result's text, once it is whole.
   std::optional<std::string> answer();
-  /// Asks it to end, with the build that it runs. For any thread.
+  /// Requests its end, and the end of the build that it runs. Any thread may call it.
   void ask_to_end() const;
-  /// Has it ended, without an answer?
+  /// Whether it has ended without an answer.
   bool is_gone() const { return is_gone_; }
 
  private:
@@ -49,8 +49,8 @@ class BatchWorker {
 /// A place for workers, one at a time: a worker that is lost is replaced.
 class BatchSeat {
  public:
-  /// Gives one task and waits for its result. One for which two workers in turn were lost is `crashed`. Nothing where
-  /// the seat was stopped.
+  /// Gives one task and waits for its result. A task for which two workers in turn were lost is `crashed`. None if the
+  /// seat was stopped.
   std::optional<Json> build(const BatchTask& task);
   /// From another thread: ends the build that is waited for, and all later ones at once.
   void stop();

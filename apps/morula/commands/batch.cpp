@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// morula batch: a tree for each of many meshes, one process each; what fails is a row of the table.
+// morula batch: a tree for each of many meshes, one process each; a failure is a row of the table.
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -50,7 +50,7 @@ struct BatchArguments {
   std::optional<double> time_limit;
   std::optional<std::size_t> memory_limit;
   bool resume = false, retry = false, no_trees = false, measure = false, quiet = false, json = false;
-  // Of every build; empty or nothing: as `morula build` has it.
+  // Options of every build; empty or none: the default of `morula build`.
   std::string method, quality, depth, reducers, optimizer;
   std::optional<unsigned> branching;
   std::optional<std::size_t> spheres;
@@ -59,7 +59,7 @@ struct BatchArguments {
   bool nested = false;
 };
 
-// Options of `morula build`, and --measure. They tell one batch's results from another's.
+// Options of `morula build`, and --measure. They distinguish the results of different batches.
 std::vector<std::string> build_words(const BatchArguments& o) {
   std::vector<std::string> words;
   const auto add = [&](const char* option, const std::string& value) { words.insert(words.end(), {option, value}); };
@@ -78,14 +78,14 @@ std::vector<std::string> build_words(const BatchArguments& o) {
   return words;
 }
 
-// What is kept of earlier batches under a key.
+// The kept result of earlier batches under a key.
 struct Kept {
   std::optional<Json> result;
-  bool is_damaged = false;  // a result that is not as it was written, or whose tree is not
+  bool is_damaged = false;  // a result that has changed since it was written, or whose tree has
 };
 
 Kept find_kept(const BatchPlaces& places, const std::string& key, bool no_trees) {
-  constexpr std::uintmax_t most = 1 << 22;  // bytes; a result has some hundreds
+  constexpr std::uintmax_t most = 1 << 22;  // bytes; a result has a few hundred
   Kept kept;
   const fs::path path = places.result(key);
   const std::optional<std::string> text = bytes_of_file(path, most);
@@ -212,7 +212,7 @@ class Crew {
   Crew(Work& work, const BatchArguments& o, const BatchPlaces& places, unsigned jobs)
       : work_(work), o_(o), places_(places), seats_(std::min<std::size_t>(jobs, work.waiting.size())) {}
 
-  // False when a signal asked for the end.
+  // Returns false when a signal requested the end.
   bool work_off(const Interrupt& interrupt) {
     BatchProgress progress(std::max<std::size_t>(work_.waiting.size(), 1), o_.quiet);
     while (done_ < work_.waiting.size()) {

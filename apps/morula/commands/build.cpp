@@ -51,11 +51,11 @@ struct BuildArguments {
   bool json = false;
   bool report = false;
 
-  /// A flat set is asked for instead of a depth.
+  /// Whether a flat set is requested instead of a depth.
   bool flat() const { return spheres || max_protrusion; }
 };
 
-/// Contradictions and outputs that cannot be: before anything is read.
+/// Rejects contradictions and impossible outputs, ahead of any reading.
 void require_sense(const BuildArguments& o) {
   if (o.flat() && o.depth) {
     throw UsageError(
@@ -179,7 +179,8 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
 
 constexpr const char* strains = "strains";
 
-// Of poses; opened before the build, so that a wrong name or a motion of another mesh is told at once.
+// The motion of poses; it is opened ahead of the build, so that a wrong name or a motion of another mesh is reported at
+// once.
 std::optional<Motion> open_motion(const BuildArguments& o, const Mesh& mesh) {
   if (o.poses.empty() || o.poses == strains) return std::nullopt;
   if (!std::filesystem::exists(o.poses) && !nearest_name(o.poses, {strains}).empty())
@@ -189,7 +190,7 @@ std::optional<Motion> open_motion(const BuildArguments& o, const Mesh& mesh) {
   return motion;
 }
 
-// Without a motion, of strains.
+// The candidates; without a motion, poses of strains.
 std::vector<NamedPose> candidate_poses(const std::optional<Motion>& motion, const Mesh& mesh) {
   if (!motion) return principal_strains(mesh);
   std::vector<NamedPose> poses;

@@ -15,15 +15,15 @@
 namespace morula::cli {
 
 struct LevelFigures {
-  std::size_t spheres = 0;  // of the level set
+  std::size_t spheres = 0;  // number of spheres of the level set
   std::optional<double> looseness;
   std::optional<Protrusion> protrusion;
 };
-/// What --report adds: one entry per level; figures are missing where the mesh has no inside. Throws BuildStopped.
+/// The figures of --report: one entry per level; figures are missing if the mesh has no inside. Throws BuildStopped.
 std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const std::stop_token& stop,
                                          Workers& workers);
 
-/// figures: empty, or of every level.
+/// figures: empty, or one entry per level.
 std::string build_table(const CoveredTree& model, const std::vector<LevelFigures>& figures);
 Json build_levels_json(const CoveredTree& model, const std::vector<LevelFigures>& figures);
 

@@ -37,7 +37,7 @@ struct ConvertArguments {
   bool json = false;
 };
 
-/// What was written; `growth` of a cover that had to be made.
+/// Reports the output; growth: growth of a cover that had to be made.
 int report(const ConvertArguments& o, const std::string& line, const BuildReport* growth) {
   note_written(o.output);
   if (o.json) {

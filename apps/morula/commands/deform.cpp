@@ -103,7 +103,7 @@ int deform_command(const DeformArguments& o, const CLI::App& command) {
   }
   const Mesh mesh = load_mesh(o.mesh);
   const std::vector<double> parameters = frame_parameters(o.frames, !o.one_way);
-  // The full amount first: what cannot be deformed that far is refused before anything is written.
+  // The full amount is tried first, so that an impossible deformation is rejected ahead of any output.
   deform(mesh, deformations, *std::max_element(parameters.begin(), parameters.end()));
 
   {

@@ -14,7 +14,7 @@
 
 namespace morula::cli {
 
-/// The paths as given; those that were not are empty.
+/// The paths as given; empty if not given.
 struct FrameFiles {
   std::string motion;
   std::string modes;
@@ -26,13 +26,13 @@ struct FrameFiles {
   RuleTraits::Follows follow() const;
   bool are_modal() const { return follow() == RuleTraits::Follows::modes; }
   bool are_skinned() const { return follow() == RuleTraits::Follows::bones; }
-  /// The file that holds what changes from frame to frame.
+  /// The file with the data that change from frame to frame.
   const std::string& moving() const;
 };
 /// Throws UsageError unless there is either a motion, or modes and their coordinates, or a skin and its transforms.
 void require_frames(const FrameFiles& files);
-/// Throws UsageError where a rule follows what the files do not have. A glTF file in the place of a motion serves as
-/// the skin and the transforms that a rule asks for.
+/// Throws UsageError if a rule follows data that the files do not have. A glTF file in the place of a motion serves as
+/// the skin and the transforms that a rule needs.
 void require_rules_followed(const std::vector<Rule>& rules, FrameFiles& files);
 
 class Frames {
@@ -40,7 +40,7 @@ class Frames {
   /// mesh: at rest.
   Frames(const FrameFiles& files, const Mesh& mesh);
 
-  /// For the options of the body that is to be moved; empty where the files have none.
+  /// The modes, for the options of the moving body; empty if the files have none.
   Modes take_modes() { return std::move(modes_); }
   Skin take_skin() { return std::move(skin_); }
   std::size_t count() const;

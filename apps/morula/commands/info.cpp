@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// morula info: what a mesh or a tree file is, in words, and whether it keeps its promises.
+// morula info: a description of a mesh or a tree file as text, and a check of its guarantees.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -30,7 +30,7 @@ struct InfoArguments {
   bool json = false;
 };
 
-/// What the report means for somebody who wants spheres: what can be answered, what is odd, what is harmless.
+/// The consequences of the report for sphere trees: possible queries, faults, harmless properties.
 std::vector<std::string> consequences(const MeshReport& r) {
   std::vector<std::string> notes;
   if (r.has_volume()) {
@@ -64,7 +64,7 @@ std::vector<std::string> consequences(const MeshReport& r) {
   return notes;
 }
 
-/// What repair() would better, and how to ask for it; empty where there is nothing.
+/// The improvements by repair(), and the command for them; empty if there are none.
 std::string repair_line(const std::string& file, const MeshReport& r) {
   std::vector<std::string> gains;
   if (r.duplicate_vertices > 0 && !r.closed) gains.emplace_back("merges repeated positions");
@@ -139,7 +139,7 @@ int mesh_info(const InfoArguments& o) {
 std::vector<std::string> check_tree(const InfoArguments& o, const TreeFile& file, const std::optional<Mesh>& mesh) {
   std::vector<std::string> faults = validate(file.tree);
   if (!faults.empty() || !file.cover || !mesh) return faults;
-  if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // says so
+  if (file.report.mesh_hash != mesh_hash(*mesh)) read_covered_tree(o.file, *mesh);  // throws with the reason
   return validate(*mesh, CoveredTree{file.tree, *file.cover, file.report, file.poses});
 }
 
@@ -212,7 +212,7 @@ int tree_info(const InfoArguments& o) {
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, mesh ? &*mesh : nullptr);
   const TreeFile file = read_tree(o.file, reading);
   const std::vector<std::string> faults = o.check ? check_tree(o, file, mesh) : std::vector<std::string>{};
-  // A bare tree proves nothing: what a cover would cost says how far it is from covering.
+  // A tree without a cover proves nothing: the growth for a cover measures how far it is from covering.
   std::optional<CoveredTree> repaired;
   if (o.check && faults.empty() && mesh && !file.cover) {
     Workers workers = make_workers(o.threads);

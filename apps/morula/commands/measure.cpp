@@ -57,7 +57,7 @@ MeasureOptions measure_options(const MeasureArguments& o, const Mesh& rest) {
   return options;
 }
 
-/// What stands in the place of a tree: a tree file, a folder of them, an archive of frames, or balls without a tree.
+/// The input in the place of a tree: a tree file, a folder of them, an archive of frames, or balls without a tree.
 class MeasuredFiles {
  public:
   explicit MeasuredFiles(const std::string& path) : path_(path), kind_(file_kind(path)) {
@@ -206,7 +206,7 @@ void require_csv_not_input(const MeasureArguments& o) {
   for (const std::string& folder : {o.trees, o.motion}) {
     if (file_kind(folder) != FileKind::folder) continue;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      // What is none of the frames may lie beside them.
+      // Files other than the frames may lie next to them.
       if (file_kind(entry.path()) != FileKind::unknown) inputs.push_back(entry.path());
     }
   }

@@ -21,7 +21,7 @@ struct Columns {
 
 using Values = std::vector<std::optional<double>>;
 
-/// Of one level over the frames.
+/// The values of one level over the frames.
 template <class Figure>
 Values over_frames(const std::vector<MeasuredFrame>& frames, std::size_t level, const Figure& figure_of) {
   Values values;
@@ -144,7 +144,7 @@ std::string sampled_table(const std::vector<MeasuredFrame>& frames) {
 toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames) {
   const std::vector<LevelMeasure> worst = worst_of(frames);
   toolbox::Plot plot{.title = title, .x_label = frames.size() > 1 ? "frame" : "level", .panels = {}};
-  // As in the table, the root is left out where there is more.
+  // The root is left out if there are more levels, as in the table.
   const std::size_t first = worst.size() > 1 ? 1 : 0;
   const auto add = [&](const std::string& name, const std::string& unit, const auto& figure_of) {
     toolbox::PlotPanel panel{.label = name + ", " + unit, .lines = {}};

@@ -13,7 +13,7 @@
 namespace morula::cli {
 
 struct MeasuredFrame {
-  std::string name;  ///< of the positions
+  std::string name;  ///< name of the positions
   std::string tree;
   std::vector<LevelMeasure> levels;
 };
@@ -27,7 +27,7 @@ std::string measure_table(const std::vector<MeasuredFrame>& frames, const std::v
 std::string sampled_table(const std::vector<MeasuredFrame>& frames);
 /// Looseness, and uncovered area where there is any: over the frames, or of one frame over the levels.
 toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredFrame>& frames);
-/// Whether surface is bare, at which levels and how much, in one line.
+/// A line with the uncovered surface: the levels with it, and its amount.
 std::string cover_sentence(const std::vector<LevelMeasure>& worst);
 Json frames_json(const std::vector<MeasuredFrame>& frames);
 

@@ -99,7 +99,8 @@ VtpData spheres_data(const SphereTree& tree, const std::vector<std::uint32_t>& n
   return data;
 }
 
-/// Of every vertex its distance to the spheres, negative inside one; of every facet whether any of it is bare.
+/// Adds the distance of every vertex to the spheres, negative inside one, and for every facet whether a part of it is
+/// uncovered.
 void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& uncovered_facets) {
   const PowerDiagram diagram(spheres);
   VtpArray distances{"distance", {}}, bare{"bare", {}, 1, true};
@@ -109,7 +110,7 @@ void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& u
     distances.values.push_back(diagram.least_growth(std::span(&p, 1)).amount);
   }
   for (const Sphere& s : spheres) largest = std::max({largest, max_norm(s.center), s.radius});
-  // As the certificate allows.
+  // The tolerance is the certificate's.
   const double tolerance = 0x1p-46 * largest;
   std::vector<std::uint32_t> scratch;
   CutFacet cut;

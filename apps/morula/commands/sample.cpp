@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// morula sample: a mesh made by formula, or modes and bones that move it, for trying things out.
+// morula sample: a generated mesh, or modes and bones that move it, for trying things out.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -36,7 +36,7 @@ std::vector<std::string> body_names() {
   return {sample_body_names().begin(), sample_body_names().end()};
 }
 
-// What follows a body's name and a dash: arrays that move this body.
+// The names of arrays that move a body; they follow its name and a dash.
 std::vector<std::string> array_names() {
   return {"modes", "coords", "weights", "bones"};
 }

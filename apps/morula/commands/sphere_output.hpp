@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Output of an update's spheres: a folder with a tree file per frame, or one NumPy archive. It is whole or not there.
+// Output of an update's spheres: a folder with a tree file per frame, or one NumPy archive. Its write is atomic.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace morula::cli {
 /// The format meant: that of --format, or, when it is empty, npz for a path that ends so and sph for others. Throws
 /// UsageError when there is no such format or the path contradicts it.
 std::string sphere_format(const std::string& given, const std::string& output);
-/// Throws UsageError when the output cannot be made there, is also read, or a folder holds what would be
+/// Throws UsageError when the output cannot be made there, is also an input, or is a folder with files that would be
 /// read as frames.
 void require_sphere_output(const std::string& output, const std::string& format, std::size_t frame_count,
                            const std::vector<std::filesystem::path>& inputs);
@@ -29,7 +29,7 @@ class SphereOutput {
   /// The next frame.
   void write(const Body& body);
   void commit();
-  /// What to tell the user: the file, or the first of the files.
+  /// The name for messages: the file, or the first of the files.
   std::string name() const;
 
  private:

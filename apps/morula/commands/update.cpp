@@ -68,7 +68,7 @@ class Mover {
   std::optional<RebuiltBody> posed_;
 };
 
-/// What the frames showed.
+/// The results of the frames.
 struct Outcome {
   std::vector<double> microseconds;
   UpdateStatus last;
@@ -205,7 +205,7 @@ void print_measured(const std::vector<MeasuredFrame>& frames) {
   fmt::print("\n{}\n{}\n", measure_table(frames, worst, false), cover_sentence(worst));
 }
 
-// How much larger spheres are than at rest; the root's say little where there are more levels.
+// How much larger spheres are than at rest; the root's value means little if there are more levels.
 std::string growth_table(const Outcome& outcome) {
   Table table({"level", "radii / at rest, largest", "over the frames"}, 0, true);
   for (std::size_t level = outcome.growth.size() > 1 ? 1 : 0; level < outcome.growth.size(); ++level) {
@@ -272,7 +272,7 @@ void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& 
 }
 
 UpdateOptions update_options(const UpdateArguments& o) {
-  // Who gives a modal model wants it used; with positions `exact` is best.
+  // A given modal model is used by default; with positions `exact` is best.
   const Rule usual = o.files.are_modal() ? Rule::modal : Rule::exact;
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
                         .conservative = o.conservative,

@@ -33,7 +33,7 @@ class UsageError : public std::runtime_error {
 /// Set by the command that was named; returns an exit code.
 using Run = std::function<int()>;
 
-// What CLI11 does by templates and inline functions, in every source that asks for it, is compiled once, in
+// Functions that CLI11 would compile by templates and inline functions in every source are compiled once, in
 // command.cpp.
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description);
@@ -43,7 +43,7 @@ CLI::Option* add_option(CLI::App& to, const std::string& names, T& value, const 
 CLI::Option* add_flag(CLI::App& to, const std::string& names, bool& value, const std::string& description);
 /// The last lines of the help.
 void set_footer(CLI::App& command, const std::string& text);
-/// The parser's message, with what it leaves out: which option was nearly right, and where the help is.
+/// The parser's message, completed by the nearest option and the command for help.
 std::string parse_message(const CLI::App& app, const CLI::ParseError& error);
 /// Called once the command's arguments are parsed.
 void on_use(CLI::App& command, std::function<void()> action);

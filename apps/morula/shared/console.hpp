@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Console: messages to people beside the result, and the files that are there in the end.
+// Console: messages to people besides the result, and the list of complete files.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,15 +10,15 @@
 
 namespace morula::cli {
 
-/// On stderr, as it is. Nobody may be listening: that is no reason to fail.
+/// Writes text to stderr, unchanged. A failed write is ignored.
 void say_text(const std::string& text) noexcept;
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args) {
   say_text(fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Are notes and errors from now on one line of JSON each, as asked for with --json:
-/// {"note": "…"} or {"error": "…", "exit_code": 2}?
+/// Sets whether all following notes and errors are one line of JSON each, as requested by --json: {"note": "…"} or
+/// {"error": "…", "exit_code": 2}.
 void write_messages_as_json(bool yes);
 /// "morula: note: …", on stderr.
 void note_text(const std::string& text);
@@ -39,9 +39,9 @@ int say_interrupted(int exit_code, const std::string& what_is_left);
 /// stdout was closed.
 bool open_standard_streams();
 
-/// An output that is complete: said when what follows goes wrong.
+/// Notes a complete output, which is reported if a later step fails.
 void note_written(const std::filesystem::path& path);
-/// "; a and b are written"; nothing when nothing is.
+/// "; a and b are written"; empty when there are none.
 std::string written_so_far();
 
 }  // namespace morula::cli

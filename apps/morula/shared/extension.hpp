@@ -23,7 +23,7 @@ class CollideView {
   virtual ~CollideView() = default;
   /// Marks the finished contacts of a pair of bodies in the present frame. surfaces: one per contact, or empty.
   virtual void mark(std::span<const Contact> contacts, std::span<const ContactSurface> surfaces) = 0;
-  /// Ends the present frame: the bodies are drawn where they are now.
+  /// Ends the present frame: the bodies are drawn in their present places.
   virtual void end_frame(const std::string& name) = 0;
   /// The file's text, after the last frame.
   virtual std::string text() const = 0;
@@ -45,14 +45,14 @@ struct Extension {
   /// The command whose --format has names of its own, and these; for `morula formats`.
   std::string format_command{};
   std::vector<std::string> format_names{};
-  /// Of what the extension compiles in; for `morula --licenses`.
+  /// Notices of code that the extension compiles in; for `morula --licenses`.
   std::vector<std::string_view> notices{};
   CollideViews collide_views{};
 };
 
-/// Of the extras that this command was built with.
+/// The extensions of the extras that this command was built with.
 const std::vector<Extension>& extensions();
-/// Of the extension that has them; false when there is none.
+/// The views of the extension that has them; false when there is none.
 CollideViews collide_views();
 
 }  // namespace morula::cli

@@ -89,7 +89,7 @@ void require_output_place(const fs::path& path) {
   if (!folder.empty() && !fs::is_directory(folder)) {
     throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
-  // Begun and given up: only trying tells all that may be in the way.
+  // The file is begun and abandoned: only a trial finds all obstacles.
   const WholeFile tried(path);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Paths: what a name promises to be, and outputs that would do harm.
+// Paths: the kind of file that a name stands for, and checks against harmful outputs.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ FileKind file_kind(const std::filesystem::path& path);
 /// Lower case, with the dot.
 std::string extension(const std::filesystem::path& path);
 
-/// read_mesh, with what is to be said of the file as notes.
+/// read_mesh, which prints the notes on the file.
 Mesh load_mesh(const std::filesystem::path& path);
 
 /// The forms of a motion, for help texts: "folder of meshes, glob such as "out/frame*.obj", one mesh, .npy, …, or the
@@ -44,7 +44,7 @@ std::vector<std::filesystem::path> trees_in(const std::filesystem::path& folder)
 std::string frame_file_name(std::size_t frame, std::string_view extension);
 
 /// Throws UsageError when the folder already holds files with one of these extensions that will not be overwritten:
-/// they would be read as frames of what is written now.
+/// they would be read as frames of this output.
 void require_no_strangers(const std::filesystem::path& folder, std::size_t frame_count,
                           std::string_view written_extension, const std::set<std::string>& extensions);
 

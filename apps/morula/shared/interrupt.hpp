@@ -8,9 +8,9 @@
 
 namespace morula::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP remove what is written and not complete before they end the program, with
-/// exit code 128 + signal. Those that were ignored at the start (nohup, background jobs) stay ignored. A closed pipe
-/// and a file that grows too large become errors of the write instead of signals. Once, at the beginning.
+/// Makes SIGINT, SIGTERM and SIGHUP remove incomplete outputs before they end the program, with exit code 128 + signal.
+/// Signals that were ignored at the start (nohup, background jobs) stay ignored. A closed pipe and a file that grows
+/// too large become errors of the write instead of signals. To be called once, at the beginning.
 void watch_signals();
 
 /// While it lives, the first signal requests a stop instead of ending the program; the second one ends it. One at a

@@ -20,7 +20,7 @@
 namespace morula::cli {
 
 void add_threads(CLI::App& command, unsigned& threads);
-/// As many as asked for, or, with a note, as many as there are to be had.
+/// The requested number of workers or, with a note, the available number.
 Workers make_workers(unsigned threads);
 
 /// For options that take a number, which CLI11 would read more generously: not "nan", "inf", "-1" as 2^64 - 1, "0x10",
@@ -66,15 +66,15 @@ void require_position_rules(const std::vector<Rule>& rules);
 RuleOptions parse_rule_details(const RuleDetailNames& names);
 /// "x,y,z".
 Vec3 parse_vector(std::string_view option, const std::string& text);
-/// Where the origin of a .sph file is: its coordinates are relative to it.
+/// The origin of a .sph file, to which its coordinates are relative.
 struct SphOrigin {
   enum class Kind { none, box_center, point };
   Kind kind = Kind::none;
-  Vec3 point{0, 0, 0};  ///< of `point`
+  Vec3 point{0, 0, 0};  ///< coordinates for Kind `point`
 };
 /// "none", "bbox-center" or "x,y,z".
 SphOrigin parse_sph_origin(const std::string& text);
-/// none, bbox-center (of `mesh`, without which it is refused) or "x,y,z".
+/// none, bbox-center (of `mesh`; rejected without a mesh) or "x,y,z".
 ReadTreeOptions parse_sph_origin(const std::string& text, const Mesh* mesh);
 
 }  // namespace morula::cli

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Plots of what commands measured, as SVG files, and the same in a few characters for tables.
+// Plots of figures that commands measured, as SVG files, and the same in a few characters for tables.
 #pragma once
 
 #include <filesystem>

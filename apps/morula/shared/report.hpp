@@ -31,11 +31,11 @@ LevelSummary summary(const SphereTree& tree, std::size_t level);
 std::string level_table(const SphereTree& tree);
 Json level_json(const SphereTree& tree);
 
-/// What had to grow for a bare tree to cover the mesh; one line when nothing had to.
+/// The growth that made a tree without a cover cover the mesh; one line when there was none.
 std::string growth_text(const BuildReport& report);
 Json growth_json(const BuildReport& report);
 
-/// What leaves an open mesh open: "4 boundary edges".
+/// The reason why an open mesh is open: "4 boundary edges".
 std::string why_open(const MeshReport& report);
 /// Why looseness or protrusion cannot be answered on this mesh; empty when they can.
 std::string why_no_inside(const MeshReport& report);

@@ -39,8 +39,8 @@ void require_sense(const ClumpOptions& o) {
   }
 }
 
-/// What moves a sphere's surface when its numbers are rounded to float, and rotated before: three coordinates and a
-/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow by the distance to the center of mass at most.
+/// The largest motion of a sphere's surface when its numbers are rotated and rounded to float: three coordinates and a
+/// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow at most by the distance to the center of mass.
 double rounding_allowance(const MeshView& mesh) {
   double extent = 0;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) extent = std::max(extent, max_norm(mesh.positions[v]));
@@ -57,7 +57,7 @@ bool none_larger(const CoveredTree& model, double radius) {
   return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return s.radius <= radius; });
 }
 
-/// A cover by at most so many spheres, or by as many as it takes for none to be too large.
+/// A cover by at most so many spheres, or by the number at which none is too large.
 std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o, double allowance, Clump& clump,
                                      Workers& workers) {
   BuildOptions options{
@@ -73,7 +73,8 @@ std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o
       options.spheres = spheres *= 2;
       model = build(mesh, options, workers);
     }
-    // A thick body is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
+    // A thick body is covered best by spheres that fill it, for any number of them. The spheres of an octree are as
+    // small as its cells.
     for (int depth = 1; !none_larger(model, largest) && depth <= max_depth; ++depth) {
       model = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
     }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Clumps as discrete element codes read them. What their readers ask for is said at each writer.
+// Clumps in the formats of discrete element codes. Each writer's comment gives the requirements of its reader.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -39,8 +39,8 @@ std::string joined(std::span<const double> values, const char* between) {
   return text;
 }
 
-/// `fix particletemplate/multisphere … spheres file`: x y z r a line; what follows # is skipped. Quotes, $ and & have
-/// a meaning in its reader, even in comments.
+/// `fix particletemplate/multisphere … spheres file`: x y z r per line; text after # is skipped. Quotes, $ and & have a
+/// meaning in its reader, even in comments.
 std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "# x y z radius about the center of mass\n";
   text += "# nspheres " + std::to_string(clump.spheres.size()) + " mass " + digits(clump.mass()) + " inertia_tensor " +
@@ -49,8 +49,8 @@ std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
   return text;
 }
 
-/// `ymport.textClumps`: x y z r and the number of the clump; lines that begin with # are skipped, empty ones are not
-/// understood.
+/// `ymport.textClumps`: x y z r and the number of the clump; lines that begin with # are skipped, empty ones are an
+/// error.
 std::string yade_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "#format x_y_z_r_clumpId\n";
   text += "# about the center of mass; volume " + digits(clump.solid.volume) + "\n";
@@ -58,8 +58,8 @@ std::string yade_text(const Clump& clump, std::string_view /*name*/) {
   return text;
 }
 
-/// DEM-Engine's `LoadClumpType`: columns x, y, z, r by the names in the first line; no comments. It takes the numbers
-/// to be about the center of mass along principal axes, and mass and moments from its caller.
+/// DEM-Engine's `LoadClumpType`: columns x, y, z, r by the names in the first line; no comments. It reads the numbers
+/// as relative to the center of mass, along principal axes, and gets mass and moments from its caller.
 std::string chrono_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "x,y,z,r\n";
   for (const Sphere& s : clump.spheres) text += row(clump.principal(s.center), s.radius, ',') + '\n';
@@ -67,7 +67,8 @@ std::string chrono_text(const Clump& clump, std::string_view /*name*/) {
 }
 
 /// `.clu`: a keyword, its value on the very next line; lines that begin with // are skipped anywhere. A name is one
-/// word. The reader subtracts the center and takes the three moments to be along x, y and z. It scales a clump by Size.
+/// word. The reader subtracts the center and reads the three moments as moments along x, y and z. It scales a clump by
+/// Size.
 std::string kratos_text(const Clump& clump, std::string_view name) {
   std::string word(name.empty() ? "clump" : name);
   for (char& c : word) {

@@ -7,7 +7,7 @@
 namespace morula {
 namespace {
 
-/// A sphere around two, for a root that only holds them together.
+/// A sphere around two, for a root that only joins them.
 Sphere around(const Sphere& a, const Sphere& b) {
   const double apart = distance(a.center, b.center);
   if (apart + b.radius <= a.radius) return a;

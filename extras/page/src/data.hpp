@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The arrays of a page, packed small: what viewer/src/decode.js unpacks. The coding is described in
+// The arrays of a page, in a compact coding, which viewer/src/decode.js decodes. The coding is described in
 // extras/page/docs/view.md.
 #pragma once
 
@@ -19,16 +19,17 @@ namespace morula::page {
 struct Quantization {
   Vec3 origin{0, 0, 0};
   Vec3 step{1, 1, 1};
-  /// The nearest of the 65536 places along each axis; 0 for what is not finite (vertices that no facet uses).
+  /// The nearest of the 65536 places along each axis; 0 for coordinates that are not finite (vertices that no facet
+  /// uses).
   std::array<std::int32_t, 3> operator()(const Vec3& p) const;
 };
-/// Of the box of all frames, unused vertices left aside.
+/// The quantization of the box of all frames, without unused vertices.
 Quantization quantization(std::span<const Facet> facets, std::span<const std::vector<Vec3>> frames);
 
 /// Bytes that grow at the end.
 class PackedBytes {
  public:
-  /// Seven bits a byte, low ones first; small numbers of either sign take one byte (zigzag).
+  /// Adds a number, seven bits per byte, low ones first; small numbers of either sign take one byte (zigzag).
   void add_varint(std::int64_t value);
   void add_float(float value);
   void add_uint16(std::uint16_t value);
@@ -39,7 +40,8 @@ class PackedBytes {
 };
 
 void pack_facets(PackedBytes& out, std::span<const Facet> facets);
-/// Every frame against the one before it, every vertex against what the vertex before it did.
+/// Codes every frame as differences from the preceding frame, and every vertex as the difference from the preceding
+/// vertex's motion.
 void pack_positions(PackedBytes& out, const Quantization& grid, std::span<const std::vector<Vec3>> frames);
 /// Centers about the origin of the grid and radii, as floats.
 void pack_spheres(PackedBytes& out, const Vec3& origin, std::span<const Sphere> spheres);

@@ -18,12 +18,12 @@ namespace {
 
 using namespace page;
 
-/// Keys stay in the order they were written in.
+/// Keys keep the order of insertion.
 using Json = nlohmann::ordered_json;
 
 constexpr int page_format = 1;
 
-/// What is wrong with joints, or nothing.
+/// The fault of joints, or null.
 const char* fault_of(const PageJoints& joints, std::size_t vertices) {
   const std::size_t parts = joints.parts.size();
   for (const PageJoints::Part& part : joints.parts) {
@@ -52,7 +52,7 @@ const char* fault_of(const PageJoints& joints, std::size_t vertices) {
   return nullptr;
 }
 
-/// Rejects what the page could not show, before anything is packed.
+/// Rejects content that the page cannot show, ahead of any coding.
 void check_content(const PageContent& content) {
   if (content.scenes.empty()) throw std::invalid_argument("a page needs at least one scene");
   for (std::size_t i = 0; i < content.motions.size(); ++i) {
@@ -103,7 +103,7 @@ void check_content(const PageContent& content) {
   }
 }
 
-/// Nothing for none.
+/// Null for an empty text.
 Json parse_study(const std::string& text) {
   if (text.empty()) return nullptr;
   Json study = Json::parse(text, nullptr, false);
@@ -138,7 +138,7 @@ Json vector_json(const Vec3& v) {
   return Json::array({v.x, v.y, v.z});
 }
 
-/// [level][frame] of a figure; null where it is not known.
+/// A figure as [level][frame]; null if it is unknown.
 template <class Figure>
 Json by_level(const PageScene& scene, const Figure& figure) {
   Json levels = Json::array();
@@ -270,7 +270,7 @@ std::string make_page(const PageContent& content) {
   const std::string mark = page_data_mark;
   const std::size_t place = page.find(mark);
   if (place == std::string::npos) throw std::logic_error("the page has no place for data");
-  // The last element tells a whole file from one that was cut short.
+  // The last element distinguishes a whole file from a truncated one.
   std::string data =
       fmt::format("<script type=\"application/json\" id=\"morula-manifest\">{}</script>\n{}{}", script_json(manifest),
                   packer.elements, "<script type=\"application/json\" id=\"morula-end\">true</script>");

@@ -12,7 +12,7 @@
 namespace morula {
 namespace {
 
-/// How much of each sphere is empty. Nothing to say of a mesh without inside.
+/// The empty share of each sphere; none for a mesh without an inside.
 std::vector<float> empty_shares(const SignedDistance& object, const std::vector<Sphere>& spheres, Workers& workers) {
   std::vector<float> shares(spheres.size(), 0.0f);
   parallel_for(workers, spheres.size(), 8, [&](std::size_t begin, std::size_t end) {
@@ -25,7 +25,7 @@ std::vector<float> empty_shares(const SignedDistance& object, const std::vector<
   return shares;
 }
 
-/// One lattice for all frames and levels, so that their figures compare; the same as that of morula update --measure.
+/// One lattice for all frames and levels, so that their figures are comparable; it is that of morula update --measure.
 MeasureOptions measure_options(const MeshView& rest) {
   MeasureOptions options{.grid = {.kind = VoxelGrid::Kind::fixed}, .with_protrusion = false};
   options.grid.voxel_edge = bounding_box(rest).diagonal() / options.grid.resolution;

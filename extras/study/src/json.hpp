@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// JSON of the study's files. In sources alone: results know nothing of it.
+// JSON of the study's files. Only sources include it: results do not depend on it.
 #pragma once
 
 #include <nlohmann/json.hpp>

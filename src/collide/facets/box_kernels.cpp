@@ -8,7 +8,7 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same results.
 namespace plain {
 
 bool meet(const BoxList& boxes, std::size_t i, const FloatBox& box) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Kernels of boxes: one against many, the inner loop of whatever prunes facets.
+// Kernels of boxes: one against many, the inner loop of all searches that prune facets.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace morula::detail {
 
-/// lower x, y, z, then upper; closed. Empty: meets nothing.
+/// A closed box: lower x, y, z, then upper. An empty box meets nothing.
 struct FloatBox {
   static constexpr float infinity = std::numeric_limits<float>::infinity();
   float bound[6] = {infinity, infinity, infinity, -infinity, -infinity, -infinity};
@@ -21,7 +21,7 @@ struct FloatBox {
       bound[k + 3] = b.bound[k + 3] > bound[k + 3] ? b.bound[k + 3] : bound[k + 3];
     }
   }
-  /// What both have; empty when they do not meet.
+  /// The intersection of both; empty when they do not meet.
   FloatBox meet(const FloatBox& b) const {
     FloatBox common;
     for (int k = 0; k < 3; ++k) {
@@ -41,14 +41,15 @@ struct BoxList {
 inline constexpr std::size_t box_list_step = 16;
 
 struct BoxKernels {
-  /// Indices of the boxes that meet the given one, ascending; their number. found: room for count.
+  /// Writes the indices of the boxes that meet the given one, ascending, and returns their number. found: room for
+  /// count.
   std::size_t (*select)(const BoxList& boxes, const FloatBox& box, std::uint32_t* found);
-  /// The box of those that meet the given one; empty when none does.
+  /// The box of the boxes that meet the given one; empty when none does.
   FloatBox (*box_of_meeting)(const BoxList& boxes, const FloatBox& box);
 };
-/// Narrowest first; what this processor runs. All find the same.
+/// The kernels that this processor runs, the narrowest first. All give the same results.
 std::span<const BoxKernels> all_box_kernels();
-/// The widest.
+/// The widest kernels.
 const BoxKernels& box_kernels();
 
 }  // namespace morula::detail

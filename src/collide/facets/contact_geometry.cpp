@@ -7,13 +7,13 @@
 
 namespace morula::detail {
 
-// Let D be the distance of centers, R_a and R_b the radii grown by half the margin and by what the test allows for
+// Let D be the distance of centers, R_a and R_b the radii grown by half the margin and by the test's allowance for
 // rounding: the regions' common points (with a margin, middles of near points) are in both grown spheres. The middle p
 // of their overlap, delta = R_a + R_b - D long, is s = R_a - delta / 2 from a's center. Unless one sphere is inside the
-// other, s > 0, and the point of the lens farthest from p is on the rim where the spheres meet: from p as from anywhere
-// on that side of the center, points of a cap grow farther towards its rim. With x the rim's distance from a's center
-// along the axis, |rim - p|^2 = R_a^2 - 2 x s + s^2 = delta^2 / 4 + s delta (R_b + D - R_a) / D.
-// One inside the other: p is the middle of the smaller, nothing is farther than its radius.
+// other, s > 0, and the point of the lens farthest from p is on the rim where the spheres meet: the distance from p, or
+// from any other point on that side of the center, to points of a cap grows towards the rim. With x the rim's distance
+// from a's center along the axis, |rim - p|^2 = R_a^2 - 2 x s + s^2 = delta^2 / 4 + s delta (R_b + D - R_a) / D. If one
+// is inside the other, p is the center of the smaller one, and no point is farther than its radius.
 void describe(const TreePair& trees, std::uint32_t node_a, std::uint32_t node_b, Contact& contact) {
   const PlacedPair& placed = trees.placed();
   const Spheref &a = trees.sphere_a(node_a), &b = trees.sphere_b(node_b);
@@ -27,13 +27,13 @@ void describe(const TreePair& trees, std::uint32_t node_a, std::uint32_t node_b,
   const double radius_a = a.radius, radius_b = b.radius;
   const double smaller = std::min(radius_a, radius_b), sum = radius_a + radius_b;
   const Vec3 between = center_a - center_b;
-  // Transforms may be so far apart that squares overflow: what touches there does so only for want of digits.
+  // Transforms may be so far apart that squares overflow: bodies touch there only because digits are missing.
   const double distance = scaled_length(between);
   contact.depth = std::min(sum - distance, 2 * smaller);
 
   const double allowance = 0.5 * placed.margin + placed.allowance(a, b);
   const double grown_a = radius_a + allowance, grown_b = radius_b + allowance;
-  // Where centers coincide but for rounding, any direction is as good.
+  // If centers coincide up to rounding, all directions are equally good.
   const bool coincide = !(distance > 0x1p-20 * sum);
   if (coincide || distance <= std::abs(radius_a - radius_b)) {
     contact.normal = coincide ? Vec3{1, 0, 0} : between / distance;

@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which facets nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's center, of its corners
-// and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M + 2^-53
-// A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. What closest_point() returns
-// is a sum of corners with shares of at least 0 and together at most 1, whatever the facet's shape, so it is in the
-// facet's box but for rounding, below 2^-50 A. Left out are facets whose gap, less 2^-18 of itself, exceeds the least
-// distance by 2^-18 M + 2^-48 A. Nothing is left out where squares of floats may overflow or vanish.
+// The facets that nearest_facet may leave out. Let M be the largest |coordinate|, about the leaf's center, of its
+// corners and of the point; A the same in the body's own coordinates. Coordinates in float are off by less than 2^-24 M
+// + 2^-53 A, so a gap from a box, taken in float, is off by 2^-21 M + 2^-51 A and 2^-22 of itself. The result of
+// closest_point() is a sum of corners with shares of at least 0 and together at most 1, whatever the facet's shape, so
+// it is in the facet's box up to rounding, below 2^-50 A. nearest_facet leaves out the facets whose gap, less 2^-18 of
+// itself, exceeds the least distance by 2^-18 M + 2^-48 A. It leaves out none where squares of floats may overflow or
+// underflow.
 #include "collide/facets/contact_surface.hpp"
 
 #include <algorithm>
@@ -53,13 +54,13 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   // mutant nearest-facet-pad: `0x1p` -> `0 * 0x1p`
   const double pad = 0x1p-18 * static_cast<double>(away) +
                      0x1p-48 * (max_norm(leaf.center) + static_cast<double>(leaf.extent) + max_norm(p));
-  // Gaps, squared, up to which facets have to be looked at.
+  // The squared gap up to which facets have to be examined.
   const auto reach = [&] {
     const double farthest = (std::sqrt(nearest.point.squared_distance) + pad) * (1 + 0x1p-17);
     return static_cast<float>(std::min(farthest * farthest, static_cast<double>(std::numeric_limits<float>::max())));
   };
   if (least > reach()) return;
-  // f(i) for the facets that are within `refresh_children`, of 16 at a time; what fills up repeats the last facet.
+  // Calls f(i) for the facets within `reach_of_all`, 16 tested at a time; the filling repeats the last facet.
   const auto each_within = [&](float reach_of_all, const auto& f) {
     for (std::size_t begin = 0; begin < leaf.size; begin += facet_columns_step)
       for (unsigned near = kernels.at_most(gaps.data() + begin, reach_of_all); near != 0; near &= near - 1)
@@ -73,7 +74,7 @@ void search(LeafSurfaces& surfaces, const LeafSurfaces::Leaf& leaf, const Vec3& 
   });
 }
 
-// Placed points lie off, for the reasons that placed_spheres.hpp gives: a transform is not quite rigid, and it rounds.
+// The error of placed points, for the reasons in placed_spheres.hpp: a transform is not quite rigid, and it rounds.
 double transform_pad(const Collider& collider, const Vec3& center, double radius) {
   const double reach = max_norm(center) + radius + max_norm(collider.transform().translation);
   return radius * 0x1p-28 + reach * 0x1p-48;
@@ -82,7 +83,7 @@ double sphere_reach(const Collider& collider, std::uint32_t node, const Vec3& di
   const Sphere s = collider.sphere_state().sphere(node);
   return dot(collider.transform()(s.center), direction) + s.radius + transform_pad(collider, s.center, s.radius);
 }
-/// Of the corners of the facets that the node has a part of.
+/// The reach of the corners of the facets of which the node owns a part.
 double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& direction, SurfaceScratch& scratch) {
   const Vec3 turned = collider.transform().inverse_rotate(direction);
   const Vec3f narrow(turned);
@@ -97,10 +98,10 @@ double facet_reach(const Collider& collider, std::uint32_t node, const Vec3& dir
   return reach + dot(collider.transform().translation, direction);
 }
 
-/// How far the sphere sticks out in front of its facets, as a share of its radius: next to 0 where it lies below the
+/// The protrusion of the sphere in front of its facets, as a share of its radius: next to 0 where it lies below the
 /// surface and bulges with it, next to 1 where its center is in the surface. mean: mean_normal of the node.
 double standing_off(const Collider& collider, std::uint32_t node, const Vec3& mean, SurfaceScratch& scratch) {
-  // A leaf is in many contacts.
+  // The value of a leaf is stored, because a leaf is in many contacts.
   std::optional<double> of_no_leaf;
   std::optional<double>& known =
       collider.tree().is_leaf(node) ? scratch.of(collider).read(node).standing_off : of_no_leaf;
@@ -154,8 +155,9 @@ ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Co
   };
   const Vec3 mean_a = mean_normal(a, node_a, scratch), mean_b = mean_normal(b, node_b, scratch);
   const Vec3 difference = mean_b - mean_a;
-  double trust = 0;                         // in the mean normals
-  constexpr double least_difference = 0.5;  // of two units where regions face each other
+  double trust = 0;                         // weight of the mean normals
+  constexpr double least_difference = 0.5;  // least length of the difference of two unit normals of regions that face
+                                            // each other
   if (length(difference) > least_difference)
     trust = std::max(standing_off(a, node_a, mean_a, scratch), standing_off(b, node_b, mean_b, scratch));
   const Vec3 normal = normalized(sphere_normal * (1 - trust) + normalized(difference) * trust, sphere_normal);

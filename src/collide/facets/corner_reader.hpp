@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The corners of facets, read where they are: number by number, which compilers keep in registers.
+// The corners of facets, read in place, number by number, so that compilers keep them in registers.
 #pragma once
 
 #include <cstring>
@@ -15,7 +15,7 @@ class CornerReader {
         positions_(collider.positions()),
         is_double_(collider.positions().is_double()) {}
 
-  /// In the body's own coordinates.
+  /// The corners of a facet in the body's own coordinates.
   Triangle operator()(std::uint32_t facet) const {
     const Facet& f = facets_[facet];
     if (is_double_) return {corner<double>(f[0]), corner<double>(f[1]), corner<double>(f[2])};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same bits.
 namespace plain {
 
 float smaller(float a, float b) {

@@ -15,7 +15,7 @@ std::size_t filled(std::size_t count) {
   return (count + facet_columns_step - 1) / facet_columns_step * facet_columns_step;
 }
 
-/// A corner's barycentric coordinates in its facet, without those of the facet's first corner.
+/// A corner's barycentric coordinates in its facet, without that of the facet's first corner.
 std::array<double, 2> place_in(const Facet& facet, const Cover& cover, std::uint32_t corner) {
   std::array<double, 2> place{};
   const auto add = [&](std::uint32_t vertex, double weight) {
@@ -34,7 +34,7 @@ std::array<double, 2> place_in(const Facet& facet, const Cover& cover, std::uint
   return place;
 }
 
-/// The share of its facet that a patch is: it stays the same under any deformation.
+/// The area of a patch as a share of its facet; it is constant under any deformation.
 double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
   const std::span<const std::uint32_t> corners = cover.patch(patch);
   double share = 0;
@@ -47,7 +47,7 @@ double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
   return std::clamp(std::abs(share), 0.0, 1.0);
 }
 
-/// Largest |coordinate|.
+/// The largest |coordinate| of all corners.
 float largest(const FacetColumns& facets) {
   Float4 most{};
   for (const float* const column : facets.column)
@@ -127,7 +127,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
   Vec3 area_vectors;
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const Triangle t = corners(facets[i]);
-    // Differences of corners about the center are those of the corners, but for some 2^-53 of a coordinate.
+    // Differences of corners about the center equal differences of the corners, up to about 2^-53 of a coordinate.
     const Vec3 p = t[0] - center, q = t[1] - center, r = t[2] - center;
     column[0][i] = static_cast<float>(p.x), column[1][i] = static_cast<float>(p.y),
     column[2][i] = static_cast<float>(p.z);

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The surface that the leaves of one body own, in the body's own coordinates: read once per leaf and batch of
-// questions.
+// The surface that the leaves of one body own, in the body's own coordinates: read once per leaf and batch of queries.
 #pragma once
 
 #include <cstddef>
@@ -26,22 +25,23 @@ inline constexpr std::size_t facet_columns_step = 16;
 struct FacetKernels {
   /// squared[i] = squared distance of p from the box of facet i; room for count. Returns the least.
   float (*squared_gaps)(const FacetColumns& facets, const Vec3f& p, float* squared);
-  /// Of facet_columns_step numbers: bit i is set where number i is at most `limit`.
+  /// A mask of facet_columns_step numbers: bit i is set if number i is at most `limit`.
   unsigned (*at_most)(const float* numbers, float limit);
   /// Largest corner . direction. count > 0.
   float (*reach)(const FacetColumns& facets, const Vec3f& direction);
 };
-/// Narrowest first; what this processor runs.
+/// The kernels that this processor runs, the narrowest first.
 std::span<const FacetKernels> all_facet_kernels();
-/// The widest.
+/// The widest kernels.
 const FacetKernels& facet_kernels();
 
-/// The share of each facet of each leaf that the leaf owns, in the order of the collider's lists. The same for all
-/// questions about a body.
+/// The share of each facet of each leaf that the leaf owns, in the order of the collider's lists. They are the same for
+/// all queries of a body.
 class FacetShares {
  public:
   bool is_of(const Collider& collider) const;
-  /// Linear in patches where they are of another cover, else constant.
+  /// Fills the shares for the collider's cover. Cost: linear in patches if the shares are of another cover, else
+  /// constant.
   void follow(const Collider& collider);
   const float* data() const { return share_.data(); }
 
@@ -52,7 +52,7 @@ class FacetShares {
 
 class LeafSurfaces {
  public:
-  /// Forgets all leaves, not the memory. shares: the collider's, which stay until the next start.
+  /// Forgets all leaves and keeps the memory. shares: the collider's, which have to stay until the next start.
   void start(const Collider& collider, const FacetShares& shares);
   /// The same with shares of its own: linear in patches once per cover, constant afterwards.
   void start(const Collider& collider) {
@@ -62,19 +62,19 @@ class LeafSurfaces {
   const Collider* collider() const { return collider_; }
 
   struct Leaf {
-    std::uint32_t begin = 0, size = 0;  ///< of slots, one per facet in the order of Collider::facets
+    std::uint32_t begin = 0, size = 0;  ///< range of slots, one per facet in the order of Collider::facets
     float extent = 0;                   ///< largest |coordinate| of a corner about `center`
-    Vec3 center;                        ///< what the columns are about
-    Vec3 area_vector;                   ///< of what the leaf owns: area times mean normal
+    Vec3 center;                        ///< origin of the columns' coordinates
+    Vec3 area_vector;                   ///< area of the leaf's region times its mean normal
     double area = 0;
-    std::optional<double> standing_off{};  ///< of contact_surface.cpp, once it was asked for
+    std::optional<double> standing_off{};  ///< standing_off() of contact_surface.cpp; none until it is computed
   };
-  /// A leaf, read if it has not been. The reference is good until the next batch.
+  /// A leaf; reads it on first use. The reference is valid until the next batch.
   Leaf& read(std::uint32_t leaf);
   FacetColumns columns(const Leaf& leaf) const;
   std::uint32_t facet(const Leaf& leaf, std::size_t i) const { return facet_[leaf.begin + i]; }
 
-  /// f(leaf) for the leaves below a node, or itself, in the order of their regions.
+  /// Calls f(leaf) for the leaves below a node, or for the node itself if it is a leaf, in the order of their regions.
   template <class F>
   void for_leaves(std::uint32_t node, const F& f) {
     const SphereTree& tree = collider_->tree();
@@ -85,11 +85,11 @@ class LeafSurfaces {
  private:
   const Collider* collider_ = nullptr;
   FacetShares own_shares_;
-  const float* share_ = nullptr;  // of each facet of each leaf
+  const float* share_ = nullptr;  // by facet of each leaf
   std::vector<std::uint32_t> stamp_;
   std::vector<Leaf> leaf_;
   std::uint32_t now_ = 0;
-  // Of a slot.
+  // By slot.
   std::vector<float> columns_[9];
   std::vector<std::uint32_t> facet_;
   std::size_t used_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The facets of leaves as they are in the world, each leaf's worked out at most once per query.
+// The facets of leaves in the world; those of a leaf are computed at most once per query.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@ namespace morula::detail {
 
 struct WorldFacet {
   Triangle corners;
-  Sphere sphere;  // contains the corners
+  Sphere sphere;  // a sphere that contains the corners
   std::uint32_t facet;
-  double reach = 0;  // along a direction: see WorldFacets::reach
+  double reach = 0;  // upper bound along a direction: see WorldFacets::reach
 };
 
-/// A sphere that contains a triangle: the center is exact as it is, distances from it are off by 3 u, and by less than
-/// 2^-510 where squares vanish, which 2^-500 pays for here and in gap_below.
+/// A sphere that contains a triangle: the center counts as exact; distances from it are off by 3 u, and by less than
+/// 2^-510 where squares underflow, for which 2^-500 is allowed here and in gap_below.
 inline Sphere sphere_about(const Triangle& t) {
   const Vec3 center = (t[0] + t[1] + t[2]) * (1.0 / 3.0);
   const double farthest =
@@ -39,7 +39,7 @@ class WorldFacets {
     std::size_t begin, end;
   };
 
-  /// A new query: forgets all facets, keeps the memory.
+  /// Begins a new query: forgets all facets and keeps the memory.
   void start(const Collider& collider) {
     collider_ = &collider;
     facets_.clear();
@@ -57,8 +57,8 @@ class WorldFacets {
   }
   const WorldFacet& operator[](std::size_t i) const { return facets_[i]; }
 
-  /// Sets the reach of each facet of a leaf and returns the largest. measure(triangle) gives it; `version`, not 0,
-  /// tells one measure from the next: each is taken once.
+  /// Sets the reach of each facet of a leaf and returns the largest. measure(triangle) returns it; `version`, not 0,
+  /// identifies a measure: each is computed once per leaf.
   template <class Measure>
   double reach(std::uint32_t leaf, std::uint32_t version, const Measure& measure) {
     const Range range = of_leaf(leaf);

@@ -22,14 +22,14 @@ void ContactExtras::add(std::span<const ColliderPair> pairs, const CollideOption
   if (options.containment) add_containment(pairs, result);
 }
 
-// Finished contacts are first in the list. Under a budget they alone are looked at: the node of another one may own any
-// number of facets, and a query that is stopped early would cost more than a whole one. Each finished contact was paid
-// for by a pair test, and its leaves are read once.
+// Finished contacts are first in the list. Under a budget only they get surfaces: the node of an unfinished one may own
+// any number of facets, and a query that is stopped early would cost more than a whole one. Each finished contact has
+// cost a pair test, and its leaves are read once.
 void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const CollideOptions& options, Meter* meter,
                                  Contacts& result) {
   if (result.contacts.empty()) return;
   if (meter != nullptr) meter->release_rest();
-  // All are there, or there is no time for any.
+  // All surfaces are there, or there is no time for any.
   const bool limited = !options.budget.is_unlimited();
   const std::size_t count = limited ? result.finished_count : result.contacts.size(), before = result.surfaces.size();
   if (before >= count || (meter != nullptr && meter->by_time() && !meter->has_any_time())) return;
@@ -37,7 +37,7 @@ void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const Coll
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
   for (std::size_t i = before; i < count; ++i) {
     ask_to_go_on();
-    // The first one is found whatever it costs, so that whoever resumes again and again comes to the end.
+    // The first surface is computed at any cost, so that repeated resume() calls always finish.
     if (i > before && meter != nullptr && meter->by_time() && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];
     const ColliderPair& pair = pairs[c.pair];
@@ -60,7 +60,7 @@ void ContactExtras::add_crossings(std::span<const ColliderPair> pairs, Contacts&
     for (std::size_t k = 0; k < result.finished_count; ++k)
       if (const Contact& c = result.contacts[k]; c.pair == i) nodes_.push_back({c.node_a, c.node_b});
     if (nodes_.empty()) continue;
-    // The query that this is part of has checked both bodies.
+    // The calling query has checked both bodies.
     static_cast<void>(crossings_.run(*pairs[i].a, *pairs[i].b, nodes_));
     const auto found = crossings_.pairs();
     result.crossings.insert(result.crossings.end(), found.begin(), found.end());
@@ -73,7 +73,7 @@ void ContactExtras::add_containment(std::span<const ColliderPair> pairs, Contact
     try {
       return InsideQuery(body);
     } catch (const std::invalid_argument&) {
-      return std::nullopt;  // open: it has no inside
+      return std::nullopt;  // an open surface has no inside
     }
   };
   if (inside_.size() != pairs.size()) {

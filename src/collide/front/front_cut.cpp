@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Reading a front: its cut, what is finished in it, and whether one from outside can be read at all.
+// Reading a front: its cut, its finished pairs, and whether a front from outside is well formed.
 #include <utility>
 
 #include "collide/front/front_walk.hpp"
@@ -16,7 +16,7 @@ bool holds(const NodeRange& range, std::uint32_t node) {
 
 }  // namespace
 
-// f(pair, overlaps?) for all pairs that were tested: the roots, and all below opened pairs.
+// Calls f(pair, whether it overlaps) for all pairs that were tested: the roots, and all pairs below opened pairs.
 template <class F>
 void FrontWalk::each_verdict(const F& f) const {
   for (std::uint32_t i = 0; i < front.pairs.size(); ++i)
@@ -68,7 +68,7 @@ void FrontWalk::cut(std::vector<FrontPair>& list) {
   for (const Front::Waiting& pair : front.waiting) list.push_back({pair.pair, pair.a, pair.b, State::waiting});
 }
 
-// Lists go from later to earlier, and down to later ones: so there are no circles.
+// Links in lists go from later pairs to earlier ones, and links down go to later ones: so there are no cycles.
 bool FrontWalk::is_well_formed() const {
   const std::size_t count = front.opened.size();
   const auto has_node = [&](std::uint32_t bodies, std::uint32_t a, std::uint32_t b) {

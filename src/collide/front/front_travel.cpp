@@ -10,7 +10,7 @@
 namespace morula::detail {
 namespace {
 
-// A thousand times what the pads of pair tests are of a sphere's size: see placed_pair.hpp.
+// A thousand times the ratio of pair tests' pads to a sphere's size: see placed_pair.hpp.
 constexpr double verdict_rounding = 0x1p-16;
 
 void stamp(Front::Side& side, const Collider& collider) {
@@ -45,9 +45,9 @@ void take_spheres(Front::Pair& bodies, const Collider& a, const Collider& b) {
                                         max_norm(bodies.translation));
 }
 
-// No less than the sum itself: a short way after a long one would not be seen in a sum rounded to nearest, and the next
-// verdict would count as that of a frame in which nothing moved. The error of a sum of two is itself a double, and is
-// what is computed here.
+// A sum rounded up, hence no less than the exact sum: a short path after a long one would be lost in a sum rounded to
+// nearest, and the next verdict would count as one of a frame in which nothing moved. The error of a sum of two doubles
+// is itself a double, and is computed here.
 double sum_rounded_up(double a, double b) {
   const double sum = a + b, b_of_sum = sum - a;
   const double error = (a - (sum - b_of_sum)) + (b - b_of_sum);
@@ -55,7 +55,7 @@ double sum_rounded_up(double a, double b) {
   return error > 0 ? std::nextafter(sum, std::numeric_limits<double>::infinity()) : sum;
 }
 
-// moved(i): by how much the center of node i has moved. least: added to every node's way.
+// moved(i): the distance by which the center of node i has moved. least: a length added to every node's path.
 template <class Moved>
 void travel(Front::Side& side, const Collider& collider, double least, std::vector<double>& way, const Moved& moved) {
   const std::span<const Spheref> spheres = collider.sphere_state().spheres;
@@ -94,8 +94,8 @@ void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, co
   const std::span<const Spheref> now_a = a.sphere_state().spheres, now_b = b.sphere_state().spheres;
   const bool same_place = bodies.rows == placed.rows && bodies.translation == placed.translation &&
                           bodies.a.origin == a.sphere_state().origin && bodies.b.origin == b.sphere_state().origin;
-  // A pad that has changed is a radius that has: one side takes it for both. Far from the origin pads are large, and
-  // bodies that come back have none of it, even if they have not moved against each other.
+  // A change of the pad counts as a change of a radius: one side counts it for both. Pads are large far from the
+  // origin, and shrink when bodies come back, even if the bodies have not moved relative to each other.
   const double pad_change = std::abs(static_cast<double>(placed.narrow.pad) - bodies.pad);
   const auto has_moved = [&](const Front::Side& side, std::span<const Spheref> now) {
     return !same_place || std::memcmp(now.data(), side.spheres.data(), now.size_bytes()) != 0;
@@ -109,7 +109,7 @@ void follow_travel(Front::Pair& bodies, const Collider& a, const Collider& b, co
            [&](std::uint32_t i) { return Vec3(now_a[i].center) - Vec3(bodies.a.spheres[i].center) + shift; });
   }
   if (moved_b) {
-    // In a's coordinates: M c + u + origin of a, then and now.
+    // The centers in a's coordinates, M c + u + origin of a, in both frames.
     const Vec3 shift = (placed.translation + a.sphere_state().origin) - (bodies.translation + bodies.a.origin);
     const std::array<Vec3, 3> then = bodies.rows;
     travel(bodies.b, b, least, scratch, [&](std::uint32_t i) {

@@ -12,10 +12,11 @@ namespace morula::detail {
 namespace {
 
 constexpr std::uint32_t none = Front::none;
-// Pairs that are popped together. The same for any number of workers, so that they open the same pairs.
+// The number of pairs that are popped together. It is the same for any number of workers, so that they open the same
+// pairs.
 constexpr std::size_t round_size = 16;
 constexpr std::size_t slots_per_chunk = 4;
-// No more tests than this between two looks at the clock.
+// The most tests between two readings of the clock.
 constexpr std::uint32_t tests_per_look = 64;
 
 bool comes_later(const Front::Waiting& x, const Front::Waiting& y) {
@@ -85,8 +86,9 @@ bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& p
          (!trees.opens_b(pair.b, pair.depth) || options.refresh_children(*colliders.b, pair.b));
 }
 
-// Of each side by itself: a short way of one is not lost beside a long one of the other. What rounding takes from a
-// difference, and from the sum of both, is below 2^-51 of it; the clearance was made smaller by 2^-10.
+// Each side is subtracted by itself, so that a short path of one is not lost next to a long path of the other. The
+// rounding error of a difference, and of the sum of both, is below 2^-51 of it; the clearance was made smaller by
+// 2^-10.
 double FrontWalk::traveled_since(const Front::Opened& before) const {
   const Front::Pair& bodies = front.pairs[before.pair];
   return (bodies.a.path_length[before.a] - before.path_length_a) +
@@ -148,7 +150,7 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   std::uint32_t& head = pair.above == none ? front.pairs[pair.pair].opened_roots : front.opened[pair.above].first_below;
   entry.next_beside = std::exchange(head, opened);
 
-  // Where the pairs below were opened in the previous frame.
+  // The place at which a pair below was opened in the previous frame.
   const auto place_of = [&](std::uint32_t a, std::uint32_t b) {
     return (b - slot.below_b.first) * slot.below_a.count + (a - slot.below_a.first);
   };
@@ -157,7 +159,8 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
     for (std::uint32_t i = opened_before_[pair.before].first_below; i != none; i = opened_before_[i].next_beside)
       f(i, before_of_child_[place_of(opened_before_[i].a, opened_before_[i].b)]);
   };
-  // As large as the largest block: a table for any branching is most of what a query of small bodies holds.
+  // The table is as large as the largest block: a table for any branching would be most of the memory of a query of
+  // small bodies.
   const std::size_t block = std::size_t{slot.below_a.count} * slot.below_b.count;
   if (before_of_child_.size() < block) before_of_child_.resize(block, none);
   each_before([](std::uint32_t i, std::uint32_t& place) { place = i; });
@@ -203,8 +206,8 @@ void FrontWalk::fill_round(Run& run) {
 void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
   const TreePair& trees = trees_[slot.pair.pair];
   if (keeps_ && !options.refresh_children) {
-    // Pads of this frame decided, and those of a later one may be less: a vertex that was far away came back. So what
-    // rounding may do is taken off at both ends.
+    // The pads of this frame decided, and the pads of a later frame may be smaller, when a vertex that was far away has
+    // come back. So the allowance for rounding is subtracted at both ends.
     const double measured = trees.test_and_measure(slot.below_a, below_b, masks);
     slot.clearance = std::min(slot.clearance, std::max(0.0, measured - front.pairs[slot.pair.pair].rounding));
   } else {
@@ -248,7 +251,7 @@ bool FrontWalk::test_in_time(Run& run) {
 
 void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
   Run run{options, workers, result, Meter(options)};
-  // What is finished stays, with its surfaces. After a start or a carry nothing is.
+  // Finished contacts stay, with their surfaces. After a start or a carry there are none.
   const std::size_t kept = result.finished_count;
   result.contacts.resize(kept);
   if (result.surfaces.size() > kept)

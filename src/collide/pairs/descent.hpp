@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Descent to all final pairs that overlap. Without a budget it is depth-first: no queue, and nothing to remember.
+// Descent to all final pairs that overlap. Without a budget it is depth-first, without a queue or a front.
 #pragma once
 
 #include <limits>
@@ -11,12 +11,12 @@
 namespace morula::detail {
 
 struct Descent {
-  std::size_t tests = 0;  ///< of pairs of nodes
-  bool finished = true;   ///< else there was more to test than allowed, and f has not been told of all
+  std::size_t tests = 0;  ///< number of tests of node pairs
+  bool finished = true;   ///< false if the limit of tests ended the descent before f was called for all pairs
 };
 
-/// f(node of a, node of b) for every final pair that overlaps, as do all pairs above it: depth-first, by the nodes of
-/// b, then of a. Stops where it would do more than most_tests.
+/// Calls f(node of a, node of b) for every final pair that overlaps, as do all pairs above it: depth-first, by the
+/// nodes of b, then of a. Stops before it would exceed most_tests.
 template <class Final>
 Descent each_overlapping(const TreePair& trees, const Final& f,
                          std::size_t most_tests = std::numeric_limits<std::size_t>::max()) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Meter of a budget: what of it is left.
+// The meter of a budget: its rest.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@ inline std::chrono::nanoseconds now(const Clock& clock) {
   return clock ? clock() : std::chrono::steady_clock::now().time_since_epoch();
 }
 
-/// The rest of a budget. Once it has run out it stays so.
+/// The rest of a budget. Once it has run out, it stays at zero.
 class Meter {
  public:
   explicit Meter(const CollideOptions& options) : options_(&options) {
@@ -22,19 +22,19 @@ class Meter {
     // Surfaces get the other half.
     limit_ = options.surfaces ? options.budget.time() / 2 : options.budget.time();
   }
-  /// What was kept for surfaces may be spent now.
+  /// Releases the rest that was reserved for surfaces.
   void release_rest() {
     limit_ = options_->budget.time();
     late_ = false;
   }
   bool by_time() const { return options_->budget.is_time(); }
-  /// Of a budget of time: is it more than nothing?
+  /// Whether a budget of time is above zero.
   bool has_any_time() const { return options_->budget.time().count() > 0; }
   bool out_of_time() {
     if (by_time() && !late_) late_ = now(options_->clock) - start_ >= limit_;
     return late_;
   }
-  /// May so many tests be done? Once the answer was no it stays no. Zero tests are always allowed.
+  /// Whether so many tests may be done. Once false, it stays false. Zero tests are always allowed.
   bool try_spend(std::uint32_t tests) {
     if (tests == 0) return true;
     blocked_ = blocked_ || tests > left_;

@@ -16,10 +16,10 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 // mutant pair-center: `0x1p-20f;` -> `0;`
 // mutant pair-center-less: `20f;` -> `24f;`
 constexpr float grown_a = 1 + 0x1p-20f, grown_b = 1 + 0x1p-19f, center_share = 0x1p-20f;
-// Keeps 0 / 0 away where two grown radii and a distance vanish.
+// Prevents 0 / 0 where two grown radii and a distance are 0.
 constexpr float tiny = 0x1p-125f;
 
-/// What the others have to reproduce, in plain loops.
+/// The reference in plain loops: all other kernels have to return the same bits.
 namespace plain {
 
 float absolute(float x) {

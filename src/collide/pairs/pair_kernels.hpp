@@ -13,8 +13,8 @@
 
 namespace morula::detail {
 
-/// Adjacent nodes of both trees: at most 64 each, at least one. Spheres up to `readable` may be read, though they do
-/// not count.
+/// Adjacent nodes of both trees: at most 64 each, at least one. Spheres up to `readable` may be read, but have no
+/// effect.
 struct PairBlock {
   const Spheref* a;
   std::size_t count_a, readable_a;
@@ -22,17 +22,17 @@ struct PairBlock {
   std::size_t count_b, readable_b;
 };
 
-/// masks[j] has bit i when a[i] and b[j] overlap or rounding cannot tell (placed_pair.hpp).
+/// masks[j] has bit i when a[i] and b[j] overlap or rounding leaves that in doubt (placed_pair.hpp).
 struct PairKernels {
   void (*test)(const NarrowPair& pair, const PairBlock& block, std::uint64_t* masks);
-  /// The same masks. Returns the least t² / w over all pairs, where t = d² - s² and w = d² + s²: half of it is below
-  /// the square of |d - s|, by which distance and sum of grown radii differ.
+  /// Computes the same masks. Returns the least t² / w over all pairs, where t = d² - s² and w = d² + s²: half of it is
+  /// below the square of |d - s|, by which distance and sum of grown radii differ.
   float (*test_and_measure)(const NarrowPair& pair, const PairBlock& block, std::uint64_t* masks);
 };
 
-/// Those that this processor can run, narrowest first. All give the same bits.
+/// The kernels that this processor runs, the narrowest first. All give the same bits.
 std::span<const PairKernels> all_pair_kernels();
-/// The widest.
+/// The widest kernels.
 const PairKernels& pair_kernels();
 
 }  // namespace morula::detail

@@ -14,7 +14,7 @@ inline Wide absolute(Wide x) {
 
 constexpr std::uint32_t in_order[16]{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-// Spheres [first, first + lanes) of a list, as columns, in order. Those from `readable` on are not touched.
+// Spheres [first, first + lanes) of a list, as columns, in order. Spheres from `readable` on are not read.
 inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::size_t readable) {
   alignas(64) float copy[4 * lanes];
   const Spheref* p = list + first;
@@ -31,7 +31,7 @@ inline WideSpheres load_spheres(const Spheref* list, std::size_t first, std::siz
 
 template <bool measured>
 float test_pairs(const NarrowPair& f, const PairBlock& block, std::uint64_t* masks) {
-  // All of b, moved, as many at once as there are lanes.
+  // Moves all spheres of b, as many at once as there are lanes.
   alignas(64) float moved_x[most_spheres], moved_y[most_spheres], moved_z[most_spheres], radius[most_spheres];
   for (std::size_t j = 0; j < block.count_b; j += lanes) {
     const WideSpheres b = load_spheres(block.b, j, block.readable_b);
@@ -51,7 +51,7 @@ float test_pairs(const NarrowPair& f, const PairBlock& block, std::uint64_t* mas
     const Wide grown = a.r * grown_a;
     const std::size_t left = block.count_a - i;
     const std::uint64_t counted = left < lanes ? (std::uint64_t{1} << left) - 1 : (std::uint64_t{1} << lanes) - 1;
-    Wide unmeasured{};  // infinity in lanes that do not count
+    Wide unmeasured{};  // infinity in unused lanes
     if constexpr (measured)
       // mutant pair-kernel-unmeasured: `infinity` -> `0`
       for (std::size_t lane = left; lane < lanes; ++lane) unmeasured[lane] = infinity;

@@ -20,7 +20,7 @@ PlacedPair placed_pair(const RigidTransform& relative, double coordinates, doubl
   // mutant pair-underflow: `coordinates + 0x1p-60` -> `coordinates`
   const double rounding = pair.rounding = 0x1p-46 * coordinates + 0x1p-60;
   Vec3& u = pair.translation;
-  // Comparisons the other way round: what is not a number is not small.
+  // The comparison is negated, so that NaN does not count as small.
   if (!(rounding + margin < too_coarse)) {
     u = {};
     pair.pad = std::max(far, std::min(rounding, std::numeric_limits<double>::max()));

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Placed pair: one body's spheres seen from the other, and how pair tests survive rounding.
+// Placed pair: one body's spheres in the other's coordinates, and the allowances of pair tests for rounding.
 //
-// Local coordinates of a body are about its origin, without its transform. A test looks at a sphere (c_a, r_a) of a and
-// a sphere (c_b, r_b) of b, moved into a's coordinates by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a) and
-// W = R origin + t. It says "separated" only when no point of the world lies in both regions. Let e = 2^-24, v = 2^-53,
+// Local coordinates of a body are about its origin, without its transform. A test compares a sphere (c_a, r_a) of a
+// with a sphere (c_b, r_b) of b, moved into a's coordinates by c' = M c_b + u with M = R_a^T R_b, u = R_a^T (W_b - W_a)
+// and W = R origin + t. It returns "separated" only when no point of the world lies in both regions. Let e = 2^-24, v =
+// 2^-53,
 // |.|_1 the sum of absolute coordinates, U the largest |coordinate| of u, A the sum over both bodies of the largest
 // |coordinates| of origin and translation.
 //
@@ -19,11 +20,11 @@
 //   distance        three differences e, squares and sums: d below (1 + 2.5 e); sum of radii and its square 1.5 e; the
 //                   grown radii below, 3 e each. In all below 8 e of r_a + r_b. Allowed: 2^-20 of each = 16 e
 //   underflow       squares below 2^-126 may vanish. Allowed: 2^-60, whose square is 2^-120.
-// So r_a counts as (1 + 2^-20) r_a, and r_b as (1 + 2^-19) r_b + 2^-20 |c_b|_1 + pad, where
-// pad = 2^-20 U + 2^-46 A + 2^-60 + margin, rounded up. What is left pays for second-order terms.
+// So r_a counts as (1 + 2^-20) r_a, and r_b as (1 + 2^-19) r_b + 2^-20 |c_b|_1 + pad, where pad = 2^-20 U + 2^-46 A +
+// 2^-60 + margin, rounded up. The rest of the allowances covers second-order terms.
 //
 // Range: local coordinates stay below 2^57 and radii below 2^61. With |u| of 2^62 or more the bodies are apart, and any
-// u that large says so; a pad of 2^58 or more makes all pairs overlap.
+// u that large proves it; a pad of 2^58 or more makes all pairs overlap.
 #pragma once
 
 #include <cstdint>
@@ -32,31 +33,31 @@
 
 namespace morula::detail {
 
-/// What a kernel needs to move spheres of b, in float.
+/// The numbers with which a kernel moves spheres of b, in float.
 struct NarrowPair {
   float rows[3][3];
   float translation[3];
   float pad;
 };
 
-/// The same in double, and the way to the world.
+/// The same in double, and the transforms to the world.
 struct PlacedPair {
-  std::array<Vec3, 3> rows;  ///< of M
+  std::array<Vec3, 3> rows;  ///< rows of M
   Vec3 translation;          ///< u
   // To the world, about W_a: R_a c_a and R_b c_b + W_b - W_a. Distances there differ by 2 d of themselves, see above.
   std::array<Vec3, 3> world_a, world_b;
   Vec3 world_shift;   ///< W_b - W_a
   Vec3 world_origin;  ///< W_a
   double margin = 0;
-  double pad = 0;       ///< without margin
-  double rounding = 0;  ///< of it, what the world's coordinates cost
+  double pad = 0;       ///< pad, margin left out
+  double rounding = 0;  ///< part of the pad that covers the rounding of the world's coordinates
   NarrowPair narrow{};
 
   Vec3 moved(const Vec3f& center) const {
     const Vec3 c(center);
     return Vec3{dot(rows[0], c), dot(rows[1], c), dot(rows[2], c)} + translation;
   }
-  /// By how much each of two spheres may be grown by a test, margin left out.
+  /// The growth of each of two spheres by a test, at most, margin left out.
   double allowance(const Spheref& a, const Spheref& b) const {
     const auto size = [](const Spheref& s) {
       return static_cast<double>(std::abs(s.center.x) + std::abs(s.center.y) + std::abs(s.center.z) + 2 * s.radius);
@@ -67,7 +68,7 @@ struct PlacedPair {
 
 /// margin: finite, not negative.
 PlacedPair placed_pair(const Collider& a, const Collider& b, double margin);
-/// Of M and u; coordinates: A.
+/// The pair for M and u. coordinates: A.
 PlacedPair placed_pair(const RigidTransform& relative, double coordinates, double margin);
 
 }  // namespace morula::detail

@@ -4,9 +4,9 @@
 //
 // Let u = 2^-53, c and r a node's center (in double about the origin of the mesh) and radius, A a bound of
 // |coordinates| in the sphere, T the largest |coordinate| of the translation, d = deviation_from_rigid(transform). The
-// body promises: the region's points lie within r of c, for the caller's positions x (docs/explanation/update_cost.md,
-// Rounding). The world's facets are hulls of vertices v = fl(R x + t), so a point of one is R q + t + e with q in the
-// region and e a mean of rounding errors.
+// body guarantees that the region's points lie within r of c, for the caller's positions x
+// (docs/explanation/update_cost.md, Rounding). The world's facets are hulls of vertices v = fl(R x + t), so a point of
+// one is R q + t + e with q in the region and e a mean of rounding errors.
 //   stretch      |R q - R c| <= |R| r, and |R|^2 <= 1 + 3 d                     |R| <= 1 + 1.5 d
 //                allowed: 1 + 2 d + 2^-49, which also pays for computing d and for the product with r
 //   reading      fl(origin + center): u A per coordinate, as a length below     1.8 u A
@@ -47,10 +47,10 @@ class PlacedSpheres {
   double stretch_, translation_;
 };
 
-/// Below every distance of a point of one sphere to one of the other; negative where the spheres overlap.
+/// A lower bound of the distance between points of two spheres; negative where the spheres overlap.
 ///
-/// The differences of centers are off by u each, the length by 3 u of it; sums of radii by u. Under and overflow:
-/// squares vanish only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
+/// The differences of centers are off by u each, the length by 3 u of it; sums of radii by u. Underflow and overflow:
+/// squares underflow only below 2^-500, where pads are larger (and a facet's sphere has a radius of that); they stay
 /// finite below 2^500.
 inline double gap_below(const Sphere& a, const Sphere& b) {
   // mutant gap-distance: `* (1 - 0x1p-49) -` -> `-`

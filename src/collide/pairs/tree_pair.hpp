@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The tree of node pairs of two bodies: what a traversal walks, and how.
+// The tree of node pairs of two bodies: the pairs that a traversal visits, and their tests.
 //
-// The root is the pair of roots. A pair opens into all pairs of children, of the one node where the other is final: a
-// leaf, or on the level that was asked for. So a pair at depth k consists of nodes of the level sets k of both bodies.
+// The root is the pair of roots. A pair opens into all pairs of children; if one node is final (a leaf, or on the
+// requested level), into the pairs of it with the other's children. So a pair at depth k consists of nodes of the level
+// sets k of both bodies.
 #pragma once
 
 #include <algorithm>
@@ -15,14 +16,14 @@
 
 namespace morula::detail {
 
-/// Adjacent nodes.
+/// A range of adjacent nodes.
 struct NodeRange {
   std::uint32_t first, count;
 };
 
 class TreePair {
  public:
-  /// level: of the nodes at which to end; larger than both depths for the leaves.
+  /// level: the level at which nodes are final; larger than both depths for the leaves.
   TreePair(const Collider& a, const Collider& b, double margin, std::uint32_t level)
       : placed_(placed_pair(a, b, margin)),
         spheres_a_(a.sphere_state().spheres),
@@ -36,16 +37,16 @@ class TreePair {
   bool is_final(std::uint32_t a, std::uint32_t b, std::uint32_t depth) const {
     return !opens_a(a, depth) && !opens_b(b, depth);
   }
-  /// What a pair at this depth, not final, opens into: all of these with all of those.
+  /// The ranges into which a pair at this depth that is not final opens: all nodes below a with all nodes below b.
   NodeRange below_a(std::uint32_t a, std::uint32_t depth) const { return below(*tree_a_, a, opens_a(a, depth)); }
   NodeRange below_b(std::uint32_t b, std::uint32_t depth) const { return below(*tree_b_, b, opens_b(b, depth)); }
 
-  /// One mask per node of b.
+  /// Computes one mask per node of b.
   void test(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     pair_kernels().test(placed_.narrow, block(a, b), masks);
   }
-  /// The same, and a length by which centers and radii of a pair may change together, in sum, without changing an
-  /// answer but for rounding; see PairKernels.
+  /// Computes the same masks. Returns a length by which the sum of the changes of centers and radii of a pair may grow
+  /// without changing a verdict, rounding aside; see PairKernels.
   double test_and_measure(NodeRange a, NodeRange b, std::uint64_t* masks) const {
     const double least = pair_kernels().test_and_measure(placed_.narrow, block(a, b), masks);
     // mutant front-clearance: `0.5 * least) * (1 - 0x1p-10` -> `least`
@@ -60,7 +61,7 @@ class TreePair {
   const PlacedPair& placed() const { return placed_; }
   const Spheref& sphere_a(std::uint32_t node) const { return spheres_a_[node]; }
   const Spheref& sphere_b(std::uint32_t node) const { return spheres_b_[node]; }
-  /// The depth of the final pairs, at most.
+  /// The largest depth of a final pair.
   std::uint32_t depth() const {
     return std::min(level_, static_cast<std::uint32_t>(std::max(tree_a_->level_count(), tree_b_->level_count()) - 1));
   }
@@ -82,8 +83,8 @@ class TreePair {
 
 inline constexpr std::uint32_t leaf_level = std::numeric_limits<std::uint32_t>::max();
 
-/// f(node of a, node of b) for every pair that overlaps by masks of these ranges, ascending by b, then by a, until it
-/// returns true. Returns whether it did.
+/// Calls f(node of a, node of b) for every pair that overlaps by the masks of these ranges, ascending by b, then by a,
+/// until it returns true. Returns whether it did.
 template <class F>
 bool any_overlapping(NodeRange a, NodeRange b, const std::uint64_t* masks, const F& f) {
   for (std::uint32_t j = 0; j < b.count; ++j)

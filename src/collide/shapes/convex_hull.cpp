@@ -17,7 +17,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// Are a, b and c on one line, exactly?
+/// Whether a, b and c are on one line, exactly.
 bool are_on_a_line(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::all_of(std::begin(projections), std::end(projections),
                      [&](Projection p) { return orient2d(a, b, c, p) == 0; });
@@ -39,11 +39,12 @@ std::array<std::uint32_t, 4> first_four(std::span<const Vec3> points) {
                               " points of a hull lie in one plane: it needs four that do not");
 }
 
-/// Point by point: facets that see it strictly give way to new ones between it and their border.
+/// The hull grows point by point: new facets between the point and the border of the facets that see it strictly
+/// replace those facets.
 ///
-/// A facet in whose plane the point lies counts as not seen. What is seen is one region without holes all the same, for
-/// a point a little nearer to the middle of the hull sees the same facets and is in no plane of the others. And the
-/// point is on no line of an edge of the border, since one of the two facets there sees it strictly; so no facet is
+/// A facet in whose plane the point lies counts as not seen. The seen facets still form one region without holes,
+/// because a point a little nearer to the middle of the hull sees the same facets and is in no plane of the others. And
+/// the point is on no line of an edge of the border, since one of the two facets there sees it strictly; so no facet is
 /// flat.
 std::vector<Facet> facets_around(std::span<const Vec3> points) {
   const auto [a, b, c, d] = first_four(points);
@@ -121,8 +122,8 @@ ConvexHull ConvexHull::placed(const RigidTransform& transform) const {
   return hull;
 }
 
-// A plane is as good as its normal; its offset is that of the farthest vertex, so that whatever the normal of a narrow
-// facet has become, the hull is behind it.
+// The offset of a plane is that of the farthest vertex, so that the hull is behind the plane, whatever rounding did to
+// the normal of a narrow facet.
 void ConvexHull::measure() {
   largest_ = 0;
   for (const Vec3& p : vertices_) largest_ = std::max(largest_, max_norm(p));

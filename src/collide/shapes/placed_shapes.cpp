@@ -14,7 +14,7 @@ bool is_good(double radius) {
   return radius >= 0 && radius < 0x1p200;
 }
 
-/// Heights of the three corners of a triangle above a plane: those of its other points are their means.
+/// Heights of the three corners of a triangle above a plane: heights of its other points are means of these.
 using Heights = std::array<double, 3>;
 
 double at(const Heights& h, const Barycentric& b) {
@@ -26,8 +26,9 @@ double greatest(std::span<const Heights> planes, const Barycentric& b) {
   return most;
 }
 
-/// Where the greatest of up to four heights is least: at a corner, on an edge where two are equal, or inside where
-/// three are. Rounding may miss the place a little; every place is one of the triangle's.
+/// The point at which the greatest of up to four heights is least: a corner, a point of an edge where two are equal, or
+/// an inner point where three are equal. Rounding may miss that point a little, but the result is always a point of the
+/// triangle.
 Barycentric where_greatest_is_least(std::span<const Heights> planes) {
   Barycentric best{1, 0, 0};
   double least = greatest(planes, best);
@@ -82,11 +83,11 @@ std::size_t PlacedHull::highest_plane(const Vec3& x) const {
   return highest;
 }
 
-// A linear program of three unknowns, two of a place and the height there: planes are taken in as they are found to be
-// higher than those known, and all but three of them are left out again. The height over known planes only rises.
+// A linear program of three unknowns, two for a point and one for its height: a plane is added when it is found to be
+// higher than the known ones, and then all except three are dropped. The height over known planes only rises.
 //
-// Lower bound: a mean of some planes, with whatever weights, is nowhere above the highest of them, and least at a
-// corner of the triangle. The best weights are found as the place is, with planes and corners exchanged.
+// Lower bound: a mean of planes, with any weights, is nowhere above the highest of them, and least at a corner of the
+// triangle. The best weights are computed like the point, with planes and corners exchanged.
 FoundOnShape PlacedHull::lowest(const Triangle& t) const {
   const auto heights = [&](std::size_t plane) {
     const ConvexHull::Plane& p = hull_->planes()[plane];
@@ -110,7 +111,7 @@ FoundOnShape PlacedHull::lowest(const Triangle& t) const {
     }
     if (found.distance - found.lower <= pad(coordinate)) break;
     if (count == 4) {
-      // The one without which the others are highest.
+      // Drops the plane without which the others are highest.
       std::array<Heights, 3> kept{};
       double most = -std::numeric_limits<double>::infinity();
       for (std::size_t out = 0; out < 4; ++out) {
@@ -156,7 +157,7 @@ FoundOnShape PlacedHull::look_at(const Triangle& t) const {
     lower = std::min(lower, pair.lower);
     if (pair.upper < nearest.upper) nearest = pair;
   }
-  // Planes and facets may disagree about what only touches, by rounding.
+  // Planes and facets may disagree about points that only touch, by rounding.
   found.barycentric = nearest.b;
   found.point = nearest.point_b;
   found.distance = nearest.crossing ? 0.0 : scaled_length(nearest.point_b - nearest.point_a);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Shapes made ready for facets: signed distances to a half space, a sphere, a capsule and a convex hull, with bounds.
+// Shapes prepared for tests of facets: signed distances to a half space, a sphere, a capsule and a convex hull, with
+// bounds.
 #pragma once
 
 #include <algorithm>
@@ -22,12 +23,12 @@ bool is_usable(const ConvexHull& shape);
 inline Vec3 abs(const Vec3& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
-/// How far a box of such halves reaches from its center along a direction.
+/// The extent of a box with such half sides from its center along a direction.
 inline double width(const Vec3& direction, const Vec3& half) {
   return dot(abs(direction), half);
 }
 
-// What a facet is to a shape: its deepest point, and a bound below every point's signed distance.
+// The relation of a facet to a shape: its deepest point, and a lower bound of all its points' signed distances.
 struct FoundOnShape {
   Barycentric barycentric{};
   Vec3 point{};
@@ -37,16 +38,16 @@ struct FoundOnShape {
 
 // A shape has: bound(sphere) and bound(center, half) of a box, below the signed distances of its points;
 // look_at(triangle); normal_at(point, triangle). For steps (surface/obstacles.hpp) also distance_at(point), rounded;
-// support(direction), above the heights of its points along any direction that it ends in; and size(), the largest
-// number it is given by.
+// support(direction), above the heights of its points along any direction in which it is bounded; and size(), the
+// largest of its parameters.
 class PlacedHalfSpace {
  public:
   static constexpr bool looks_at_spheres_first = false;
   explicit PlacedHalfSpace(const HalfSpace& shape)
       : normal_(shape.normal / length(shape.normal)), offset_(shape.offset / length(shape.normal)) {}
 
-  // Unit normal and offset are off by 5 u of themselves, products and sums by 4 u of |x| <= 1.8 coordinates: allowed 32
-  // u of each.
+  // Unit normal and offset are off by 5 u of themselves, products and sums by 4 u of |x| <= 1.8 coordinates: the
+  // allowance is 32 u of each.
   double bound(const Sphere& s) const { return distance(s.center) - s.radius * (1 + 0x1p-50) - pad(s.center); }
   double bound(const Vec3& center, const Vec3& half) const {
     return distance(center) - width(normal_, half) * (1 + 0x1p-50) - pad(center);
@@ -66,7 +67,7 @@ class PlacedHalfSpace {
   }
   Vec3 normal_at(const Vec3&, const Triangle&) const { return normal_; }
   double distance_at(const Vec3& x) const { return distance(x); }
-  /// Of the normal alone.
+  /// For the normal only.
   double support(const Vec3&) const { return offset_; }
   double size() const { return std::abs(offset_); }
 
@@ -91,7 +92,7 @@ class PlacedCapsule {
            (s.radius + radius_) * (1 + 0x1p-51);
   }
   double bound(const Vec3& center, const Vec3& half) const {
-    // Of the boxes about both, along each axis.
+    // The gap of the boxes about both, along each axis.
     const Vec3 middle = (ends_[0] + ends_[count_ - 1]) * 0.5, reach = abs(ends_[0] - ends_[count_ - 1]) * 0.5;
     const double coordinate = max_norm(center) + size();
     const Vec3 gap = max(abs(center - middle) - half - reach, Vec3{});
@@ -103,13 +104,13 @@ class PlacedCapsule {
     FoundOnShape found;
     found.barycentric = pair.b;
     found.point = pair.point_b;
-    // Measured anew: the pair's upper bound is padded.
+    // The distance is measured again, because the pair's upper bound is padded.
     found.distance = (pair.crossing ? 0.0 : scaled_length(pair.point_b - pair.point_a)) - radius_;
     found.lower = pair.lower - radius_ - 0x1p-52 * (pair.lower + radius_);
     return found;
   }
-  // On the axis there is no such direction, and next to it only rounding's: the surface is pushed back through its own
-  // inside.
+  // On the axis there is no such direction, and next to it rounding determines it: there the normal pushes the surface
+  // back through its own inside.
   Vec3 normal_at(const Vec3& x, const Triangle& t) const {
     const Vec3 out = x - axis_point(x), inward = normalized(-area_vector(t));
     return max_norm(out) > 0x1p-40 * max_norm(x) ? normalized(out, inward) : inward;
@@ -131,7 +132,7 @@ class PlacedCapsule {
 };
 
 // The signed distance to a convex set is the largest height above any of its supporting planes, so the planes that a
-// hull has bound it from below whatever rounding did to their normals; inside it is the largest of those, outside the
+// hull has bound it from below, whatever the rounding of their normals; inside it is the largest of these, outside the
 // distance to a facet.
 class PlacedHull {
  public:
@@ -139,7 +140,7 @@ class PlacedHull {
   explicit PlacedHull(const ConvexHull& hull) : hull_(&hull) {}
 
   // Normals are off by 5 u of themselves, products and sums by 4 u of |x| <= 1.8 coordinates, here and for the offset:
-  // allowed 32 u of each.
+  // the allowance is 32 u of each.
   double bound(const Sphere& s) const { return height(s.center) - s.radius * (1 + 0x1p-50) - pad(max_norm(s.center)); }
   double bound(const Vec3& center, const Vec3& half) const {
     double most = -std::numeric_limits<double>::infinity();
@@ -169,7 +170,7 @@ class PlacedHull {
     const Facet& corners = hull_->facets()[f];
     return {hull_->vertices()[corners[0]], hull_->vertices()[corners[1]], hull_->vertices()[corners[2]]};
   }
-  /// Where a triangle is lowest below the planes, and how low it is.
+  /// The point of a triangle that is lowest below the planes, and its height.
   FoundOnShape lowest(const Triangle& t) const;
 
   const ConvexHull* hull_;

@@ -23,7 +23,7 @@ void sort_lists(Touch& result) {
   std::sort(result.leaves.begin(), result.leaves.end());
   std::sort(result.facets.begin(), result.facets.end(),
             [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet < b.point.facet; });
-  // A facet with parts in several leaves was looked at in each, with one answer.
+  // A facet with parts in several leaves was tested in each, with the same result.
   result.facets.erase(
       std::unique(result.facets.begin(), result.facets.end(),
                   [](const TouchingFacet& a, const TouchingFacet& b) { return a.point.facet == b.point.facet; }),
@@ -34,7 +34,7 @@ template <class Shape>
 void search(const Collider& body, const Shape& shape, const TouchOptions& options, Touch& result) {
   const PlacedSpheres spheres(body);
   const double margin = options.margin;
-  double limit = options.nearest ? infinity : margin;  // what is farther is not looked for
+  double limit = options.nearest ? infinity : margin;  // distance up to which facets are sought
   double best = infinity;
   result.lower = infinity;
 
@@ -102,7 +102,7 @@ bool begin(const Collider& body, bool good_shape, const TouchOptions& options, T
   result.sphere_tests = result.facet_tests = 0;
   if (!result.status) return false;
   result.certified = body.sphere_state().covers;
-  // An exception leaves a result that says that it ended so: search() sets it right at its end.
+  // An exception leaves a result with status ended_by_exception; search() replaces the status at its end.
   result.status = {Status::Code::ended_by_exception};
   return true;
 }

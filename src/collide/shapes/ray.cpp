@@ -21,13 +21,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 class ShearedRay {
  public:
   explicit ShearedRay(const Ray& ray) : origin_(ray.origin), t_end_(ray.t_end) {
-    // Scaled by a power of two, which changes no bit of the answer: squares of directions may be out of range.
+    // The direction is scaled by a power of two, which changes no bit of the answer: its squares may be out of range.
     const int exponent = std::ilogb(max_norm(ray.direction));
     for (int axis = 0; axis < 3; ++axis) scaled_[axis] = std::ldexp(ray.direction[axis], -exponent);
     scale_ = std::ldexp(1.0, -exponent);
     size_ = length(scaled_);
     unit_ = scaled_ / size_;
-    // The longest axis becomes the ray's; the order of the others keeps the turning sense.
+    // The longest axis becomes the ray's; the order of the others keeps the orientation.
     const Vec3 size{std::abs(scaled_.x), std::abs(scaled_.y), std::abs(scaled_.z)};
     z_ = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     x_ = (z_ + 1) % 3;
@@ -37,11 +37,11 @@ class ShearedRay {
     shear_y_ = scaled_[y_] / scaled_[z_];
   }
 
-  // Below the t of all hits in the sphere; infinite when there are none.
+  // A lower bound of the t of all hits in the sphere; infinite when there are none.
   //
   // Let S bound |coordinates| of origin and sphere. Differences to the origin are off by u S, the foot on the line and
-  // what is left by a dozen u S, and sheared vertices stand for real ones within 6 u S: all of it below 64 u S, allowed
-  // 2^-45 S = 256 u S.
+  // the remainder by a dozen u S, and sheared vertices stand for real ones within 6 u S: the sum is below 64 u S; the
+  // allowance is 2^-45 S = 256 u S.
   double bound(const Sphere& s) const {
     const Vec3 offset = s.center - origin_;
     const double along = dot(offset, unit_);
@@ -56,10 +56,11 @@ class ShearedRay {
     return first > t_end_ ? infinity : first;
   }
 
-  // Does the ray hit the triangle, at a t from 0 to `limit`?
+  // Whether the ray hits the triangle at a t from 0 to `limit`.
   bool hits(const Triangle& t, double limit, double& where, Barycentric& barycentric) const {
     std::array<Vec3, 3> from_origin{t[0] - origin_, t[1] - origin_, t[2] - origin_};
-    // Areas of what is very small and near would vanish: larger by a power of two, which changes no verdict.
+    // Areas of very small and near triangles would underflow: they are scaled up by a power of two, which changes no
+    // verdict.
     const double largest = std::max({max_norm(from_origin[0]), max_norm(from_origin[1]), max_norm(from_origin[2])});
     constexpr double least_ordinary = 0x1p-400;
     const int exponent = largest > 0 && largest < least_ordinary ? std::ilogb(largest) : 0;
@@ -73,14 +74,14 @@ class ShearedRay {
       y[k] = p[y_] - shear_y_ * p[z_];
       z[k] = p[z_];
     }
-    // On which side of the origin, which is the ray, each edge passes.
+    // The side of the origin, which is the ray, on which an edge passes.
     const auto side = [&](int from, int to) {
       return orient2d({}, {x[from], y[from], 0}, {x[to], y[to], 0}, projections[2]);
     };
     const int u = side(2, 1), v = side(0, 2), w = side(1, 0);
     // mutant ray-edges: `< 0 || v < 0 || w <` -> `<= 0 || v <= 0 || w <=`
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-    // Signs are exact, sizes nearly: one of them may have lost all its digits.
+    // Signs are exact, magnitudes nearly: one magnitude may have lost all its digits.
     const double a = u == 0 ? 0.0 : std::abs(x[2] * y[1] - y[2] * x[1]);
     const double b = v == 0 ? 0.0 : std::abs(x[0] * y[2] - y[0] * x[2]);
     const double c = w == 0 ? 0.0 : std::abs(x[1] * y[0] - y[1] * x[0]);

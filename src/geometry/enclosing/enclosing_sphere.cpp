@@ -15,7 +15,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// Smallest sphere with all points of a support on it. Those that are affinely dependent on the earlier ones are left
+// Smallest sphere with all points of a support on it. Points that are affinely dependent on the earlier ones are left
 // out.
 Sphere circumsphere(std::span<const Vec3> support) {
   // Center = p0 + Σ λ_i d_i with d_i = p_i − p0 and d_j·(Σ λ_i d_i) = |d_j|²/2; solved by Gram–Schmidt, which shows
@@ -31,7 +31,7 @@ Sphere circumsphere(std::span<const Vec3> support) {
     const double height = length(rest);
     if (!(height * height > 1e-20 * squared)) continue;
     const Vec3 direction = rest / height;
-    // Move the center along the new direction until the new point is as far as the others.
+    // Moves the center along the new direction until the new point is as far as the others.
     const Vec3 to_point = support[i] - center;
     const double shift = (squared_length(to_point) - squared_radius) / (2 * dot(to_point, direction));
     center += direction * shift;
@@ -42,8 +42,9 @@ Sphere circumsphere(std::span<const Vec3> support) {
 }
 
 // Smallest circumsphere of a subset of at most five points that has the last one and contains them all. Every such
-// subset is looked at, so nothing about the order of points can go wrong, but for those with a subset whose sphere
-// contains all already or is no smaller than the best so far: a circumsphere is no smaller than those of its subsets.
+// subset is examined, so the order of points cannot cause an error; skipped are only subsets that have a subset whose
+// sphere contains all points or is no smaller than the best so far: a circumsphere is no smaller than the circumspheres
+// of its subsets.
 class SmallestOfFew {
  public:
   /// points: the last of them at the origin, last in order.
@@ -54,7 +55,7 @@ class SmallestOfFew {
   unsigned subset() const { return best_; }
 
  private:
-  // A sphere through the last point and some others, its center in what directions span.
+  // A sphere through the last point and some others, its center in the span of `directions`.
   struct Partial {
     Vec3 center;
     double squared_radius;
@@ -71,7 +72,7 @@ class SmallestOfFew {
         rest -= partial.directions[k] * (dot(rest, partial.directions[k]) * partial.inverse_squares[k]);
       const double height = squared_length(rest);
       if (!(height > 1e-20 * squared)) continue;
-      // The center moves along what is new until the new point is as far as the others.
+      // The center moves along the new direction until the new point is as far as the others.
       const Vec3 to_point = points_[i] - partial.center;
       const double shift = (squared_length(to_point) - partial.squared_radius) / (2 * dot(to_point, rest));
       Partial larger = partial;
@@ -105,8 +106,8 @@ class SmallestOfFew {
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 
-// Smallest enclosing sphere of at most five points, the last of which is outside that of the others; -1 for its radius
-// if rounding leaves none. Computed relative to one of them: far from the origin, coordinates differ exactly although
+// Smallest enclosing sphere of at most five points, the last of which is outside that of the others; with radius -1 if
+// rounding leaves none. Computed relative to one of them: far from the origin, coordinates differ exactly although
 // their squares do not.
 SupportedSphere smallest_of_few(std::span<const Vec3> points) {
   std::array<Vec3, 5> relative;
@@ -120,7 +121,7 @@ SupportedSphere smallest_of_few(std::span<const Vec3> points) {
       apart[result.count] = points[i] - points[0];
       result.points[result.count++] = points[i];
     }
-  // Again from its support alone, so that the order of the search leaves no trace in it.
+  // It is computed again from its support alone, so that it does not depend on the order of the search.
   result.sphere = circumsphere(std::span(apart).first(result.count));
   result.sphere.center += points[0];
   return result;
@@ -130,7 +131,7 @@ struct Farthest {
   Vec3 point;
   double squared_distance;
 };
-// The first of the farthest.
+// The farthest point, the first of equals.
 Farthest farthest_from(const DoublePointColumns& points, const Vec3& center) {
   const std::size_t i = farthest_kernels().from_in_double(points, center);
   const Vec3 point{points.x[i], points.y[i], points.z[i]};
@@ -163,11 +164,11 @@ Vec3 times_power_of_two(const Vec3& v, int exponent) {
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
-// The radius of the result reaches the farthest point.
+// Finds the sphere by pivots. The radius of the result reaches the farthest point.
 SupportedSphere by_pivots(const SupportedSphere& start, const DoublePointColumns& points) {
   SupportedSphere best = start;
-  // Take in the farthest point, keep what supports the sphere. The radius grows with every pivot, so it ends; the cap
-  // only guards against rounding.
+  // Each pivot adds the farthest point and keeps the support of the sphere. The radius grows with every pivot, so it
+  // ends; the cap only guards against rounding.
   constexpr int most_pivots = 100;
   for (int pivot = 0;; ++pivot) {
     const Farthest next = farthest_from(points, best.sphere.center);
@@ -191,11 +192,12 @@ SupportedSphere by_pivots_from(const Vec3& first, const DoublePointColumns& poin
   return by_pivots({{first, 0}, {first}, 1}, points);
 }
 
-// The points about the first, so large that squares are ordinary: scaling by a power of two changes no digit.
+// The points are taken relative to the first, scaled so that squares are ordinary: scaling by a power of two changes no
+// digit.
 Sphere enclosing_sphere_of_extremes(std::span<const Vec3> points) {
   Box box;
   for (const Vec3& p : points) box.add(p);
-  // In halves, whose difference cannot overflow.
+  // Halves are subtracted, whose difference cannot overflow.
   const double half_extent = max_norm(box.upper * 0.5 - box.lower * 0.5);
   if (!(half_extent > 0) || !std::isfinite(half_extent)) return {points[0], farthest_distance(points[0], points)};
   const int exponent = -1 - std::ilogb(half_extent);
@@ -213,7 +215,7 @@ double farthest_distance(const Vec3& center, std::span<const Vec3> points) {
   double largest = 0;
   // mutant enclosing-last-point: `std::max(largest, squared_distance(center, p))` -> `squared_distance(center, p)`
   for (const Vec3& p : points) largest = std::max(largest, squared_distance(center, p));
-  // Of other squares something vanished, or overflowed.
+  // In other squares a term has underflowed or overflowed.
   if (largest > 0x1p-900 && largest < std::numeric_limits<double>::infinity()) return std::sqrt(largest);
   double farthest = 0;
   for (const Vec3& p : points) farthest = std::max(farthest, scaled_length(p - center));
@@ -226,7 +228,7 @@ Sphere enclosing_sphere(std::span<const Vec3> points) {
 
 SupportedSphere detail::enclosing_sphere_from(const SupportedSphere& start, const DoublePointColumns& points) {
   const StandardFloats standard;
-  // Points of a support are of ordinary size; whether the others are, the radius shows.
+  // Points of a support are of ordinary size; the radius shows whether the others are.
   if (start.count > 0) {
     const SupportedSphere found = by_pivots(start, points);
     // mutant enclosing-grown-from-extremes: `if (is_ordinary ... return` -> `return`

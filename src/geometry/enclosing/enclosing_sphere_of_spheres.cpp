@@ -20,8 +20,8 @@ struct Support {
   std::size_t count = 0;
 };
 
-// The two spheres that all spheres of a support touch from inside, the smaller first; fewer where there are fewer, or
-// where the centers are affinely dependent. With x the center from the first one's, R = rho + r0 and s_i = r0 - r_i,
+// The two spheres that all spheres of a support touch from inside, the smaller first; fewer if there are fewer, or if
+// the centers are affinely dependent. With x the center relative to the first one's, R = rho + r0 and s_i = r0 - r_i,
 // |x - d_i| = R - r_i is 2 d_i x = |d_i|^2 - s_i^2 - 2 rho s_i: x = a + rho b in the span of the d_i, and |x| = rho.
 struct Tangents {
   std::array<Sphere, 2> spheres;
@@ -65,8 +65,8 @@ bool contains_all(const Sphere& sphere, std::span<const Sphere> spheres) {
   return true;
 }
 
-// Of at most five spheres, the last of which reaches out of the sphere about the others: the smallest that touches a
-// subset with the last one and contains them all. Exhaustive, as for points.
+// The smallest sphere that touches a subset with the last one and contains them all, for at most five spheres, the last
+// of which reaches out of the sphere about the others. The search is exhaustive, as for points.
 Sphere smallest_of_few(std::span<const Sphere> few, Support& best_support) {
   Sphere best{{}, -1};
   const unsigned last = 1u << (few.size() - 1);
@@ -100,7 +100,7 @@ std::size_t farthest(const Vec3& center, std::span<const Sphere> spheres, double
   return index;
 }
 
-// Spheres of ordinary size, about the first.
+// The center for spheres of ordinary size, relative to the first.
 Vec3 center_by_pivots(std::span<const Sphere> spheres) {
   double reach = 0;
   Support support;
@@ -135,8 +135,8 @@ Sphere enclosing_sphere_of_spheres(std::span<const Sphere> spheres) {
   const StandardFloats standard;
   if (spheres.empty()) return {};
   if (spheres.size() == 1) return spheres[0];
-  // About the first, in a unit of their own: no square vanishes or overflows, and far from the origin differences are
-  // exact although squares are not.
+  // Spheres are taken relative to the first, in a unit of their own: no square underflows or overflows, and far from
+  // the origin differences are exact although squares are not.
   double size = 0;
   for (const Sphere& s : spheres) size = std::max({size, max_norm(s.center - spheres[0].center), s.radius});
   if (!(size > 0) || !std::isfinite(size)) return {spheres[0].center, farthest_reach(spheres[0].center, spheres)};

@@ -10,7 +10,7 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same bits.
 namespace plain {
 
 template <class Scalar>

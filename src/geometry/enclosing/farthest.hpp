@@ -11,7 +11,7 @@
 
 namespace morula::detail {
 
-/// Points in columns, at least one, all of them finite.
+/// Points in columns: at least one, all finite.
 template <class Scalar>
 struct BasicPointColumns {
   const Scalar* x;
@@ -33,12 +33,13 @@ struct FarthestKernels {
   std::size_t (*along)(const PointColumns& points, const Vec3f& direction);
 };
 
-/// Those that this processor can run, narrowest first. All give the same bits.
+/// The kernels that this processor runs, the narrowest first. All give the same bits.
 std::span<const FarthestKernels> all_farthest_kernels();
-/// The widest.
+/// The widest kernels.
 const FarthestKernels& farthest_kernels();
 
-/// found[d]: the point farthest along directions[d], the first of equals. Cost: points × directions, in registers.
+/// Writes to found[d] the point farthest along directions[d], the first of equals. Cost: points × directions, in
+/// registers.
 void farthest_along(std::span<const Vec3f> directions, const PointColumns& points, std::span<std::uint32_t> found);
 
 }  // namespace morula::detail

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The source of farthest.cpp. A maximum does not depend on the order of its terms, so lanes are free, and points may be
-// looked at twice: the last lanes of a list are those that end with it. A list shorter than a register is filled up
-// with its first point.
+// The source of farthest.cpp. A maximum does not depend on the order of its terms, so lanes may be combined in any
+// order, and points may be read twice: the last register of a list ends with the list. A list shorter than a register
+// is filled up with its first point.
 
 template <class Scalar>
 struct Registers;
@@ -35,13 +35,13 @@ inline unsigned lanes_of(Doubles wide, double most) {
   return ~greater(most - Doubles{}, wide) & ((1u << doubles) - 1);
 }
 
-// height(first): of the points in lanes from `first` on. count: at least a register.
+// height(first): heights of the points in lanes from `first` on. count: at least one register.
 template <std::size_t width, class Height>
 inline auto highest(std::size_t count, const Height& height) {
   constexpr std::size_t registers = 4;
   auto most = height(std::size_t{0});
   std::size_t i = width;
-  // Several maxima at once: each waits for its last one.
+  // Several maxima run at once, because each waits for its preceding value.
   if (count >= registers * width) {
     auto b = height(i), c = height(i + width), d = height(i + 2 * width);
     for (i = registers * width; i + registers * width <= count; i += registers * width) {
@@ -56,7 +56,7 @@ inline auto highest(std::size_t count, const Height& height) {
 
 template <std::size_t width, class Height>
 inline std::size_t first_of_highest(std::size_t count, const Height& height) {
-  // The block that has it first, then where it is in there.
+  // Finds the first block that has the maximum, then its place there.
   constexpr std::size_t block = 8 * width;
   auto most = height(std::size_t{0});
   std::size_t in_block = 0;
@@ -71,10 +71,10 @@ inline std::size_t first_of_highest(std::size_t count, const Height& height) {
     if (const unsigned of = lanes_of(height(first), highest); of != 0)
       return first + static_cast<std::size_t>(__builtin_ctz(of));
   }
-  return in_block;  // coordinates that are no numbers
+  return in_block;  // coordinates that are NaN
 }
 
-// At least a register.
+// count: at least one register.
 template <class Scalar>
 struct Padded {
   static constexpr std::size_t width = Registers<Scalar>::width;

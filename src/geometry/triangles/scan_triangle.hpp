@@ -11,10 +11,10 @@ namespace morula::detail {
 
 /// Lines run along axis w at u = i + offset, v = j + offset; rows of equal v.
 struct LineLattice {
-  int u, v, w;  ///< axes
+  int u, v, w;  ///< axes of the lattice
   double offset;
   int count_u;
-  int row_begin, row_end;  ///< rows to look at
+  int row_begin, row_end;  ///< range of rows to scan
 
   /// First line at or above a position, within [0, count].
   int first_at_or_above(double position, int count) const {
@@ -22,12 +22,12 @@ struct LineLattice {
   }
 };
 
-/// Calls cross(i, j, w, leaves) for each line that passes the triangle; leaves: going up the axis through it leaves the
-/// object that it is the boundary of.
+/// Calls cross(i, j, w, leaves) for each line that passes the triangle; leaves: a way up the axis through it leaves the
+/// object that it bounds.
 ///
 /// A corner on a row counts as below it and an edge that meets a line as left of it, for every triangle that has that
-/// corner or edge; edges are cut from their lower end, whichever triangle asks: a closed mesh is entered as often as it
-/// is left, whatever the rounding. Corners must be finite.
+/// corner or edge; edges are cut from their lower end for either triangle: so a line enters a closed mesh as often as
+/// it leaves it, for any rounding. Corners must be finite.
 template <class Cross>
 void scan_triangle(const Triangle& t, const LineLattice& lines, const Cross& cross) {
   struct Passage {
@@ -54,7 +54,7 @@ void scan_triangle(const Triangle& t, const LineLattice& lines, const Cross& cro
       if (from_below && !to_below) up = pass(from, to);
       if (!from_below && to_below) down = pass(from, to);
     }
-    // A triangle that looks up the axis has its upward edge on the right.
+    // A triangle that faces up the axis has its upward edge on the right.
     const bool leaves = down.u < up.u;
     const Passage& left = leaves ? down : up;
     const Passage& right = leaves ? up : down;

@@ -27,9 +27,10 @@ TrianglePoint nearer(const TrianglePoint& a, const TrianglePoint& b) {
   return b.squared_distance < a.squared_distance ? b : a;
 }
 
-// Where p is above the inside of a thin triangle: how high above the longest edge, towards the third corner, and then
-// how far along the line at that height. Both are off by rounding of the longest edge alone, however thin the triangle:
-// what lies along that edge is taken off before anything is measured across.
+// The foot of p, if p is above the inside of a thin triangle: first its height above the longest edge, towards the
+// third corner, and then its place along the line at that height. Both are off only by rounding of the longest edge,
+// for a triangle of any thinness: the component along that edge is subtracted first, and then lengths across it are
+// measured.
 std::optional<TrianglePoint> closest_within_sliver(const Triangle& t, const Vec3& p) {
   std::size_t i = 0;
   for (std::size_t k = 1; k < 3; ++k)
@@ -57,7 +58,7 @@ std::optional<TrianglePoint> closest_within_sliver(const Triangle& t, const Vec3
 }  // namespace
 
 TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
-  // Voronoi regions of the corners and edges, decided by dot products [ericson2005, 5.1.5].
+  // Voronoi regions of the corners and edges, are decided by dot products [ericson2005, 5.1.5].
   const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
   const double d1 = dot(ab, ap), d2 = dot(ac, ap);
   if (d1 <= 0 && d2 <= 0) return {t[0], {1, 0, 0}, squared_distance(t[0], p)};
@@ -72,8 +73,8 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
 
   const Vec3 normal = cross(ab, ac);
   const double sum = squared_length(normal), sides = squared_length(ab) * squared_length(ac);
-  // Squares of the sine at the first corner. Below the first, signs of areas are rounding: all edges are tried, and the
-  // inside. Below the second, a foot is off by more than rounding, and what is left of it is taken once more.
+  // Squares of the sine at the first corner. Below the first, signs of areas are only rounding: all edges and the
+  // inside are tried. Below the second, a foot is off by more than rounding, and its residual is corrected once more.
   // mutant closest-narrow: `1e-2` -> `0`
   // mutant closest-sliver: `1e-6` -> `0`
   constexpr double sliver = 1e-6, narrow = 1e-2;
@@ -85,9 +86,9 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
     const std::optional<TrianglePoint> inside = closest_within_sliver(t, p);
     return inside ? nearer(best, *inside) : best;
   }
-  // Signed areas of the three triangles with p, times twice the facet's. By cross products: differences of products of
-  // dot products lose the small areas of thin facets. Of an edge with the way from one of its ends: of the ways from
-  // two corners far away, those of needles are lost, too.
+  // Signed areas of the three triangles with p, times twice the facet's. They are computed by cross products:
+  // differences of products of dot products lose the small areas of thin facets. Each is the product of an edge and the
+  // vector from one of its ends: from the vectors of two distant corners, the areas of needles would also be lost.
   const double vc = dot(normal, cross(ab, ap));
   // mutant closest-far-corners: `ap, ac` -> `cp, ap`
   const double vb = dot(normal, cross(ap, ac));
@@ -101,8 +102,8 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
     v += dot(normal, cross(rest, ac)) / sum;
     w += dot(normal, cross(ab, rest)) / sum;
   }
-  // A foot that lies beyond an edge does so by rounding alone: the edges are as near. Shares of a short side may be
-  // nothing but rounding, and shares of sides that nearly cancel must not change by themselves.
+  // A foot beyond an edge is there only by rounding: the edges are as near. Shares of a short side may be only
+  // rounding, and shares of sides that nearly cancel must not change by themselves.
   // mutant closest-clamped: `if ... return on_any_edge()` -> `v = std::clamp(v, 0.0, 1.0), w = std::clamp(w, 0.0, 1 - v)`
   if (!(v >= 0 && w >= 0 && v + w <= 1)) return on_any_edge();
   const Vec3 point = t[0] + ab * v + ac * w;
@@ -114,7 +115,7 @@ double solid_angle(const Triangle& t, const Vec3& p) {
   const double la = length(a), lb = length(b), lc = length(c);
   const double numerator = dot(a, cross(b, c));
   const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  // In the facet's own plane the angle is 0 or a half space, which no sign decides: take 0.
+  // In the facet's own plane the angle is 0 or a half space, which no sign decides: the result is 0.
   if (numerator == 0) return 0;
   return 2 * angle_of(numerator, denominator);
 }

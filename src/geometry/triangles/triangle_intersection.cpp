@@ -3,8 +3,8 @@
 //
 // Two triangles meet if and only if an edge of one of them meets the other: their common points are a convex polygon, a
 // segment or a point, and each of its corners is a corner of a triangle or on an edge. That is true of triangles of any
-// shape, and is what is tested where corners lie in planes. Elsewhere each plane cuts the other triangle in a segment
-// of one line, and two more signs tell whether the two overlap [guigue2003].
+// shape, and it is the test if corners lie in planes. Otherwise each plane cuts the other triangle in a segment of one
+// line, and two more signs decide whether the two overlap [guigue2003].
 #include <array>
 #include <morula/geometry/triangle_intersection.hpp>
 
@@ -19,7 +19,7 @@ namespace {
 using Side = TrianglePlane::Side;
 using Sides = std::array<Side, 3>;
 
-/// Corners of what two triangles have in common, each once. Nothing wanted but a verdict: none are kept.
+/// The corners of the intersection of two triangles, each once. If only a verdict is requested, none are kept.
 class CommonPoints {
  public:
   void add(const Vec3& p) {
@@ -38,12 +38,13 @@ class CommonPoints {
   }
 
  private:
-  // Six corners, and every edge with every edge, each perhaps rounded anew.
+  // Six corners, and every edge with every edge, each perhaps with another rounding.
   std::array<Vec3, 6 + 2 * 18> points_;
   std::size_t count_ = 0;
 };
 
-/// Between p and q, whose distances from a plane on both sides are as these values. Overflows only where p or q does.
+/// Between p and q, whose distances from a plane, on opposite sides, are proportional to these values. Overflows only
+/// if p or q does.
 Vec3 between(const Vec3& p, const Vec3& q, double p_value, double q_value) {
   const double sum = std::abs(p_value) + std::abs(q_value);
   double t = std::abs(p_value) / sum;
@@ -54,19 +55,19 @@ Vec3 between(const Vec3& p, const Vec3& q, double p_value, double q_value) {
 bool is_before(const Vec3& p, const Vec3& q) {
   return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
 }
-/// r is on the line of p and q, or at them: is it between, or at an end?
+/// Whether r, on the line of p and q or at one of them, is between them or at an end.
 bool is_on_segment(const Vec3& p, const Vec3& q, const Vec3& r) {
   return is_before(p, q) ? !is_before(r, p) && !is_before(q, r) : !is_before(r, q) && !is_before(p, r);
 }
 
-/// All four in one plane that the projection does not flatten, or on one line.
+/// Segments whose four ends are in one plane that the projection does not flatten, or on one line.
 bool coplanar_segments(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Projection projection,
                        CommonPoints* common) {
   const int r_side = orient2d(p, q, r, projection), s_side = orient2d(p, q, s, projection);
   const int p_side = orient2d(r, s, p, projection), q_side = orient2d(r, s, q, projection);
   if (r_side * s_side < 0 && p_side * q_side < 0) {
     if (!common) return true;
-    // Distances from the other's line are as areas: in double, of the projected triangles.
+    // Distances from the other's line are proportional to areas, in double, of the projected triangles.
     const auto area = [&](const Vec3& x) {
       const int i = projection.first, j = projection.second;
       return (s[i] - r[i]) * (x[j] - r[j]) - (s[j] - r[j]) * (x[i] - r[i]);
@@ -87,7 +88,7 @@ bool coplanar_segments(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& 
   return meet;
 }
 
-/// A projection under which a, b, c stay a triangle; nothing when they are on one line.
+/// A projection under which a, b, c stay a triangle; none when they are on one line.
 std::optional<Projection> faithful_projection(const Vec3& a, const Vec3& b, const Vec3& c) {
   for (const Projection projection : projections)
     if (orient2d(a, b, c, projection) != 0) return projection;
@@ -100,14 +101,14 @@ bool segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, C
   if (!projection) projection = faithful_projection(p, q, s);
   if (!projection) projection = faithful_projection(r, s, p);
   if (!projection) projection = faithful_projection(r, s, q);
-  // All on one line: every orientation is 0, and what is between what decides.
+  // All four are on one line: every orientation is 0, and the order on the line decides.
   return coplanar_segments(p, q, r, s, projection.value_or(projections[0]), common);
 }
 
-/// Triangles with what the tests need to know of them.
+/// A triangle with the data that the tests need.
 struct Target {
   const Triangle& t;
-  std::optional<Projection> projection;  // nothing: no area
+  std::optional<Projection> projection;  // projection that keeps its area; none: no area
 };
 
 bool coplanar_segment_and_triangle(const Vec3& p, const Vec3& q, const Target& target, CommonPoints* common) {
@@ -153,7 +154,7 @@ bool segment_and_triangle(const Vec3& p, const Vec3& q, const Side& p_side, cons
   return true;
 }
 
-/// Any triangles. a_sides: of a's corners about b's plane.
+/// Tests any triangles. a_sides: sides of a's corners about b's plane.
 bool meet_by_edges(const Triangle& a, const Triangle& b, const Sides& a_sides, const Sides& b_sides,
                    CommonPoints* common) {
   const Target target_a{a, faithful_projection(a[0], a[1], a[2])}, target_b{b, faithful_projection(b[0], b[1], b[2])};
@@ -176,8 +177,8 @@ bool all_off_plane(const Sides& s) {
   return s[0].sign != 0 && s[1].sign != 0 && s[2].sign != 0;
 }
 
-/// Nothing: the triangles are apart. Where they are in one plane or nearly so, exact signs are dear, but in the plane
-/// they are often clearly apart, such as neighbors in a flat sheet.
+/// The sides; none if the triangles are apart. If they are in one plane or nearly so, exact signs are expensive, but in
+/// the plane they are often clearly apart, such as neighbors in a flat sheet.
 std::optional<Sides> sides_unless_apart(const TrianglePlane& plane, const Triangle& of_plane, const Triangle& t) {
   const Sides sides{plane.certain_side(t[0]), plane.certain_side(t[1]), plane.certain_side(t[2])};
   if (on_one_side(sides)) return {};
@@ -211,7 +212,7 @@ struct CrossedPair {
 
   CrossedPair(const Triangle& ta, const Triangle& tb, const Sides& a_sides, const Sides& b_sides)
       : a(crossed(ta, a_sides)), b(crossed(tb, b_sides)) {
-    // Another order of b turns its plane round, which a's corners see.
+    // Another order of b reverses its plane, and hence the sides of a's corners.
     if (lone_sign(a_sides) < 0) swap_edges(b);
     if (lone_sign(b_sides) < 0) swap_edges(a);
   }

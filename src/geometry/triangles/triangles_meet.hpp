@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// intersect() for loops that run in the standard floating-point environment already.
+// intersect() for loops that already run in the standard floating-point environment.
 #pragma once
 
 #include <morula/geometry/triangle.hpp>

@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-/// Bits of a stream, lowest first. Past the end they are 0 and `ended` says so.
+/// Bits of a stream, lowest first. Past the end they are 0, and `ended` is set.
 class Bits {
  public:
   explicit Bits(std::string_view bytes) : bytes_(bytes) {}
@@ -39,10 +39,10 @@ class Bits {
   std::size_t at_ = 0;
 };
 
-/// A canonical code: how many codes of each length, and their symbols in order.
+/// A canonical code: the number of codes of each length, and their symbols in order.
 class Code {
  public:
-  /// False where the lengths ask for more codes than there are.
+  /// Returns false if the lengths need more codes than there are.
   bool set(std::span<const std::uint8_t> lengths) {
     counts_.fill(0);
     for (const std::uint8_t length : lengths) ++counts_[length];
@@ -59,7 +59,7 @@ class Code {
     }
     return true;
   }
-  /// The next symbol; −1 where no code is so.
+  /// The next symbol; −1 for bits that are no code.
   int read(Bits& bits) const {
     int code = 0, first = 0, index = 0;
     for (std::size_t length = 1; length <= 15; ++length) {
@@ -172,7 +172,7 @@ bool inflate(Bits& bits, std::string_view packed, std::string& out, std::size_t 
 std::optional<std::string> inflate_zlib(std::string_view packed, std::size_t size) {
   if (packed.size() < 6) return std::nullopt;
   const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(packed[i])); };
-  // Deflate, a window of at most 32 kB, no preset dictionary.
+  // The header requires deflate, a window of at most 32 kB, and no preset dictionary.
   if ((byte(0) & 15u) != 8 || (byte(0) >> 4) > 7 || (byte(0) * 256 + byte(1)) % 31 != 0 || (byte(1) & 32u) != 0)
     return std::nullopt;
   Bits bits(packed.substr(2));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Deflated bytes made long again, as zlib packs them (RFC 1950 and 1951).
+// Decompresses bytes that zlib compressed (RFC 1950 and 1951).
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace morula::detail {
 
-/// The bytes that a zlib stream holds; nothing where it is damaged, its checksum is wrong, or it holds more or fewer
-/// than `size`. Takes memory as bytes come, never by what is promised.
+/// The bytes that a zlib stream holds; none if it is damaged, its checksum is wrong, or it holds more or fewer than
+/// `size` bytes. Memory grows with the bytes read, never by a promised size.
 std::optional<std::string> inflate_zlib(std::string_view packed, std::size_t size);
 
 }  // namespace morula::detail

@@ -93,7 +93,7 @@ class DictionaryParser {
   std::size_t at_ = 0;
 };
 
-// The numbers of a tuple; nothing if there is anything else in it. Python 2 wrote 25L for 25.
+// The numbers of a tuple; none if it holds other text. Python 2 wrote 25L for 25.
 std::vector<std::uint64_t> tuple(std::string_view text) {
   std::vector<std::uint64_t> numbers;
   if (text.size() < 2 || text.front() != '(' || text.back() != ')') return {};
@@ -113,7 +113,7 @@ std::vector<std::uint64_t> tuple(std::string_view text) {
   }
 }
 
-// Whether the product of the shape is `count`. Divided, not multiplied: no number overflows.
+// Whether the product of the shape is `count`. It divides instead of multiplying, so that no number overflows.
 bool holds(const std::vector<std::uint64_t>& shape, std::uint64_t count) {
   if (std::count(shape.begin(), shape.end(), std::uint64_t{0}) > 0) return count == 0;
   for (const std::uint64_t size : shape) {
@@ -140,8 +140,8 @@ std::optional<NpyType> type_of(std::string_view descr, bool integers) {
   return std::nullopt;
 }
 
-// The order of axes that gives these sizes, as NumPy's words for it: ".transpose(0, 2, 1)". Nothing where none does, or
-// where they are in that order already. Reshaping such an array would scramble its numbers.
+// The order of axes that gives these sizes, as text for NumPy: ".transpose(0, 2, 1)". Empty if no order does, or if the
+// axes are in that order already. Reshaping such an array would scramble its numbers.
 std::string transposition(const std::vector<std::uint64_t>& shape, const std::vector<std::uint64_t>& sizes) {
   if (shape.size() != sizes.size() || shape.size() < 2) return {};
   std::vector<std::size_t> axes(shape.size());
@@ -152,7 +152,7 @@ std::string transposition(const std::vector<std::uint64_t>& shape, const std::ve
     return true;
   };
   if (fit()) return {};
-  // In ascending order, so that the axes in front stay where they are if that is possible.
+  // Orders are tried in ascending order, so that the axes in front stay where they are if that is possible.
   while (std::next_permutation(axes.begin(), axes.end())) {
     if (!fit()) continue;
     if (axes.size() == 2) return ".T";
@@ -173,7 +173,7 @@ void require_shape(const std::string& file, const NpyArray& array, const NpyShap
   std::string line = transposition(array.shape, needed.sizes);
   const bool last_fits = needed.sizes.back() == 0 || array.shape.back() == needed.sizes.back();
   if (line.empty() && !last_fits) {
-    // Of another mesh as well; but the last axis shows the order.
+    // The array may belong to another mesh, but the last axis shows the order.
     std::vector<std::uint64_t> last(needed.sizes.size(), 0);
     last.back() = needed.sizes.back();
     line = transposition(array.shape, last);
@@ -207,7 +207,7 @@ Header read_header(const ByteSource& source) {
   const std::string file = source.name().string();
   const std::uintmax_t size = source.size();
   constexpr std::size_t longest_start =
-      12 + 65536;  // what version 1 allows; longer ones are of tables with many columns
+      12 + 65536;  // the limit of version 1; longer headers belong to tables with many columns
   const std::string start = source.read(0, std::min<std::uintmax_t>(size, longest_start));
   ByteReader in(source.name(), start, std::endian::little);
   if (start.substr(0, magic.size()) != magic) in.fail("not a NumPy file; write one with numpy.save");
@@ -301,7 +301,7 @@ std::string npy_start(std::string_view descr, std::span<const std::size_t> shape
   std::string dictionary = "{'descr': '" + std::string(descr) + "', 'fortran_order': False, 'shape': (";
   for (std::size_t i = 0; i < shape.size(); ++i) dictionary += (i > 0 ? ", " : "") + std::to_string(shape[i]);
   dictionary += shape.size() == 1 ? ",), }" : "), }";
-  // Blanks and a newline at the end bring the data to a multiple of 64 bytes, as the format asks.
+  // Blanks and a newline at the end bring the data to a multiple of 64 bytes, as the format requires.
   constexpr std::size_t before = 10;
   while ((before + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
   dictionary += '\n';

@@ -25,9 +25,9 @@ constexpr std::array<std::uint32_t, 256> crc_table() {
 
 constexpr std::uint32_t local_header = 0x04034b50;
 constexpr std::uint16_t version_needed = 20;
-constexpr std::uint16_t first_of_january_1980 = 0x0021;  // the earliest day that the format knows
+constexpr std::uint16_t first_of_january_1980 = 0x0021;  // the earliest day of the format
 
-// What local and central headers have in common, from the version needed on.
+// Writes the common part of local and central headers, from the version needed on.
 void store_entry(std::string& to, std::string_view name, std::uint32_t crc, std::uint32_t size) {
   store(to, version_needed);
   store(to, std::uint16_t{0});  // flags
@@ -82,7 +82,7 @@ void StoredZip::end() {
   store(header, local_header);
   store_entry(header, name_, crc, size);
   assert(written_ == offset_ + header.size() + name_.size() + size_);
-  file_.overwrite(offset_, header);  // only now is the sum known
+  file_.overwrite(offset_, header);  // the checksum is known at the end
 
   store(directory_, std::uint32_t{0x02014b50});
   store(directory_, version_needed);  // made by
@@ -115,13 +115,13 @@ namespace {
 constexpr std::uint32_t central_header = 0x02014b50, end_of_directory = 0x06054b50;
 constexpr std::uint32_t end_of_directory_64 = 0x06064b50, locator_64 = 0x07064b50;
 constexpr std::size_t end_size = 22, locator_size = 20, end_size_64 = 56, local_size = 30, central_size = 46;
-constexpr std::uint32_t elsewhere = 0xffffffffu;  // a 64-bit field has the number
+constexpr std::uint32_t elsewhere = 0xffffffffu;  // marks a number that is in a 64-bit field
 
 [[noreturn]] void fail(const ByteSource& archive, const std::string& problem) {
   throw FileError(archive.name().string() + ": " + problem);
 }
 
-/// Where the directory is, and how many bytes of it there are.
+/// The place and the size of the directory, bytes.
 struct Directory {
   std::uint64_t begin, size;
 };
@@ -160,7 +160,7 @@ Directory find_directory(const ByteSource& archive) {
   fail(archive, "is not a NumPy archive, or was cut short: it has no directory; write one with numpy.savez");
 }
 
-/// Sizes and offsets that do not fit 32 bits are in an extra field, in this order, those alone.
+/// Sizes and offsets that do not fit 32 bits are in an extra field, in this order, and only those.
 void take_wide_numbers(std::string_view extra, std::uint64_t& size, std::uint64_t& compressed, std::uint64_t& offset) {
   while (extra.size() >= 4) {
     const auto kind = load<std::uint16_t>(extra.data());

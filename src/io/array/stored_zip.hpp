@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Zip archives whose files are stored as they are, uncompressed: what numpy.savez writes and we do (PKWARE APPNOTE 6.3,
+// Zip archives whose files are stored uncompressed, as numpy.savez and this library write them (PKWARE APPNOTE 6.3,
 // 4.3).
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace morula::detail {
 
-/// CRC-32 of ISO 3309, as zip and PNG have it.
+/// CRC-32 of ISO 3309, as in zip and PNG.
 class Crc32 {
  public:
   void add(std::string_view bytes);
@@ -25,21 +25,22 @@ class Crc32 {
   std::uint32_t remainder_ = 0xffffffffu;
 };
 
-/// Written as it comes: nothing is kept but the directory.
+/// An archive that is written as its files come: only the directory is kept in memory.
 class StoredZip {
  public:
-  /// More does not fit the 32-bit sizes and offsets of the plain format.
+  /// The largest archive, bytes. A larger one does not fit the 32-bit sizes and offsets of the plain format.
   static constexpr std::uint64_t largest = 0xfffffffeu;
 
   explicit StoredZip(const std::filesystem::path& path) : file_(path) {}
 
-  /// Names in ASCII, each once.
+  /// Adds a file. Names are in ASCII, each is used once.
   void add(std::string_view name, std::string_view bytes);
-  /// The same in pieces, which are `size` bytes together.
+  /// Begins a file that comes in parts, which have `size` bytes together.
   void begin(std::string_view name, std::uint64_t size);
   void append(std::string_view bytes);
   void end();
-  /// The archive appears; it must not be larger than `largest`. No dates: the same files give the same bytes.
+  /// Completes the archive, which appears under its name; it must not be larger than `largest`. No dates: the same
+  /// files give the same bytes.
   void commit();
 
  private:
@@ -53,19 +54,19 @@ class StoredZip {
   Crc32 crc_;
 };
 
-/// A file of an archive that is read.
+/// A file of an archive from which a caller reads.
 struct ZipEntry {
   std::string name;
-  std::uint64_t offset;  ///< of its bytes in the archive
+  std::uint64_t offset;  ///< offset of its bytes in the archive
   std::uint64_t size;
   std::uint32_t crc;
 };
-/// The files of an archive, with its 64-bit sizes too, as its directory lists them; every one lies inside the archive.
-/// Throws FileError, also for files that are compressed or encrypted.
+/// The files of an archive, including those with 64-bit sizes, in the order of its directory; every one lies inside the
+/// archive. Throws FileError, also for files that are compressed or encrypted.
 std::vector<ZipEntry> zip_entries(const ByteSource& archive);
-/// The bytes of one of them; messages name it "ARCHIVE: NAME".
+/// The bytes of one of these files; messages name it "ARCHIVE: NAME".
 ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry);
-/// Throws FileError unless the bytes have the sum that the directory promises. Reads them a piece at a time.
+/// Throws FileError unless the bytes have the checksum of the directory. Reads them part by part.
 void require_sound(const ByteSource& archive, const ZipEntry& entry);
 
 }  // namespace morula::detail

@@ -49,7 +49,8 @@ std::vector<double> Accessors::numbers(int index, int type, const std::string& o
   if (a.type != type) document_.fail(owner + " has an accessor of another type than it needs");
   const std::size_t width = width_of(type);
   std::vector<double> values;
-  // The same bytes may be read again and again, and numbers of sparse accessors have none.
+  // The limit counts numbers, because the same bytes may be read many times, and sparse accessors have numbers without
+  // bytes.
   if (a.count > (most_numbers_ - numbers_) / width)
     document_.fail(owner + " brings more numbers than a file of this size can mean");
   numbers_ += a.count * width;
@@ -141,7 +142,7 @@ Accessors::Strided Accessors::strided(int view_index, std::uint64_t offset, int 
   const std::uint64_t stride = may_have_stride && view.byteStride != 0 ? view.byteStride : group;
   const std::uint64_t length = view.byteLength;
   if (stride < group) document_.fail(owner + " has groups of numbers that overlap: its stride is too short");
-  // Compared so that nothing overflows.
+  // The comparison cannot overflow.
   const bool view_fits = view.byteOffset <= buffer.size() && length <= buffer.size() - view.byteOffset;
   const bool fits =
       view_fits &&

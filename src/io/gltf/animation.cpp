@@ -36,7 +36,7 @@ AffineTransform local(const Node& node, const Pose& pose) {
   return t;
 }
 
-// The shorter way round from a to b.
+// Interpolates the shorter way round from a to b.
 Quaternion between(const Quaternion& a, Quaternion b, double u) {
   double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
   if (cosine < 0) {
@@ -60,7 +60,7 @@ void sample(const Channel& channel, double seconds, std::span<double> out) {
   const std::vector<double>& times = channel.times;
   const std::size_t width = channel.width;
   const bool is_cubic = channel.interpolation == Channel::Interpolation::cubic;
-  // Groups of `width` numbers: one a key, or with its tangents three.
+  // Groups of `width` numbers: one per key, or three with its tangents.
   const auto group = [&](std::size_t key, std::size_t part) {
     return std::span(channel.values).subspan(((is_cubic ? 3 : 1) * key + part) * width, width);
   };
@@ -88,7 +88,7 @@ void sample(const Channel& channel, double seconds, std::span<double> out) {
   }
 }
 
-// Inverse of the linear part by cofactors; false where there is none.
+// Inverse of the linear part by cofactors; false if there is none.
 bool invert(const AffineTransform& t, AffineTransform& inverse) {
   const auto& [a, b, c] = t.columns;
   const Vec3 rows[3]{cross(b, c), cross(c, a), cross(a, b)};
@@ -211,7 +211,7 @@ Joined joined(const Document& document) {
       all.vertex_count += set.positions.size();
       if (all.vertex_count >= none) document.fail("has more vertices than 32-bit indices can tell apart");
     }
-    // A node that mirrors its mesh turns facets over.
+    // A node that mirrors its mesh reverses facets.
     const bool turned_over = node.skin == none && mirrors(rest.of_node[i]);
     for (const Primitive& primitive : mesh.primitives)
       for (Facet facet : primitive.facets) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Animation of a glTF document: its nodes at a time, and its vertices with them.
+// Animation of a glTF document: its nodes and vertices at a time.
 #pragma once
 
 #include <span>
@@ -11,13 +11,13 @@ namespace morula::gltf {
 
 /// Nodes at one moment.
 struct Moment {
-  std::vector<AffineTransform> of_node;      ///< from a node's space to the scene's
-  std::vector<std::vector<double>> weights;  ///< of a node's morph targets
+  std::vector<AffineTransform> of_node;      ///< transforms from a node's space to the scene's, by node
+  std::vector<std::vector<double>> weights;  ///< weights of a node's morph targets, by node
 };
-/// As the nodes stand in the file.
+/// The nodes as stored in the file.
 Moment at_rest(const Document& document);
-/// channels: an animation's. Before its first and after its last time a channel stands still. Same bits on every
-/// machine. What overflows becomes infinite or no number.
+/// The nodes at a time. channels: the channels of an animation. A channel is constant before its first and after its
+/// last time. The result has the same bits on every machine. Values that overflow become infinite or NaN.
 Moment at_time(const Document& document, std::span<const Channel> channels, double seconds);
 /// The largest time of a key; 0 without channels.
 double duration(std::span<const Channel> channels);
@@ -29,16 +29,17 @@ struct Joined {
 };
 /// Throws FileError when there are more vertices than indices.
 Joined joined(const Document& document);
-/// Where they are in the scene: displaced by morph targets, then moved by skin or node.
+/// Their positions in the scene: displaced by morph targets, then moved by skin or node.
 std::vector<Vec3> posed(const Document& document, const Moment& moment);
-/// As they are bound: displaced by the morph targets of the moment, then moved by their node, unless a skin moves them.
+/// Their bound positions: displaced by the morph targets of the moment, then moved by their node, unless a skin moves
+/// them.
 std::vector<Vec3> bound(const Document& document, const Moment& moment);
 
-/// How all of them follow bones: the joints of each node with a skin, and each node without. Bones are in the order of
-/// nodes drawn.
+/// The skin of all vertices. Its bones are the joints of each node with a skin, and each node without one, in the order
+/// of the nodes drawn.
 Skin joined_skin(const Document& document);
-/// Transforms of these bones relative to bound(document, at_rest(document)). Throws FileError for a node that is drawn
-/// without a skin and flattens its mesh at rest.
+/// Transforms of these bones relative to bound(document, at_rest(document)). Throws FileError for a drawn node without
+/// a skin that flattens its mesh at rest.
 std::vector<AffineTransform> bone_transforms(const Document& document, const Moment& rest, const Moment& moment);
 
 }  // namespace morula::gltf

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// tinygltf leaves indices, sizes and types unchecked: what its structures say is checked here, before anything is used.
+// tinygltf leaves indices, sizes and types unchecked: all its structures are checked here, ahead of any use.
 #include "io/gltf/document.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 class Reader {
  public:
-  // bytes: of the text and of all buffers.
+  // bytes: number of bytes of the text and of all buffers.
   Reader(const fs::path& path, const morula_tinygltf::Model& model, std::size_t bytes)
       : model_(model), bytes_(bytes), accessors_(document_, model, bytes) {
     document_.name = path.string();
@@ -99,7 +99,7 @@ class Reader {
       }
     for (std::uint32_t i = 0; i < count; ++i)
       if (document_.nodes[i].parent == none) walk(i, document_.parents_first);
-    // With one parent each, what no root reaches goes round in a circle.
+    // Since each node has one parent, nodes that no root reaches form a cycle.
     if (document_.parents_first.size() != count) document_.fail("its nodes contain each other in a circle");
     find_drawn();
   }
@@ -155,7 +155,7 @@ class Reader {
       const morula_tinygltf::Primitive& from = model_.meshes[i].primitives[p];
       const std::string own = owner + ", primitive " + std::to_string(p);
       if (from.mode < 0 || from.mode > 6) document_.fail(own + " has a mode that glTF does not know");
-      if (from.mode < TINYGLTF_MODE_TRIANGLES) continue;  // points and lines
+      if (from.mode < TINYGLTF_MODE_TRIANGLES) continue;  // skips points and lines
       const auto position = from.attributes.find("POSITION");
       if (position == from.attributes.end()) document_.fail(own + " has no positions");
       Attributes attributes{{"POSITION", position->second}};
@@ -186,7 +186,7 @@ class Reader {
     const std::size_t count = set.positions.size();
     for (const auto& [name, accessor] : attributes) {
       if (name != "target") continue;
-      if (accessor == -1) {  // of normals alone
+      if (accessor == -1) {  // a target of normals only
         set.targets.emplace_back();
         continue;
       }

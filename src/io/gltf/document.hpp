@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A glTF 2.0 file, checked and decoded: plain numbers, with every index in range. What is not shape or motion
-// (materials, textures, cameras, lights) is left out.
+// A glTF 2.0 file, checked and decoded: plain numbers, with every index in range. Data other than shape and motion
+// (materials, textures, cameras, lights) are left out.
 #pragma once
 
 #include <array>
@@ -22,20 +22,20 @@ struct VertexSet {
   std::vector<Vec3> positions;
   std::vector<std::vector<Vec3>> targets;  ///< displacements, per morph target
   std::vector<std::uint32_t> begin;        ///< vertex i has the influences [begin[i], begin[i + 1]); empty: no weights
-  std::vector<std::uint32_t> joints;       ///< of a skin
-  std::vector<double> weights;             ///< above 0; those of a vertex add up to 1
+  std::vector<std::uint32_t> joints;       ///< joints of a skin
+  std::vector<double> weights;             ///< weights above 0; the weights of a vertex add up to 1
 };
 struct Primitive {
   std::size_t vertices;       ///< index of its VertexSet in the mesh
-  std::vector<Facet> facets;  ///< of these vertices
+  std::vector<Facet> facets;  ///< facets of these vertices
 };
 struct MeshData {
   std::vector<VertexSet> vertices;
   std::vector<Primitive> primitives;
-  std::vector<double> weights;  ///< of morph targets, as many as the most of its vertex sets have
+  std::vector<double> weights;  ///< weights of morph targets, the largest number that one of its vertex sets has
 };
 struct SkinData {
-  std::vector<std::uint32_t> joints;          ///< nodes
+  std::vector<std::uint32_t> joints;          ///< node of each joint
   std::vector<AffineTransform> inverse_bind;  ///< one per joint
 };
 struct Pose {
@@ -45,10 +45,10 @@ struct Pose {
 };
 struct Node {
   std::uint32_t parent = none, mesh = none, skin = none;
-  bool has_matrix = false;  ///< then nothing animates it
+  bool has_matrix = false;  ///< true if the node has a matrix; then no channel animates it
   AffineTransform matrix{};
   Pose pose{};
-  std::vector<double> weights{};  ///< of morph targets; empty: those of its mesh
+  std::vector<double> weights{};  ///< weights of morph targets; empty: the weights of its mesh
 };
 struct Channel {
   enum class Path { translation, rotation, scale, weights };
@@ -56,25 +56,25 @@ struct Channel {
   std::uint32_t node;
   Path path;
   Interpolation interpolation;
-  std::vector<double> times;   ///< going up
-  std::vector<double> values;  ///< `width` numbers a time; cubic: three times as many, tangents before and after
+  std::vector<double> times;   ///< times, ascending
+  std::vector<double> values;  ///< `width` numbers per time; cubic: three times as many, tangents before and after
   std::size_t width;
 };
 struct Document {
-  std::string name;  ///< of the file, for messages
+  std::string name;  ///< name of the file, for messages
   std::vector<MeshData> meshes;
   std::vector<SkinData> skins;
   std::vector<Node> nodes;
   std::vector<std::uint32_t> parents_first;  ///< all nodes, each after its parent
   std::vector<std::uint32_t> drawn;          ///< nodes of the scene with a mesh, in the scene's order
   std::vector<std::vector<Channel>> animations;
-  std::vector<std::string> notes;  ///< what the file shows and the document does not
+  std::vector<std::string> notes;  ///< parts of the file that the document does not have
 
   [[noreturn]] void fail(const std::string& problem) const;
 };
 
-/// bytes: of a .gltf or a .glb, told apart by how they begin. Buffers are read from data URIs, the .glb's own chunk and
-/// files in the folder of `path` or below it, by relative names without "..". Throws FileError.
+/// bytes: of a .gltf or a .glb, distinguished by their first bytes. Buffers are read from data URIs, the .glb's own
+/// chunk and files in the folder of `path` or below it, by relative names without "..". Throws FileError.
 Document read_document(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace morula::gltf

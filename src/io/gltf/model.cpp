@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// tinygltf is given no more than it needs: the JSON is parsed and cut down to shape and motion here, so that it meets
+// tinygltf gets only the data that it needs: the JSON is parsed and cut down to shape and motion here, so that it meets
 // neither images nor extensions, and of a .glb it gets that JSON and the binary chunk as if it were a file. It decodes
 // data URIs and fills structures.
 #define TINYGLTF_IMPLEMENTATION
@@ -28,7 +28,7 @@ using Json = nlohmann::json;
 
 constexpr std::string_view binary_chunk = "morula:binary-chunk";
 
-// A file's parts, before anything is decoded.
+// A file's parts, ahead of decoding.
 struct Container {
   fs::path path;
   std::string_view json, binary;
@@ -37,7 +37,7 @@ struct Container {
 
 Container opened(const fs::path& path, std::string_view bytes) {
   Container file{.path = path, .json = bytes, .binary = {}};
-  // Counts of what tinygltf is given are 32-bit.
+  // tinygltf takes 32-bit counts.
   if (bytes.size() > 0x7fffffff) throw FileError(path.string() + ": is larger than 2 GiB, which is not read");
   if (bytes.substr(0, 4) != "glTF") return file;
   file.is_binary = true;
@@ -68,7 +68,7 @@ bool is_harmless(std::string_view extension) {
          std::any_of(prefixes.begin(), prefixes.end(), [&](std::string_view p) { return extension.starts_with(p); });
 }
 
-// Extensions of nodes and meshes that say nothing of where the surface is.
+// Extensions of nodes and meshes that do not affect the surface.
 bool is_metadata(std::string_view extension) {
   constexpr std::array<std::string_view, 14> names{
       "EXT_structural_metadata",
@@ -84,11 +84,11 @@ bool is_metadata(std::string_view extension) {
       "EXT_lights_image_based",
       "FB_geometry_metadata",
       "KHR_animation_pointer",
-      "KHR_draco_mesh_compression"};  // the last two are looked at by themselves
+      "KHR_draco_mesh_compression"};  // the last two are checked by themselves
   return is_harmless(extension) || std::find(names.begin(), names.end(), extension) != names.end();
 }
 
-// How often each other extension is used, wherever it is.
+// Counts the uses of each other extension, at any place.
 void count_extensions(const Json& value, std::map<std::string, std::size_t>& uses) {
   if (value.is_object()) {
     const auto own = value.find("extensions");
@@ -110,7 +110,7 @@ const Json* extension_of(const Json& owner, const char* name) {
   return found == all->end() ? nullptr : &*found;
 }
 
-// Empty where there is none.
+// The list of a key; empty if there is none.
 const Json& list_in(const Json& owner, const char* key) {
   static const Json empty = Json::array();
   if (!owner.is_object()) return empty;
@@ -133,7 +133,7 @@ std::size_t count_pointers(const Json& kept) {
   return count;
 }
 
-// Does an accessor have data of its own, without the extension that packs them?
+// Whether an accessor has data of its own, without the extension that packs them.
 bool has_plain_data(const Json& kept, const Json& index) {
   const Json& accessors = list_in(kept, "accessors");
   if (!index.is_number_unsigned() || index.get<std::size_t>() >= accessors.size()) return true;
@@ -141,7 +141,7 @@ bool has_plain_data(const Json& kept, const Json& index) {
   return accessor.contains("bufferView") || accessor.contains("sparse");
 }
 
-// An accessor without data is full of zeros, which is not what a packed primitive shows.
+// An accessor without data is full of zeros, which differ from the data of a packed primitive.
 bool is_packed_alone(const Json& kept, const Json& primitive) {
   if (!extension_of(primitive, "KHR_draco_mesh_compression")) return false;
   if (primitive.contains("indices") && !has_plain_data(kept, primitive["indices"])) return true;
@@ -161,7 +161,7 @@ std::string times(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-// What the file shows, or moves, by extensions that are not read.
+// Notes on shapes and motions of the file by extensions that are not read.
 std::vector<std::string> notes_of(const Json& all, const Json& kept) {
   std::map<std::string, std::size_t> uses;
   count_extensions(kept, uses);
@@ -181,7 +181,7 @@ std::vector<std::string> notes_of(const Json& all, const Json& kept) {
   return notes;
 }
 
-// What is neither shape nor motion goes, wherever it is.
+// Removes all data that are neither shape nor motion, at any place.
 void strip(Json& value) {
   if (value.is_object())
     for (const char* const key : {"extensions", "extras"}) value.erase(key);
@@ -189,7 +189,7 @@ void strip(Json& value) {
     for (Json& part : value) strip(part);
 }
 
-// How deep lists and objects are nested in a text, where it is JSON: brackets in strings do not count.
+// The nesting depth of lists and objects in a JSON text: brackets in strings do not count.
 int depth_of(std::string_view text) {
   int depth = 0, deepest = 0;
   bool is_in_string = false;
@@ -211,7 +211,7 @@ int depth_of(std::string_view text) {
 
 Json parsed(const Container& file) {
   const std::string name = file.path.string();
-  // As deep as glTF goes is 8; what recurses after this, here and in tinygltf, then cannot run out of stack.
+  // glTF is at most 8 deep; with this limit, functions that recurse, here and in tinygltf, cannot run out of stack.
   constexpr int deepest = 32;
   if (depth_of(file.json) > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
   try {
@@ -261,7 +261,7 @@ Json cut_down(const Container& file, std::vector<std::string>& notes) {
         "it (uncompressed)");
   notes = notes_of(all, kept);
   strip(kept);
-  // tinygltf asks for what glTF leaves out.
+  // tinygltf requires members that glTF leaves out.
   if (kept.contains("skins"))
     for (Json& skin : kept["skins"])
       if (!skin.contains("inverseBindMatrices")) skin["inverseBindMatrices"] = -1;
@@ -281,7 +281,7 @@ Json cut_down(const Container& file, std::vector<std::string>& notes) {
   return kept;
 }
 
-// Names beside the file: none that leads elsewhere.
+// The path of a file next to the glTF file; names that lead elsewhere are rejected.
 fs::path beside(const Container& file, const std::string& uri) {
   const fs::path relative(uri);
   const bool is_inside =
@@ -300,7 +300,7 @@ fs::path beside(const Container& file, const std::string& uri) {
   return path;
 }
 
-// A buffer, as tinygltf asks for it. It checks the size against what was announced, a chunk may have padding.
+// Reads a buffer for tinygltf. It compares the size with the announced one; a chunk may have padding.
 bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::string& uri, void* user) {
   const auto& file = *static_cast<const Container*>(user);
   const auto whole = [&](const fs::path& path) {
@@ -321,7 +321,7 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
   return true;
 }
 
-// How tinygltf reaches files: buffers alone. From 2.9 on it asks for their sizes first.
+// The file callbacks of tinygltf: buffers only. From 2.9 on it requests their sizes first.
 template <class Callbacks>
 Callbacks callbacks_for(Container& file) {
   Callbacks callbacks{};
@@ -372,8 +372,8 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
     error = problem.what();
   }
   // mutant gltf-ended-is-a-fault: `ask_to_go_on()` -> ``
-  ask_to_go_on();  // what ended the call while a buffer was read is no fault of the file
-  // It goes on after some errors, and leaves out what it did not understand.
+  ask_to_go_on();  // an interruption while a buffer was read is no fault of the file
+  // tinygltf continues after certain errors, and leaves out unknown data.
   if (!good || !error.empty()) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();
     for (char& c : error)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Skins and bones out of a glTF file.
+// Skins and bones from a glTF file.
 #pragma once
 
 #include <morula/io/motion_file.hpp>
@@ -9,9 +9,9 @@
 
 namespace morula::detail {
 
-/// Of all vertices of read_mesh. Throws FileError.
+/// The skin of all vertices of read_mesh. Throws FileError.
 Skin gltf_skin(const std::filesystem::path& path);
-/// Of its bones, per frame. Throws FileError, also where morph targets move.
+/// The transforms of its bones, per frame. Throws FileError, also if morph targets move.
 std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem::path& path,
                                                           const MotionOptions& options);
 

@@ -17,7 +17,7 @@ namespace morula {
 namespace detail {
 namespace {
 
-/// An icosahedron whose facets are cut into four twice, corners on the unit sphere, outward.
+/// An icosahedron whose facets are cut into four twice, with corners on the unit sphere and outward facets.
 Mesh unit_ball() {
   const double g = 0.5 * (1 + std::sqrt(5.0));
   Mesh ball{{{-1, g, 0},
@@ -65,7 +65,7 @@ std::string numbers(std::span<const double> values) {
   return text + ']';
 }
 
-/// A binary chunk and the accessors of what is in it.
+/// A binary chunk and the accessors of its data.
 class Chunk {
  public:
   std::size_t begin(std::size_t count, std::string_view type, int component, const std::string& bounds = {}) {
@@ -109,7 +109,7 @@ void require_writable(const std::filesystem::path& path, std::span<const std::ve
                     " spheres do not fit into 2 GiB; write fewer frames, or a coarser level");
 }
 
-/// Of all spheres, as JSON: their nodes, and what moves these where there are several frames.
+/// The nodes of all spheres, as JSON, and the animation of these nodes if there are several frames.
 struct Nodes {
   std::string nodes, roots, samplers, channels;
 };
@@ -146,7 +146,7 @@ Nodes add_nodes(Chunk& chunk, std::span<const std::vector<Sphere>> frames, doubl
   return made;
 }
 
-/// A .glb of two chunks. Throws FileError where it would be too large.
+/// A .glb of two chunks. Throws FileError if it would be too large.
 std::string glb(const std::filesystem::path& path, const std::string& json, const std::string& binary) {
   const std::uint64_t size = 12 + 8 + json.size() + 8 + binary.size();
   if (size > most_bytes) throw FileError(path.string() + ": would be larger than 2 GiB; write fewer frames");

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// tinygltf as all of gltf/ sees it: in a namespace of our own, so that a program that also has tinygltf links it once
-// more without a clash, and without images, which are not read.
+// tinygltf as all of gltf/ uses it: in a private namespace, so that it does not clash with another tinygltf in the
+// program, and without images, which are not read.
 #pragma once
 
-#include <fstream>  // which tinygltf uses and forgets
+#include <fstream>  // which tinygltf uses and does not include
 
 #define tinygltf morula_tinygltf
 #define TINYGLTF_NO_STB_IMAGE

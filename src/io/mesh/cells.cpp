@@ -115,7 +115,7 @@ void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
     }
     case CellShape::strip:
       for (std::size_t k = 2; k < corners.size(); ++k) {
-        // Every other triangle of a strip is turned.
+        // Every other triangle of a strip is reversed.
         const std::size_t a = k % 2 == 0 ? k - 2 : k - 1, b = k % 2 == 0 ? k - 1 : k - 2;
         surface_.push_back({corners[a], corners[b], corners[k]});
       }
@@ -152,7 +152,7 @@ std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const 
     ask_now_and_then();
     const Solid& solid = solids_[number];
     const std::uint32_t* const c = corners_.data() + solid.first;
-    // A solid whose corners are mirrored has its faces the wrong way round: its volume, by its faces, tells.
+    // A solid whose corners are mirrored has its faces inward: the sign of its volume shows that.
     const std::span<const Face> table = faces_of(solid.shape);
     double volume = 0;
     for (const Face& face : table) {
@@ -174,8 +174,8 @@ std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const 
   return faces;
 }
 
-// Files usually list the faces of their solids' surface again, as polygons; those that are none of these faces, nor
-// half of one, are shells of their own.
+// Files usually list the faces of their solids' surface again, as polygons; polygons that are none of these faces, nor
+// half of one, are separate shells.
 void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& reading) const {
   if (surface_.empty()) return;
   std::vector<std::array<std::uint32_t, 3>> parts;

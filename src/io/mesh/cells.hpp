@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Cells of files that hold more than triangles: polygons, strips and solids, of which the surface is taken.
+// Cells of files that hold more than triangles: polygons, strips and solids, whose surface is the mesh.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
@@ -11,35 +11,34 @@
 
 namespace morula::detail {
 
-/// What a surface is made of. Corners are numbered as VTK numbers them, as Gmsh does, too; higher orders give their
-/// corners alone.
+/// The shapes of cells. The order of corners is that of VTK and Gmsh; cells of higher order give only their corners.
 enum class CellShape { none, polygon, strip, pixel, tetrahedron, voxel, hexahedron, wedge, pyramid };
 
-/// Of VTK's number for a type of cell; nothing for what has no surface of its own here (points, lines) …
+/// The shape for VTK's number of a type of cell; none for cells without a surface here (points, lines).
 struct CellType {
   CellShape shape;
-  std::size_t corners;  ///< how many come first in the file; 0: as many as there are
+  std::size_t corners;  ///< number of corners, which come first in the file; 0: all points of the cell
 };
-/// … and false for types that are not known.
+/// Sets the type for a number of VTK. Returns false for unknown types.
 bool vtk_cell_type(std::uint64_t number, CellType& type);
 
-/// Gathers cells, and gives their surface.
+/// Collects cells and returns their surface.
 class CellSurface {
  public:
-  /// corners: of one cell, indices of points that are there.
+  /// Adds a cell. corners: its corners, indices of existing points.
   void add(CellType type, std::span<const std::uint32_t> corners);
-  /// Of solids, the faces that only one of them has, outward, in the order of the solids; polygons and strips beside
-  /// them lie on their faces, or are left out and counted. Without solids, all polygons and strips. Vertices keep their
-  /// numbers.
+  /// The facets of the surface. With solids: the faces that only one solid has, outward, in the order of the solids;
+  /// polygons and strips then lie on these faces, or are left out and counted. Without solids: all polygons and strips.
+  /// Vertices keep their numbers.
   std::vector<Facet> facets(std::span<const Vec3> points, MeshReading& reading);
 
  private:
   struct Solid {
     CellShape shape;
-    std::size_t first;  // in corners_
+    std::size_t first;  // first corner, in corners_
   };
   struct Polygon {
-    std::size_t first, corners;  // in surface_, as facets about the first corner; how many
+    std::size_t first, corners;  // first facet in surface_, of a fan about the first corner; number of corners
     std::size_t cell;
   };
   struct OpenFace;
@@ -49,7 +48,7 @@ class CellSurface {
 
   std::size_t cells_ = 0;
   std::vector<Facet> surface_;
-  std::vector<Polygon> polygons_;  // of more than three corners
+  std::vector<Polygon> polygons_;  // polygons of more than three corners
   std::vector<Solid> solids_;
   std::vector<std::uint32_t> corners_;
 };

@@ -18,7 +18,7 @@
 
 namespace morula::detail {
 
-/// Positions of one frame after the other, out of one file.
+/// The frames of one file, read one at a time.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -30,8 +30,8 @@ class FrameSource {
   virtual std::size_t vertex_count() const = 0;
 };
 
-/// Readers check every number, index and size that they use; read_mesh checks the whole. path is for messages, and for
-/// what a file names beside itself.
+/// Readers check every number, index and size that they use; read_mesh checks the whole mesh. path is for messages, and
+/// for files that the file refers to.
 using ReadMesh = Mesh(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading);
 using MeshBytes = std::string(const MeshView& mesh);
 using OpenFrames = std::shared_ptr<const FrameSource>(const std::filesystem::path& path, const MotionOptions& options);
@@ -43,19 +43,20 @@ OpenFrames open_gltf_frames;
 /// The size is that of a binary STL with as many facets as its header counts.
 bool is_exactly_binary_stl(std::string_view bytes);
 
-/// The balls of a PLY. Throws FileError, also where it holds none.
+/// The balls of a PLY. Throws FileError, also if it holds none.
 std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::string_view bytes);
 
 struct MeshFormat {
-  std::string_view extension;  ///< lower case, with the dot
+  std::string_view extension;  ///< extension in lower case, with the dot
   ReadMesh* read;
-  MeshBytes* write;               ///< none: it is not written
-  bool keeps_vertices;            ///< what is written reads back as the same bits, so frames may be written so
-  OpenFrames* open_frames;        ///< none: a file is a single frame
-  std::string_view not_written;   ///< why
-  std::string_view frame_remedy;  ///< what to do about frames that differ from the mesh; empty: the usual
+  MeshBytes* write;               ///< writer; null: the format is not written
+  bool keeps_vertices;            ///< whether written positions read back as the same bits, so that frames may use the
+                                  ///< format
+  OpenFrames* open_frames;        ///< null: a file is a single frame
+  std::string_view not_written;   ///< reason why the format is not written
+  std::string_view frame_remedy;  ///< remedy for frames that differ from the mesh; empty: the usual one
 };
-/// All that is known of formats; whoever lists, reads or writes them asks here.
+/// The table of all formats, from which they are listed, read and written.
 inline constexpr std::array mesh_formats{
     MeshFormat{".obj", read_obj, obj_text, true, nullptr, "", ""},
     MeshFormat{".off", read_off, off_text, true, nullptr, "", ""},
@@ -69,16 +70,17 @@ inline constexpr std::array mesh_formats{
     MeshFormat{".vtu", read_vtu, nullptr, false, nullptr, "VTK's unstructured grids are read but not written", ""},
     MeshFormat{".msh", read_gmsh, nullptr, false, nullptr, "Gmsh's format is read but not written", ""},
 };
-/// Nothing where the extension is of no format.
+/// The format of an extension; null if there is none.
 const MeshFormat* mesh_format(std::string_view extension);
-/// Of a format in which frames may be written.
+/// Whether frames may be written with this extension.
 bool is_frame_extension(std::string_view extension);
 
-/// As read_mesh.
+/// Reads a mesh like read_mesh.
 Mesh read_mesh_as(const std::filesystem::path& path, MeshReading& reading);
-/// What read_mesh makes of a file with these bytes; the path says the format by its extension, which must be readable.
+/// The mesh that read_mesh returns for a file with these bytes; the extension of the path gives the format, which must
+/// be readable.
 Mesh mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading);
-/// The bytes of a file with this extension, which must be writable.
+/// The bytes of a file with this extension, whose format must be writable.
 std::string mesh_bytes(std::string_view extension, const MeshView& mesh);
 
 }  // namespace morula::detail

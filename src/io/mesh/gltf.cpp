@@ -19,7 +19,7 @@ using gltf::Document;
 
 constexpr std::size_t most_frames = 10'000'000;
 
-// One animation of a document, frame by frame; without any, its nodes as they stand.
+// One animation of a document, frame by frame; without any, its nodes as stored.
 class Timeline {
  public:
   Timeline(const Document& document, const MotionOptions& options) : rate_(options.frames_per_second) {
@@ -76,7 +76,7 @@ class GltfFrames final : public FrameSource {
   gltf::Joined joined_;
 };
 
-// Throws where morph targets move vertices while time goes on: no bone can do that.
+// Throws if morph targets move vertices over time: no bone can do that.
 void require_no_morphing(const Document& document, const Timeline& timeline) {
   for (const gltf::Channel& channel : timeline.channels())
     if (channel.path == gltf::Channel::Path::weights)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Stand-in for the glTF reader where the build has none.
+// A stand-in for the glTF reader in builds without one.
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
 

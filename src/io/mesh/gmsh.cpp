@@ -19,7 +19,7 @@ struct ElementType {
   std::size_t nodes;
 };
 
-/// By Gmsh's number. Elements of higher order have their corners first.
+/// Sets the type for Gmsh's number. Elements of higher order have their corners first.
 bool element_type(std::int64_t number, ElementType& type) {
   constexpr CellType line{CellShape::none, 0}, triangle{CellShape::polygon, 3}, quad{CellShape::polygon, 4},
       tetrahedron{CellShape::tetrahedron, 4}, hexahedron{CellShape::hexahedron, 8}, wedge{CellShape::wedge, 6},
@@ -45,7 +45,8 @@ bool element_type(std::int64_t number, ElementType& type) {
   return false;
 }
 
-// MuJoCo's meshes have the same extension: counts of vertices, normals, places in a texture and facets, then these.
+// MuJoCo's meshes have the same extension: counts of vertices, normals, texture coordinates and facets, then these
+// data.
 bool has_size_of_mujoco_mesh(std::string_view bytes) {
   constexpr std::size_t head = 16;
   if (bytes.size() < head) return false;
@@ -111,7 +112,7 @@ class GmshReader {
     if (in_.word() != "$EndMeshFormat") in_.fail("'$EndMeshFormat' does not follow the format");
   }
 
-  /// The next line that begins with $; what lies between sections is no one's.
+  /// The next line that begins with $; text between sections belongs to none.
   std::string_view next_section() {
     const std::string_view section = in_.word();
     if (!section.empty() && section[0] != '$') in_.fail(in_quotes(section) + " stands where a section should begin");
@@ -121,7 +122,7 @@ class GmshReader {
 
   void skip_section(std::string_view section) {
     const std::string end = "$End" + std::string(section.substr(1));
-    // Data of binary files may hold anything, so lines are no help: the end is looked for.
+    // Data of binary files may hold any bytes, also line ends: the end of the section is searched for.
     const std::size_t found = in_.find(end);
     if (found == std::string_view::npos) in_.fail("the file ends inside " + in_quotes(section) + "; it was cut short");
     in_.seek(found + end.size());
@@ -156,7 +157,7 @@ class GmshReader {
     }
   }
 
-  /// Of a block: its entity's number and dimension, in the order of the version.
+  /// Reads the entity's number and dimension of a block, in the order of the version.
   std::int64_t entity_dimension() {
     if (is_4_0_) in_.integer<std::int32_t>("the number of an entity");
     const std::int64_t dimension = in_.integer<std::int32_t>("the dimension of an entity");
@@ -184,7 +185,7 @@ class GmshReader {
         add_node(tag, position());
         for (std::int64_t k = 0; parametric != 0 && k < dimension; ++k) in_.number<double>("a parameter");
       };
-      // Each number beside its place, or all of them first.
+      // Each number comes with its coordinates, or all numbers come first.
       for (std::uint64_t i = 0; is_4_0_ && i < nodes; ++i) add(in_.integer<std::int32_t>("the number of a node"));
       if (is_4_0_) continue;
       tags.clear();
@@ -225,7 +226,7 @@ class GmshReader {
     in_.line();
     in_.require_room(total, in_.is_binary() ? 8 : 6, "elements");
     for (std::uint64_t done = 0; done < total;) {
-      // In text every element says its type; in binary so many of one type follow each other.
+      // In text every element has its type; in binary a header gives the number of consecutive elements of one type.
       std::uint64_t block = 1;
       std::int64_t number = 0, tags = 0;
       if (in_.is_binary()) {

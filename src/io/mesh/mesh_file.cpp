@@ -51,7 +51,7 @@ Mesh detail::read_mesh_as(const std::filesystem::path& path, MeshReading& readin
 
 Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
   const std::string extension = lower_extension(path);
-  // Eighty bytes of anything begin a binary STL.
+  // A binary STL begins with eighty arbitrary bytes.
   if (extension != ".stl" || !is_exactly_binary_stl(bytes)) {
     if (const std::string foreign = foreign_content(bytes, extension); !foreign.empty())
       throw FileError(path.string() + ": " + foreign);
@@ -70,7 +70,7 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
     throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no mesh format that can be written; use " + writable_mesh_list());
   require_usable(mesh);
-  // What is written must read back, unused vertices included.
+  // A written mesh must read back, unused vertices included.
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i)
     if (!is_finite(mesh.positions[i]))
       throw std::invalid_argument("vertex " + std::to_string(i) + " has a coordinate that is not finite");
@@ -78,7 +78,7 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
 }
 
 std::span<const MeshFileKind> mesh_file_kinds() {
-  // Not constexpr: for GCC, under its sanitizers, the address of a function is not known to be none.
+  // It is not constexpr: GCC with sanitizers does not treat the address of a function as a nonnull constant.
   static const auto kinds = [] {
     std::array<MeshFileKind, mesh_formats.size()> list{};
     for (std::size_t i = 0; i < list.size(); ++i)

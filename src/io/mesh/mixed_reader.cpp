@@ -69,7 +69,7 @@ double MixedReader::text_number(std::string_view what) {
   const std::from_chars_result read = std::from_chars(text.data(), text.data() + text.size(), value);
   if (read.ptr != text.data() + text.size() || read.ec == std::errc::invalid_argument)
     fail(in_quotes(whole) + " is not a number, but " + std::string(what) + " should be here");
-  // What is below the smallest double may be 0; what is beyond the largest may not.
+  // A number below the smallest double may be 0; one beyond the largest is an error.
   if (read.ec == std::errc::result_out_of_range) fail(in_quotes(whole) + " is out of range for " + std::string(what));
   return finite(value, what);
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Files that mix lines of words with blocks of binary numbers, as VTK's legacy files and Gmsh's do.
+// Files that mix lines of words with blocks of binary numbers, such as VTK's legacy files and Gmsh's.
 #pragma once
 
 #include <bit>
@@ -14,13 +14,13 @@
 
 namespace morula::detail {
 
-/// Every complaint is a FileError that names the line, or in binary files the byte. Words may lie on any line.
+/// Every error is a FileError that names the line, or in binary files the byte. Words may lie on any line.
 class MixedReader {
  public:
   /// bytes must outlive the reader.
   MixedReader(std::filesystem::path path, std::string_view bytes);
 
-  /// From now on numbers are binary.
+  /// Makes all following numbers binary.
   void set_binary(std::endian order) {
     is_binary_ = true;
     order_ = order;
@@ -29,21 +29,21 @@ class MixedReader {
   std::size_t bytes_left() const { return bytes_.size() - at_; }
   std::size_t at() const { return at_; }
   void seek(std::size_t at) { at_ = at; }
-  /// Where the text begins next; std::string_view::npos when it does not.
+  /// The place of the next occurrence of a text; std::string_view::npos when there is none.
   std::size_t find(std::string_view text) const { return bytes_.find(text, at_); }
 
-  /// The rest of this line without blanks at its ends, whatever the mode; steps over its end.
+  /// The rest of this line without blanks at its ends, in either mode; steps over its end.
   std::string_view line();
-  /// The next word on any line, whatever the mode; empty at the end of the file.
+  /// The next word on any line, in either mode; empty at the end of the file.
   std::string_view word();
-  /// What word() will give.
+  /// The word that word() will return.
   std::string_view peek();
-  /// A word that is there.
+  /// The next word; throws at the end of the file.
   std::string_view require_word(std::string_view what);
-  /// A word that is a number of things, whatever the mode.
+  /// A word that is a count, in either mode.
   std::uint64_t text_count(std::string_view what);
 
-  /// Numbers as the mode has them: a word, or the bytes of Value.
+  /// A number in the present mode: a word, or the bytes of Value.
   template <class Value>
   double number(std::string_view what) {
     if (!is_binary_) return text_number(what);
@@ -55,12 +55,13 @@ class MixedReader {
     return static_cast<std::int64_t>(raw<Value>(what));
   }
   void skip_bytes(std::uint64_t count, std::string_view what);
-  /// Asks now and then whether to go on: for every row of binary numbers. Words ask by themselves.
+  /// Checks at intervals whether to go on; called for every row of binary numbers. The functions for words check by
+  /// themselves.
   void begin_row() { ask_now_and_then_(); }
 
-  /// Of `count` things that take at least so many bytes each, as many as the file can still hold.
+  /// The number of elements that the rest of the file can hold, at most `count`, if each takes at least so many bytes.
   std::size_t at_most(std::uint64_t count, std::size_t least_bytes) const;
-  /// As at_most, but throws where the file cannot hold them.
+  /// Like at_most, but throws if the file cannot hold them.
   std::size_t require_room(std::uint64_t count, std::size_t least_bytes, std::string_view what) const;
 
   [[noreturn]] void fail(const std::string& problem) const;

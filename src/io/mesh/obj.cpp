@@ -14,7 +14,7 @@ namespace morula::detail {
 namespace {
 
 // The vertex number that a face corner such as "7", "7/1", "7//3" or "-2/1/3" begins with; the rest is ignored, but
-// must look like what it is.
+// must be well formed.
 std::int64_t vertex_number(const TextScanner& in, std::string_view corner) {
   std::string_view digits = corner.substr(0, corner.find('/'));
   const std::string_view rest = corner.substr(digits.size());
@@ -28,22 +28,22 @@ std::int64_t vertex_number(const TextScanner& in, std::string_view corner) {
   return number;
 }
 
-// Statements that say nothing of the surface, and those of curves and of the makings of free-form surfaces.
+// Statements that do not affect the surface, and statements of curves and of parts of free-form surfaces.
 constexpr std::array<std::string_view, 35> known_statements{
     "vt",     "vn",     "vp",     "p",      "l",     "g",   "s",         "o",        "mg",
     "mtllib", "usemtl", "maplib", "usemap", "bevel", "lod", "c_interp",  "d_interp", "shadow_obj",
     "ctech",  "stech",  "deg",    "bmat",   "step",  "res", "trace_obj", "cstype",   "parm",
     "trim",   "hole",   "scrv",   "sp",     "end",   "con", "curv",      "curv2"};
-// Free-form surfaces; all but the first are of older versions.
+// Free-form surfaces; all except the first belong to older versions.
 constexpr std::array<std::string_view, 5> surface_statements{"surf", "bzp", "bsp", "cdp", "cdc"};
-// Other files, read in this place.
+// Statements that include other files at their place.
 constexpr std::array<std::string_view, 2> call_statements{"call", "csh"};
 
 bool is_one_of(std::string_view keyword, std::span<const std::string_view> statements) {
   return std::find(statements.begin(), statements.end(), keyword) != statements.end();
 }
 
-// Statements that might have been surface, and are not in the mesh.
+// Statements that might describe surface, and are not in the mesh.
 struct LeftOutStatements {
   LeftOut unknown{}, surfaces{}, calls{};
   void add(std::string_view keyword, std::size_t line) {
@@ -80,9 +80,9 @@ Mesh read_obj(const std::filesystem::path& path, std::string_view text, MeshRead
   while (in.next_line()) {
     const std::string_view keyword = in.word();
     if (keyword == "v") {
-      // Braces: evaluated from left to right. Weights and colors after the third number are ignored.
+      // Braces, because they are evaluated from left to right. Weights and colors after the third number are ignored.
       mesh.positions.push_back(Vec3{in.number("x"), in.number("y"), in.number("z")});
-    } else if (keyword == "f" || keyword == "fo") {  // fo: of versions before 3.0
+    } else if (keyword == "f" || keyword == "fo") {  // fo: keyword of versions older than 3.0
       const auto known = static_cast<std::int64_t>(mesh.vertex_count());
       face.begin();
       for (std::string_view corner = in.word(); !corner.empty(); corner = in.word()) {

@@ -27,10 +27,10 @@ void read_keyword(TextScanner& in) {
   in.back_up(next.size());
 }
 
-// How numbers lie on lines. The first that fits the whole file is right.
+// The layout of numbers on lines. The first layout that fits the whole file is used.
 enum class Layout {
-  rows,       // a vertex or a face a line; what follows on the line is color
-  long_rows,  // the same, but a row may go on over the next lines
+  rows,       // a vertex or a face per line; the rest of the line is color
+  long_rows,  // the same, but a row may continue on the next lines
   many_rows   // the same, and a line may have several; there is no color
 };
 
@@ -46,7 +46,7 @@ class OffReader {
     const std::uint64_t vertex_count = count("the number of vertices");
     const std::uint64_t face_count = count("the number of faces");
     if (layout_ == Layout::many_rows) count("the number of edges");
-    // The shortest lines are "0 0 0" and "3 0 1 2": no count makes this allocate more than the file is worth.
+    // The shortest lines are "0 0 0" and "3 0 1 2": so no count causes an allocation out of proportion to the file.
     Mesh mesh;
     mesh.positions.reserve(std::min<std::uint64_t>(vertex_count, in_.bytes_left() / 6 + 1));
     for (std::uint64_t i = 0; i < vertex_count; ++i) {
@@ -74,11 +74,11 @@ class OffReader {
     began_on_ = in_.line();
   }
   void end_row() {
-    // Else a number that is missing would be taken from the next row, and all that follows would be something else.
+    // Otherwise a missing number would be taken from the next row, and all following numbers would be shifted.
     // mutant off-row-takes-from-the-next: `if ... ) in_.require_line_end("a row that began on another line")` -> ``
     if (in_.line() != began_on_) in_.require_line_end("a row that began on another line");
   }
-  /// Steps to the next line where a row may go on there.
+  /// Steps to the next line if a row may continue there.
   void go_on() {
     if (layout_ != Layout::rows && in_.at_line_end()) in_.next_line();
   }
@@ -139,7 +139,7 @@ Mesh read_off(const std::filesystem::path& path, std::string_view text, MeshRead
     Mesh mesh;
     for (const Layout layout : {Layout::long_rows, Layout::many_rows})
       if (read_off_as(path, text, layout, reading, mesh)) return mesh;
-    // Most files have rows, so that their complaint names the right line.
+    // Most files have rows, so their error names the right line.
     throw;
   }
 }

@@ -106,7 +106,7 @@ class BinaryRows {
   const PlyElement* element_ = nullptr;
 };
 
-// The shortest row in bytes; in text each value takes a digit and what separates it.
+// The shortest row in bytes; in text each value takes a digit and a separator.
 std::uint64_t shortest_row(const PlyElement& element, bool is_text) {
   std::uint64_t bytes = 0;
   for (const PlyProperty& property : element.properties)
@@ -114,7 +114,7 @@ std::uint64_t shortest_row(const PlyElement& element, bool is_text) {
   return bytes;
 }
 
-// A number that a file gives for a count, whatever it is.
+// The text of any number that a file gives as a count.
 std::string shown_count(double count) {
   constexpr double most = 0x1p62;
   if (std::isnan(count)) return "no number of";
@@ -124,17 +124,17 @@ std::string shown_count(double count) {
 template <class Rows>
 std::uint64_t list_length(Rows& rows, const PlyProperty& property) {
   const double length = rows.value(property.count_type, "a list's length");
-  // A list's entries take at least a byte each: no length gets past the end of the file.
+  // A list's entries take at least a byte each: so no length can exceed the rest of the file.
   if (!(length >= 0 && length <= static_cast<double>(rows.bytes_left())))
     rows.fail("a list of property " + in_quotes(property.name) + " claims " + shown_count(length) + " entries, but " +
               std::to_string(rows.bytes_left()) + " bytes are left; it was cut short, or the length is wrong");
   return static_cast<std::uint64_t>(length);
 }
 
-// Of balls; meshes have no use for them.
+// The name of radii of balls; meshes ignore them.
 constexpr std::string_view radius_name = "radius";
 
-// radii: of balls; null for a mesh.
+// radii: radii of balls; null for a mesh.
 template <class Rows>
 void read_vertices(Rows& rows, const PlyElement& element, Mesh& mesh, std::vector<double>* radii) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
@@ -189,7 +189,7 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
   }
 }
 
-// Every other triangle of a strip is turned over.
+// Every other triangle of a strip is reversed.
 template <class Rows>
 void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
   AskNowAndThen ask_now_and_then(4096);  // one row holds all strips

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The header of a PLY file: which elements follow, and which properties their rows have.
+// The header of a PLY file: its elements, and the properties of their rows.
 #pragma once
 
 #include <bit>
@@ -28,7 +28,7 @@ struct PlyProperty {
   PlyType count_type = PlyType::uint8;
 };
 
-/// A list of a face's corners, under either of its two usual names.
+/// Whether a property is the list of a face's corners, under either of its two usual names.
 inline bool is_vertex_list(const PlyProperty& property) {
   return property.is_list && (property.name == "vertex_indices" || property.name == "vertex_index");
 }
@@ -49,7 +49,7 @@ struct PlyHeader {
   std::uint64_t vertex_count = 0;
 };
 
-/// A scanner for the header, and for the rows where they are text. Lines end as those of the header do, whatever bytes
+/// A scanner for the header, and for the rows if they are text. Lines end like the header's lines, whatever bytes
 /// follow it.
 TextScanner ply_scanner(const std::filesystem::path& path, std::string_view bytes);
 
@@ -57,7 +57,7 @@ TextScanner ply_scanner(const std::filesystem::path& path, std::string_view byte
 /// element and one of strips, which have one integer list of vertices; all lists have integer lengths.
 PlyHeader read_ply_header(TextScanner& in);
 
-/// Vertices have one scalar property `radius`, and there are no faces.
+/// Whether vertices have one scalar property `radius`, and there are no faces.
 bool holds_balls(const PlyHeader& header);
 
 }  // namespace morula::detail

@@ -40,7 +40,7 @@ void PolygonReader::cut(std::span<const Vec3> points, std::span<const std::uint3
   if (shape.bent && info.bent_polygons++ == 0) first_bent_ = place;
 }
 
-// Facets of as many corners fill the polygon when its sides are what is left of theirs: all others cancel in pairs.
+// Facets with as many corners fill the polygon when its sides are the rest of their sides: all others cancel in pairs.
 bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::span<Facet> own, std::size_t first) {
   if (reading_.cut_like.size() < first + own.size()) return false;
   const std::span<const Facet> given = reading_.cut_like.subspan(first, own.size());

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// One mesh file while it is read: the polygons in it, and what is to be said of it.
+// The state of a mesh file that is read: its polygons, and the notes on it.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace morula::detail {
 
-/// What a reader is given beside the bytes, and what it says of them.
+/// The input of a reader besides the bytes, and its notes on them.
 struct MeshReading {
-  /// Facets that polygons become where the corners agree, whatever their shape: those of the mesh at rest for a frame
-  /// of its motion, whose polygons may have become concave.
+  /// Facets that polygons become if their corners agree, whatever their shape: the facets of the mesh at rest, for a
+  /// frame of its motion, whose polygons may have become concave.
   std::span<const Facet> cut_like = {};
   MeshInfo info = {};
 };
@@ -26,10 +26,10 @@ struct MeshReading {
 /// "1 face" or "3 faces".
 std::string counted(std::size_t count, std::string_view one);
 
-/// Things of one kind that were left out: how many, and where the first of them is.
+/// Things of one kind that were left out: their number, and the place of the first.
 struct LeftOut {
   std::size_t count = 0, line = 0;
-  std::string first{};  ///< what the first of them is called
+  std::string first{};  ///< name of the first of them
   void add(std::size_t at, std::string_view name);
 };
 
@@ -37,13 +37,13 @@ struct LeftOut {
 class PolygonReader {
  public:
   struct Place {
-    std::size_t face;  ///< counted from 0
-    std::size_t line;  ///< 0: not known
+    std::size_t face;  ///< number of the face, from 0
+    std::size_t line;  ///< line of the face; 0: unknown
   };
 
   explicit PolygonReader(MeshReading& reading) : reading_(reading) {}
-  /// A polygon of four corners or more, which are indices of points: replaces its corners.size() - 2 facets from
-  /// `first` on. facets: of the whole mesh.
+  /// Cuts a polygon of four corners or more, which are indices of points: replaces its corners.size() - 2 facets from
+  /// `first` on. facets: the facets of the whole mesh.
   void cut(std::span<const Vec3> points, std::span<const std::uint32_t> corners, std::span<Facet> facets,
            std::size_t first, Place place);
   /// Adds the notes; `kind` is "face" or "cell".
@@ -66,9 +66,9 @@ class FaceReader {
   void begin() { corners_.clear(); }
   void add(std::uint32_t vertex) { corners_.push_back(vertex); }
   std::size_t corners() const { return corners_.size(); }
-  /// The face that begin() began has three corners or more. line: 0 where there are no lines.
+  /// Ends the face that begin() began; it has three corners or more. line: 0 for files without lines.
   void end(std::size_t line);
-  /// All vertices are there, and all corners are among them.
+  /// Cuts the waiting polygons. All vertices have been read, and all corners are among them.
   void finish();
 
  private:
@@ -85,7 +85,7 @@ class FaceReader {
   std::size_t faces_ = 0;
 };
 
-/// The corners of a polygon that is there as facets about its first corner.
+/// The corners of a polygon that is stored as facets about its first corner.
 void corners_of_fan(std::span<const Facet> fan, std::vector<std::uint32_t>& corners);
 
 }  // namespace morula::detail

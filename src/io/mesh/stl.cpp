@@ -12,8 +12,8 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t binary_header = 84;  // 80 bytes of anything, then the number of facets
-constexpr std::size_t binary_facet = 50;   // normal, three corners, two bytes of anything
+constexpr std::size_t binary_header = 84;  // 80 arbitrary bytes, then the number of facets
+constexpr std::size_t binary_facet = 50;   // normal, three corners, two arbitrary bytes
 
 // Bitwise equal corners become one vertex; −0 equals 0.
 class Welder {
@@ -36,7 +36,7 @@ class Welder {
   IndexTable vertices_;
 };
 
-// Less than a facet, or nothing but padding: no facet is lost when it is left.
+// Whether bytes are less than a facet, or only padding: then no facet is lost when they are ignored.
 bool is_padding(std::string_view bytes) {
   // mutant stl-padding-of-facets: `bytes.size() < binary_facet` -> `true`
   return bytes.size() < binary_facet || bytes.find_first_not_of(std::string_view("\0 \t\r\n", 5)) == bytes.npos;
@@ -87,8 +87,8 @@ bool equal_without_case(std::string_view word, std::string_view lower) {
 
 Mesh read_text(const std::filesystem::path& path, std::string_view text, MeshReading& reading) {
   enum class Inside { file, solid, facet, loop };
-  // Each keyword is right in one place and leads to the next; what else is on its line (names, normals, which are often
-  // wrong or not a number) is ignored.
+  // Each keyword is right in one place and leads to the next; the rest of its line (names, normals, which are often
+  // wrong or NaN) is ignored.
   struct Step {
     std::string_view keyword;
     Inside where, next;
@@ -104,11 +104,11 @@ Mesh read_text(const std::filesystem::path& path, std::string_view text, MeshRea
   Welder welder(mesh);
   TextScanner in(path, text);
   Inside inside = Inside::file;
-  std::size_t corners = 0;  // of the present facet
+  std::size_t corners = 0;  // corners of the present facet
   Facet facet{};
   while (in.next_line()) {
     std::string keyword(in.word());
-    if (equal_without_case(keyword, "end")) keyword += in.word();  // "end solid" is written, too
+    if (equal_without_case(keyword, "end")) keyword += in.word();  // "end solid" also occurs
     const Step* step = nullptr;
     for (const Step& s : steps)
       if (equal_without_case(keyword, s.keyword)) step = &s;
@@ -127,8 +127,8 @@ Mesh read_text(const std::filesystem::path& path, std::string_view text, MeshRea
       mesh.facets.push_back(facet);
     }
   }
-  // A facet that is not whole is lost. Between facets nothing tells a file that was cut from one whose writer forgot
-  // its end, and there are such writers.
+  // An incomplete facet is an error. Between facets, a truncated file cannot be distinguished from one whose writer
+  // omitted the end, and such writers exist.
   if (inside == Inside::solid && !mesh.facets.empty())
     reading.info.notes.push_back("there is no 'endsolid': unless its writer left it out, the file was cut short");
   else if (inside != Inside::file)
@@ -144,10 +144,10 @@ bool is_exactly_binary_stl(std::string_view bytes) {
 }
 
 Mesh read_stl(const std::filesystem::path& path, std::string_view bytes, MeshReading& reading) {
-  // Binary files may begin with "solid" too: only their size tells them apart, and zero bytes betray a wrong size.
+  // Binary files may begin with "solid" too: only their size distinguishes them, and zero bytes reveal a wrong size.
   bool is_binary = is_exactly_binary_stl(bytes);
   if (!is_binary) {
-    // A byte order mark is a blank here.
+    // A byte order mark counts as a blank here.
     const std::size_t word = bytes.find_first_not_of(" \t\r\n\xef\xbb\xbf");
     is_binary = word == std::string_view::npos || !equal_without_case(bytes.substr(word, 5), "solid") ||
                 bytes.find('\0') != std::string_view::npos;
@@ -156,7 +156,7 @@ Mesh read_stl(const std::filesystem::path& path, std::string_view bytes, MeshRea
 }
 
 std::string stl_bytes(const MeshView& mesh) {
-  // Not "solid", by which text begins.
+  // The header must not begin with "solid", as text does.
   std::string bytes = "binary STL of triangles";
   bytes.resize(80, ' ');
   store(bytes, static_cast<std::uint32_t>(mesh.facet_count()));

@@ -129,7 +129,7 @@ class LegacyReader {
       case Number::uint32:
         return in_.integer<std::uint32_t>(what);
       case Number::int64:
-      case Number::uint64:  // none that matters has the highest bit
+      case Number::uint64:  // no relevant number has the highest bit
         return in_.integer<std::int64_t>(what);
       default:
         in_.fail(std::string(what) + " is no whole number by its type");
@@ -147,7 +147,7 @@ class LegacyReader {
     return in_.require_room(count, is_binary_ ? byte_size(type) : 2, what);
   }
 
-  /// False at the end of what says anything about the shape.
+  /// Returns false at the end of the parts that describe the shape.
   bool read_part() {
     const std::string keyword = lower(in_.word());
     if (keyword.empty() || keyword == "point_data" || keyword == "cell_data") return false;
@@ -198,12 +198,12 @@ class LegacyReader {
     return static_cast<std::uint32_t>(vertex);
   }
 
-  /// Cells as lists of points. adds: they are of this type, else what they are comes later.
+  /// Cells as lists of points. adds: the cells have this type; otherwise their types come later.
   void read_lists(CellType type, bool adds) {
     if (!has_points_) in_.fail("cells come before the POINTS");
     const std::uint64_t first = in_.text_count("the number of cells"), second = in_.text_count("the size of the list");
     in_.line();
-    // Binary numbers spell the word only where the first cell has two billion points.
+    // Binary numbers spell the word only if the first cell has two billion points.
     if (lower(in_.peek().substr(0, 8)) == "offsets") {
       read_offsets(type, adds, first, second);
       return;

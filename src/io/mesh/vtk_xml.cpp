@@ -23,19 +23,19 @@ namespace {
 
 constexpr std::string_view blanks = " \t\r\n";
 
-/// A tag as it stands in the file.
+/// A tag of the file.
 struct Tag {
   std::string_view name;
   std::map<std::string_view, std::string_view> attributes;
   bool closes = false, empty = false;
-  std::size_t begin = 0, end = 0;  // of its text in the file
+  std::size_t begin = 0, end = 0;  // range of its text in the file
   std::string_view operator[](std::string_view key) const {
     const auto found = attributes.find(key);
     return found == attributes.end() ? std::string_view() : found->second;
   }
 };
 
-/// Tags one after the other: as much of XML as VTK writes. No entities and no document types.
+/// Tags one after the other: the part of XML that VTK writes, without entities and document types.
 class Tags {
  public:
   Tags(std::filesystem::path path, std::string_view bytes) : path_(std::move(path)), bytes_(bytes) {}
@@ -47,7 +47,7 @@ class Tags {
                     problem);
   }
 
-  /// False at the end of the file.
+  /// Returns false at the end of the file.
   bool next(Tag& tag) {
     for (;;) {
       at_ = bytes_.find('<', at_);
@@ -89,7 +89,7 @@ class Tags {
     tag.end = ++at_;
     return true;
   }
-  /// What follows the tag up to the next one.
+  /// The text between the tag and the next one.
   std::string_view text_after(const Tag& tag) const {
     return bytes_.substr(tag.end, std::min(bytes_.find('<', tag.end), bytes_.size()) - tag.end);
   }
@@ -120,13 +120,13 @@ class Tags {
   std::size_t at_ = 0;
 };
 
-/// Bytes of an array, raw or out of base64. Every four characters are read by themselves, so padding may stand inside,
-/// as it does where a header and what it counts were written one after the other.
+/// Bytes of an array, raw or decoded from base64. Every four characters are decoded by themselves, so padding may occur
+/// inside, as it does if a header and its data were encoded one after the other.
 class Stream {
  public:
   Stream(std::string_view text, bool base64) : text_(text), base64_(base64) {}
 
-  /// Nothing where fewer are left, or what is there is no base64.
+  /// None if fewer bytes are left, or the text is no base64.
   std::optional<std::string> take(std::uint64_t count) {
     if (!base64_) {
       if (count > text_.size()) return std::nullopt;
@@ -144,11 +144,12 @@ class Stream {
   }
 
  private:
-  /// Some more bytes; false where none come. Other arrays may follow in the same text, and then what is no base64.
+  /// Decodes more bytes; returns false if there are none. Other arrays may follow in the same text, and then text that
+  /// is no base64.
   bool decode() {
     ask_to_go_on();
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    // Many at once: what is left over is moved once for each call.
+    // It decodes many groups at once, because each call moves the rest once.
     for (int groups = 0; groups < 4096; ++groups) {
       std::string_view ahead = text_;
       std::array<int, 4> values{};
@@ -242,7 +243,7 @@ class XmlReader {
       tags_.fail("data packed by " + in_quotes(packer) + " are not read; save them with zlib or not packed");
   }
 
-  /// Appended data come last, but what comes before refers to them.
+  /// Appended data come last, but earlier tags refer to them.
   void find_appended() {
     Tags ahead = tags_;
     Tag tag;
@@ -269,7 +270,7 @@ class XmlReader {
     return value;
   }
 
-  /// The bytes of an array that is not text; `most` is what a reader has a use for.
+  /// The bytes of an array that is not text; `most`: the number of bytes that the caller needs at most.
   std::string bytes_of(const Tag& tag, std::uint64_t most) const {
     const std::string name = in_quotes(tag["Name"].empty() ? std::string_view("Points") : tag["Name"]);
     const auto damaged = [&](const std::string& how) { tags_.fail_at(tag.begin, "array " + name + ": " + how); };
@@ -321,7 +322,7 @@ class XmlReader {
     }
   }
 
-  /// `most` numbers at most. Whole ones are below 2⁵³ or refused by whoever uses them.
+  /// At most `most` numbers. Integers are below 2⁵³, or their users reject them.
   std::vector<double> numbers(const Tag& tag, std::uint64_t most) const {
     std::vector<double> values;
     const std::string name = in_quotes(tag["Name"].empty() ? std::string_view("Points") : tag["Name"]);

@@ -211,7 +211,7 @@ MotionWriter::MotionWriter(const fs::path& path, const MeshView& mesh, std::size
   if (fs::exists(path, error) ? !fs::is_directory(path, error) : mesh_format(own_extension) != nullptr)
     throw FileError(path.string() +
                     ": a motion is written into a folder or a .npy, .pc2 or .mdd file, not into one mesh file");
-  // Frames of a longer motion that was here before would be read as part of this one.
+  // Frames of a longer motion that was in this folder would be read as part of this one.
   for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (name[0] != '.' && mesh_format(lower_extension(name)) != nullptr && !is_frame_of(name, frame_count, extension))
@@ -226,7 +226,7 @@ MotionWriter::MotionWriter(const fs::path& path, const MeshView& mesh, std::size
 void MotionWriter::write(std::span<const Vec3> positions) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
-  // Asks before anything of the frame is written: a frame is written whole.
+  // Checks for interruption ahead of a frame, because a frame is written whole.
   ask_to_go_on();
   const std::string frame = "frame " + std::to_string(written_);
   if (positions.size() != mesh_.vertex_count())
@@ -251,7 +251,7 @@ void MotionWriter::write(std::span<const Vec3> positions) {
     npy_->write(chunk_);
   } else {
     const std::string bytes = mesh_bytes(extension_, {positions, mesh_.facets});
-    // Frames are about as long as the first: half of that is plainly needed.
+    // Frames are about as long as the first: half of their estimated size is certainly needed.
     if (written_ == 0) require_room(path_, bytes.size() / 2 * frame_count_);
     write_whole(folder_->path() / frame_file_name(written_, extension_), bytes);
   }

@@ -48,7 +48,7 @@ class PointCache final : public FrameSource {
     if (points != vertex_count_)
       fail("the cache has " + std::to_string(points) + " points, but the mesh has " + std::to_string(vertex_count_) +
            " vertices");
-    // Both are below 2³¹, so nothing overflows: 2⁶⁵ bytes would need more frames than the size test lets pass.
+    // Both are below 2³¹, so no product overflows: 2⁶⁵ bytes would need more frames than the size test allows.
     const std::uint64_t frame_bytes = 12 * std::uint64_t{vertex_count_};
     if (size < begin_ || (size - begin_) / frame_bytes != frame_count_ || (size - begin_) % frame_bytes != 0)
       fail("counts " + std::to_string(frame_count_) + " frames of " + std::to_string(points) + " points, but has " +

@@ -13,13 +13,13 @@
 namespace morula::detail {
 
 bool is_point_cache(std::string_view extension);
-/// Throws FileError for what is no such cache, has another number of points than the mesh, or another size than it
-/// promises.
+/// Throws FileError for a file that is no such cache, has another number of points than the mesh, or another size than
+/// its header says.
 std::shared_ptr<const FrameSource> open_point_cache(const ByteSource& source, const MeshView& mesh);
 
-/// Everything that comes before the numbers of the first frame. extension: ".pc2" or ".mdd"; frames 1/30 s apart.
+/// All bytes that precede the numbers of the first frame. extension: ".pc2" or ".mdd"; frames 1/30 s apart.
 std::string point_cache_start(std::string_view extension, std::size_t vertex_count, std::size_t frame_count);
-/// Appends a frame. Throws std::invalid_argument for what single precision does not hold.
+/// Appends a frame. Throws std::invalid_argument for values out of the range of single precision.
 void append_point_cache_frame(std::string& bytes, std::string_view extension, std::span<const Vec3> positions);
 
 }  // namespace morula::detail

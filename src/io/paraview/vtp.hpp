@@ -8,7 +8,7 @@
 namespace morula::detail {
 
 std::string vtp_text(const VtpData& data);
-/// Of a mesh alone: what read_mesh reads back as the same bits.
+/// The text for a mesh alone, which read_mesh reads back as the same bits.
 std::string vtp_mesh_text(const MeshView& mesh);
 
 }  // namespace morula::detail

@@ -19,7 +19,7 @@
 namespace morula::detail {
 namespace {
 
-// Named arrays of numbers in one run of bytes, with a JSON table of what is where: the body of native files.
+// Named arrays of numbers in one run of bytes, with a JSON table of their places: the body of native files.
 class ArrayWriter {
  public:
   // values.size() must be a multiple of width, the numbers of a row.
@@ -99,7 +99,7 @@ std::vector<Value> ArrayReader::values(const std::string& name, const char* type
       file_.fail(label + " is not of type " + type + " and width " + std::to_string(width));
     const std::uint64_t rows = file_.unsigned_member(entry, "rows", label);
     const std::uint64_t offset = file_.unsigned_member(entry, "offset", label);
-    // Divided, not multiplied: no number overflows.
+    // It divides instead of multiplying, so that no number overflows.
     if (offset > bytes_.size() || rows > (bytes_.size() - offset) / (width * sizeof(Value)))
       file_.fail(label + " reaches past the end of the file");
     std::vector<Value> values(rows * width);
@@ -214,13 +214,13 @@ BuildReport read_report(const JsonFile& file, const nlohmann::json& json) {
   return report;
 }
 
-// Arrays of the tree for known pose k, and its positions; those of the tree at rest have bare names. A library that
-// knows nothing of poses passes over arrays and members of names that it does not know, and reads the tree at rest.
+// Arrays of the tree for known pose k, and its positions; arrays of the tree at rest have names without a prefix. A
+// library without known poses skips arrays and members of unknown names, and reads the tree at rest.
 std::string pose_prefix(std::size_t k) {
   return "pose " + std::to_string(k) + " ";
 }
 
-// Child counts and levels say all that the tree's other arrays repeat; these are made again, so they cannot disagree.
+// Child counts and levels determine the tree's other arrays; these are computed again, so they cannot disagree.
 SphereTree read_nodes(const std::filesystem::path& path, const JsonFile& file, const ArrayReader& arrays,
                       const std::string& prefix, std::uint32_t branching) {
   const std::vector<double> numbers = arrays.numbers(prefix + "spheres", 4);
@@ -255,7 +255,7 @@ Cover read_cover(const JsonFile& file, const ArrayReader& arrays, const std::str
   return cover;
 }
 
-// Nothing in files of older libraries, and of trees without poses.
+// Empty for files of older libraries, and of trees without poses.
 std::vector<KnownPose> read_poses(const std::filesystem::path& path, const JsonFile& file, const ArrayReader& arrays,
                                   const nlohmann::json& mesh) {
   std::vector<KnownPose> poses;
@@ -342,7 +342,7 @@ std::string native_bytes(const CoveredTree& model) {
   json["report"] = report_json(model.report);
   add_poses(arrays, json, model.poses);
   json["arrays"] = arrays.table();
-  // Notes are free text; a byte that is not UTF-8 is no reason to lose the tree.
+  // Notes are free text; a byte that is not UTF-8 must not make the tree unwritable.
   std::string header = json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
   header.resize((header.size() + 7) / 8 * 8, ' ');
 

@@ -9,10 +9,11 @@
 namespace morula::detail {
 namespace {
 
-// A complete tree, breadth first, is mostly unused slots when the real one is not full: past this, other formats serve.
+// The most slots of a complete tree in breadth-first order, which are mostly unused when the real tree is not full;
+// beyond this, other formats serve.
 constexpr std::uint64_t most_slots = 10'000'000;
 
-// Stops counting past most_slots, so that no number overflows.
+// Counting stops past most_slots, so that no number overflows.
 std::uint64_t slot_count(std::uint64_t levels, std::uint64_t branching) {
   std::uint64_t slots = 0, of_level = 1;
   for (std::uint64_t level = 0; level < levels && slots <= most_slots; ++level, of_level *= branching)
@@ -25,7 +26,7 @@ std::string too_many_slots(std::uint64_t levels, std::uint64_t branching) {
          std::to_string(most_slots) + " lines in a .sph; use the native format, .morula, or .json";
 }
 
-// No −0 becomes 0 where there is nothing to add.
+// A −0 stays −0 if the other term is 0.
 double moved(double coordinate, double origin) {
   return origin == 0 ? coordinate : coordinate + origin;
 }
@@ -48,7 +49,7 @@ SphereTree read_sph(const std::filesystem::path& path, std::string_view text, co
   SphereTree tree;
   tree.branching = static_cast<std::uint32_t>(branching);
   std::uint64_t lines_read = 0;
-  // For each slot of the level above: the how-manieth node of that level it holds, or no_node.
+  // For each slot of the level above: the index within that level of its node, or no_node.
   std::vector<std::uint32_t> parents{0};
   for (std::uint64_t level = 0; level < levels; ++level) {
     const std::uint64_t slots_per_parent = level == 0 ? 1 : branching;

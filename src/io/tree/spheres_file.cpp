@@ -39,7 +39,7 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error))
     throw SystemFileError(path, "there is no such folder; make it first", ENOENT);
-  // The headers and the arrays of the tree take less than 40 bytes a node and a few thousand more.
+  // The headers and the arrays of the tree take less than 40 bytes per node plus a few thousand.
   const std::uint64_t nodes = tree.node_count();
   const std::uint64_t room = StoredZip::largest - (1u << 16) - 40 * nodes;
   if (frame_count > room / (32 * nodes))
@@ -56,7 +56,7 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
 void SphereFramesWriter::write(std::span<const Sphere> spheres) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
-  // Asks before anything of the frame is written: a frame is written whole.
+  // Checks for interruption ahead of a frame, because a frame is written whole.
   ask_to_go_on();
   if (spheres.size() != tree_.node_count())
     throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +

@@ -87,7 +87,7 @@ CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile fi
     require_usable_scale(mesh);
     try {
       return cover(mesh, file.tree, {}, workers);
-    } catch (const std::invalid_argument& fault) {  // the mesh is usable, so it is of the tree
+    } catch (const std::invalid_argument& fault) {  // the mesh is usable, so the fault is in the tree
       throw FileError(path.string() + ": " + fault.what());
     }
   }

@@ -8,7 +8,7 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same bits.
 namespace plain {
 
 std::uint64_t meet(const BoxGroup& a, const BoxGroup& b, const BoxReach& reach) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Boxes in floats, and two kernels: one makes those of vertices, one tests eight against eight.
+// Boxes in floats, and two kernels: one makes the boxes of vertices, one tests eight boxes against eight.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +24,13 @@ struct alignas(32) MinBox {
 /// The box of each vertex: from lower[i] to upper[i], each number rounded to the largest float that is not above it, or
 /// the least that is not below it; sizes below 2^103. One more double may be read behind each array.
 using MakeVertexBoxes = void (*)(const Vec3* lower, const Vec3* upper, std::size_t count, MinBox* boxes);
-/// Narrowest first; what this processor runs. All give the same bits.
+/// The kernels that this processor runs, the narrowest first. All give the same bits.
 std::span<const MakeVertexBoxes> all_make_vertex_boxes();
-/// The widest.
+/// The widest kernel.
 MakeVertexBoxes make_vertex_boxes();
 
-/// Eight boxes side by side. Bounds in columns: lower x, y, z, then upper. Closed. Places that are not used hold an
-/// empty box, which meets nothing.
+/// Eight boxes side by side. Bounds in columns: lower x, y, z, then upper. Closed. Unused places hold an empty box,
+/// which meets nothing.
 struct alignas(64) BoxGroup {
   static constexpr float none = std::numeric_limits<float>::infinity();
   float bound[6][8];
@@ -47,12 +47,12 @@ struct BoxReach {
   float down[3] = {0, 0, 0};
 };
 
-/// Bit 8 i + j: box i of a meets box j of b. All kinds of processor find the same: a sum of two floats, rounded to
-/// nearest, is compared.
+/// Bit 8 i + j: box i of a meets box j of b. All kinds of processors compute the same bits: a sum of two floats,
+/// rounded to nearest, is compared.
 using MeetGroups = std::uint64_t (*)(const BoxGroup& a, const BoxGroup& b, const BoxReach& reach);
-/// Narrowest first; what this processor runs.
+/// The kernels that this processor runs, the narrowest first.
 std::span<const MeetGroups> all_meet_groups();
-/// The widest.
+/// The widest kernel.
 MeetGroups meet_groups();
 
 }  // namespace morula::detail

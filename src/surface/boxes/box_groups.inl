@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The source of box_groups.cpp. Groups are eight wide: two registers of four, or one of eight also where there are
-// wider ones.
+// The source of box_groups.cpp. Groups are eight wide: two registers of four, or one of eight, even if the processor
+// has wider ones.
 
 #if MORULA_LANES == 4
 constexpr int group_parts = 2;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a surface tree, as searches walk down them.
+// Nodes of a surface tree, on which searches descend.
 //
 //   height 2      groups of eight nodes of height 1     their boxes: levels[1]
 //   height 1      groups of eight blocks                their boxes: levels[0]
@@ -15,7 +15,7 @@
 
 namespace morula::detail {
 
-/// Below node n of height h are nodes 8 n … 8 n + 7 of height h - 1, as far as there are that many.
+/// Below node n of height h are nodes 8 n … 8 n + 7 of height h - 1, up to the number of nodes of that height.
 struct BoxNode {
   std::uint32_t number = 0;
   std::uint16_t height = 0;
@@ -28,7 +28,7 @@ struct BoxNode {
     const std::size_t all = height == 1 ? s.block_count() : s.boxes.levels[height - std::size_t{2}].size();
     return static_cast<std::uint32_t>(std::min<std::size_t>(8, all - 8 * std::size_t{number}));
   }
-  /// The boxes of its children; of a node that is no block.
+  /// The boxes of its children. The node is no block.
   const BoxGroup& boxes(const SurfaceBoxes& of) const { return of.levels[height - std::size_t{1}][number]; }
 };
 

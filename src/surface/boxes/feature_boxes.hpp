@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Boxes of single facets, vertices and edges, of the blocks where a query goes.
+// Boxes of single facets, vertices and edges, of the blocks that a query visits.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ enum class Features : std::uint8_t { facets, all };
 
 class FeatureBoxes {
  public:
-  /// Forgets what was made for another frame, surface or choice of features, not the memory.
-  /// boxes: of the vertices of the blocks that will be wanted.
+  /// Forgets the boxes made for another frame, surface or choice of features, and keeps the memory. boxes: boxes of the
+  /// vertices of the blocks that will be requested.
   void start(const SurfaceTreeState& state, const SurfaceBoxes& boxes, Features features);
-  /// Notes that a block will be read.
+  /// Requests the boxes of a block.
   void want(std::uint32_t block);
-  /// Makes the boxes of all blocks wanted. They stay where they are until the next call.
+  /// Makes the boxes of all requested blocks. The boxes stay at their places until the next call.
   void fill(Workers& workers);
 
   const BoxGroup& facets(std::uint32_t block) const { return groups_[first_[block]]; }
@@ -59,7 +59,7 @@ class FeatureBoxes {
   const SurfaceBoxes* boxes_ = nullptr;
   std::uint64_t frame_ = 0;
   Features features_ = Features::all;
-  // By block: in which start its boxes were made, and where they are.
+  // By block: the number of the start() for which its boxes were made, and the place of the first of them.
   std::vector<std::uint32_t> stamp_, first_;
   std::uint32_t now_ = 0;
   std::vector<BoxGroup> groups_;

@@ -57,7 +57,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
   with_reader(s.pose.from, s.mesh.rest, [&](const auto& read) {
     parallel_for(workers, slots_.size(), vertices_at_once, [&](std::size_t begin, std::size_t end) {
       const StandardFloats standard;
-      // One more: the kernel reads one number beyond the last.
+      // One more element: the kernel reads one number beyond the last.
       std::array<Vec3, vertices_together + 1> points;
       std::array<MinBox, vertices_together> made;
       for (; begin < end; begin += vertices_together) {
@@ -99,7 +99,7 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, dou
   const bool asks_spheres = by_spheres && are_two && body_a && body_b && body_a->covers() && body_b->covers();
   if (asks_spheres) {
     const double farthest_a = a.farthest_of_spheres(*body_a), farthest_b = b.farthest_of_spheres(*body_b);
-    // Distances of features are computed from coordinates; 2^-46 of these is more than they are wrong by.
+    // Distances of features are computed from coordinates; 2^-46 of these is more than their error.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);
     // mutant follow-reach: `reach` -> `0 * reach`
     const TreePair trees(body_a->spheres, body_b->spheres, reach + rounding, leaf_level);

@@ -33,8 +33,8 @@ class Sorter {
   }
 
  private:
-  /// Into runs of so many facets, the last of them perhaps shorter, by halves along the longest axis; then each of
-  /// those.
+  /// Divides into runs of so many facets, the last of them perhaps shorter, by halves along the longest axis; then
+  /// divides each run.
   void divide(std::size_t begin, std::size_t end, std::size_t run) {
     const std::size_t runs = (end - begin + run - 1) / run;
     if (runs > 1) {
@@ -64,7 +64,7 @@ class Sorter {
   AskNowAndThen ask_now_and_then_{16};
 };
 
-/// Edge by edge: each pair of different vertices of a facet.
+/// The edges of all facets: each pair of different vertices of a facet.
 std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facets) {
   std::vector<std::array<std::uint32_t, 2>> edges;
   edges.reserve(3 * facets.size());
@@ -78,7 +78,7 @@ std::vector<std::array<std::uint32_t, 2>> all_edges(std::span<const Facet> facet
   return edges;
 }
 
-/// Each used vertex to the first block that has it; slots, and corners by them.
+/// Assigns each used vertex to the first block that has it; then numbers slots, and corners by slots.
 void give_vertices(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
   blocks.slot_of_vertex.assign(mesh.rest.size(), SurfaceTreeState::no_slot);
   blocks.own_vertices = {0};
@@ -105,7 +105,7 @@ void give_vertices(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
   }
 }
 
-/// Each edge to the first block that has it.
+/// Assigns each edge to the first block that has it.
 void give_edges(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
   std::vector<std::uint8_t> is_given(mesh.edges.size());
   blocks.own_edges_begin = {0};
@@ -139,7 +139,8 @@ void find_rings(SurfaceMesh& mesh) {
   for (std::size_t v = 0; v < mesh.rest.size(); ++v) mesh.ring_begin[v + 1] += mesh.ring_begin[v];
   mesh.ring.resize(2 * mesh.edges.size());
   std::vector<std::uint32_t> next(mesh.ring_begin.begin(), mesh.ring_begin.end() - 1);
-  // Ascending, since edges are: first of all edges whose higher vertex it is, then of those whose lower one.
+  // The neighbors of a vertex ascend because edges do: first come the edges whose higher vertex it is, then the edges
+  // whose lower vertex it is.
   for (const auto& edge : mesh.edges) {
     ask_now_and_then();
     mesh.ring[next[edge[1]]++] = edge[0];

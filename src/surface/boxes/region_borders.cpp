@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 
-/// An edge with a direction: facet / 3's, from its corner % 3 on.
+/// A side of a facet: that of facet side / 3, from its corner side % 3 on.
 using Side = std::uint32_t;
 Side side_after(Side s) {
   return s % 3 == 2 ? s - 2 : s + 1;
 }
 
-/// The other side of each edge: of another facet, in the other direction. None where there is no other, or more than
-/// one, or one in the same direction.
+/// The opposite side of each side: it belongs to another facet and runs in the other direction. There is none if the
+/// edge has no other side, more than one, or one in the same direction.
 std::vector<Side> opposite_sides(std::span<const Facet> facets) {
   struct Edge {
     std::uint32_t low, high;
@@ -51,8 +51,8 @@ std::vector<Side> opposite_sides(std::span<const Facet> facets) {
   return opposite;
 }
 
-/// A disc of n facets has some 4 sqrt(n) edges at its border; one with islands and holes, twice that. What is far
-/// longer is no region that lies together, and to look at it would take long: as the square of its edges.
+/// A disc of n facets has about 4 sqrt(n) edges at its border; one with islands and holes, twice that. A region with a
+/// far longer border is not connected, and its test would take long: time grows with the square of the number of edges.
 std::size_t most_border_edges(std::size_t facets) {
   return 64 + static_cast<std::size_t>(16 * std::sqrt(static_cast<double>(facets)));
 }
@@ -70,7 +70,7 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
     of_level.loops_begin = {0};
     of_level.slots_begin = {0};
     is_in_loop.assign(3 * facets.size(), 0);
-    const std::size_t size = std::size_t{24} << (3 * level);  // in sides
+    const std::size_t size = std::size_t{24} << (3 * level);  // number of sides
     for (std::size_t begin = 0; begin < opposite.size(); begin += size) {
       const std::size_t end = std::min(opposite.size(), begin + size);
       const std::size_t first_loop = of_level.slots_begin.size(), first_slot = of_level.slots.size();
@@ -78,8 +78,8 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
       for (Side start = static_cast<Side>(begin); start < end; ++start) {
         ask_now_and_then();
         if (!is_border(start) || is_in_loop[start] != 0) continue;
-        // Round the vertex at its end, the fan of facets leads from each edge of the border to one other that leaves
-        // that vertex. No two lead to the same, so the first that comes again is the one it started from.
+        // The fan of facets round the vertex at its end leads from each edge of the border to one other edge that
+        // leaves that vertex. No two edges lead to the same one, so the first edge that recurs is the start.
         for (Side s = start; is_in_loop[s] == 0;) {
           is_in_loop[s] = 1;
           of_level.slots.push_back(slot_of_vertex[facets[s / 3][s % 3]]);

@@ -30,7 +30,7 @@ void SurfaceBoxes::make_levels(std::size_t blocks) {
 }
 
 void SurfaceBoxes::join_block(const SurfaceTreeState& s, std::size_t block) {
-  // Two minima, so that none waits for the one before.
+  // Two minima in turn, so that no instruction waits for the preceding one.
   Float4 lower[2] = {Float4(MinBox::none), Float4(MinBox::none)}, upper[2] = {lower[0], lower[0]};
   // mutant surface-corners: `i <` -> `i + corners_step <`
   for (std::uint32_t i = s.blocks.corners_begin[block]; i < s.blocks.corners_begin[block + 1]; i += corners_step)

@@ -18,7 +18,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// The lowest vertex that cannot be taken; none.
+/// The lowest vertex whose position is rejected, if there is one.
 std::optional<std::uint32_t> lowest_bad(const SurfaceTreeState& s, const PositionView& positions) {
   for (std::uint32_t v = 0; v < positions.size(); ++v)
     if (s.blocks.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(positions[v] - s.origin)) return v;
@@ -52,8 +52,7 @@ double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
   const Sphere root = body.sphere_state().sphere(0);
   const double coordinates =
       max_norm(body.sphere_state().origin) + max_norm(body.transform().translation) + max_norm(origin);
-  // A transform is rigid but for 2^-28 of a length; what rounding does to the three coordinates is less than 2^-40 of
-  // them.
+  // A transform is rigid up to 2^-28 of a length; rounding changes the three coordinates by less than 2^-40 of them.
   return (max_norm(body.transform()(root.center) - origin) + max_norm(origin) + root.radius) * (1 + 0x1p-20) +
          0x1p-40 * coordinates;
 }
@@ -69,7 +68,7 @@ Status SurfaceTreeState::move(Workers& workers) {
   std::atomic<bool> is_bad = false;
   const MakeVertexBoxes make_boxes = make_vertex_boxes();
   const auto make = [&](std::size_t begin, std::size_t end, const auto& read_from, const auto& read_to, bool is_step) {
-    // One more of each: the kernel reads one number beyond the last.
+    // One more element of each: the kernel reads one number beyond the last.
     std::array<Vec3, vertices_together + 1> lower, upper;
     unsigned far = 0;
     for (; begin < end; begin += vertices_together) {
@@ -84,7 +83,7 @@ Status SurfaceTreeState::move(Workers& workers) {
         far += is_near(q) ? 0 : 1;
         lower[i] = min(p, q), upper[i] = max(p, q);
       }
-      // Nothing is cast that float does not hold.
+      // No value is cast that float does not hold.
       if (far != 0) break;
       make_boxes(lower.data(), is_step ? upper.data() : lower.data(), count, &next_vertex_boxes[begin]);
     }
@@ -121,9 +120,9 @@ const SurfaceTreeState& detail::state_of(const SurfaceTree& surface) {
 SurfaceTree::SurfaceTree(const MeshView& rest) {
   const StandardFloats standard;
   state_ = std::make_shared<SurfaceTreeState>(make_surface_tree(rest));
-  static_cast<void>(state_->move(serial_workers()));  // good: make_surface_tree() has checked the positions at rest
+  static_cast<void>(state_->move(serial_workers()));  // ok: make_surface_tree() has checked the rest positions
 }
-// Queries that stand at it see another frame.
+// Queries that hold this state then see another frame.
 SurfaceTree::~SurfaceTree() {
   // mutant surface-gone-unseen: `if (state_) state_->forget()` -> ``
   if (state_) state_->forget();
@@ -174,7 +173,7 @@ Status SurfaceTree::follow(const Collider& body) {
   FollowedBody followed{Collider(body.sphere_state()), body.sphere_state().frame,
                         !(body.transform() == RigidTransform{})};
   followed.spheres.set_transform(body.transform());
-  // Spheres that cover say that all vertices are near; else each is looked at.
+  // Spheres that cover prove that all vertices are near; otherwise each vertex is checked.
   if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
     for (std::uint32_t v = 0; v < s.mesh.rest.size(); ++v)
       if (s.blocks.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))

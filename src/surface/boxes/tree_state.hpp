@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a surface tree consists of.
+// The parts of a surface tree.
 //
 // Facets are sorted so that blocks of eight, of 64, of 512 … are compact; box group g of level k has the boxes of 8 g
-// to 8 g + 7 of that level, and level 0's are those of blocks. So there are no links: below box i of level k are those
-// of group i of level k − 1. Vertices have slots, those that a block owns one after the other.
+// to 8 g + 7 of that level, and level 0 holds the boxes of blocks. So there are no links: below box i of level k are
+// the boxes of group i of level k − 1. Vertices have slots; the slots that a block owns are consecutive.
 #pragma once
 
 #include <array>
@@ -32,15 +32,15 @@ struct SurfaceTreeState;
 struct SurfaceBoxes {
   std::vector<MinBox> vertices;               // by slot
   std::vector<std::vector<BoxGroup>> levels;  // the lowest first
-  double extent = 0;                          // no box reaches farther from the origin along an axis
+  double extent = 0;                          // upper bound of all |coordinates| of the boxes, about the origin
 
-  /// Levels for so many blocks, all of them empty.
+  /// Makes levels for so many blocks, all of them empty.
   void make_levels(std::size_t blocks);
-  /// The box of a block, from those of its vertices.
+  /// Makes the box of a block from the boxes of its vertices.
   void join_block(const SurfaceTreeState& s, std::size_t block);
-  /// Group g of a level above the lowest, from the groups below.
+  /// Makes group g of a level above the lowest from the groups below.
   void join_group(std::size_t level, std::size_t g);
-  /// Sets `extent` by the highest level.
+  /// Sets `extent` from the highest level.
   void measure();
 };
 
@@ -51,28 +51,29 @@ inline void put(BoxGroup& group, std::size_t place, const MinBox& box) {
   }
 }
 
-/// The corners of a block are a multiple of so many, the last one repeated: nearly all blocks have as many, which
-/// processors foresee.
+/// The number of corners of a block is a multiple of this, the last corner repeated: nearly all blocks have equally
+/// many, which branch predictors predict.
 inline constexpr std::uint32_t corners_step = 4;
 
-/// What workers take at once, and vertices that are read before their boxes are made.
+/// Sizes of a worker's task, and the number of vertices that are read before their boxes are made.
 inline constexpr std::size_t vertices_at_once = 8192, groups_at_once = 256, vertices_together = 128;
 
 /// Boxes are made only of vertices that are near the origin of their surface.
 inline constexpr double farthest_vertex = 0x1p102;
 inline bool is_near(const Vec3& p) {
-  // Without branches.
+  // This has no branches.
   const auto is_far = [](double x) { return static_cast<unsigned>(!(std::abs(x) <= farthest_vertex)); };
   return is_far(p.x) + is_far(p.y) + is_far(p.z) == 0;
 }
 
-/// The body that a surface follows: its spheres say which blocks of the surface can be near another body's.
+/// The body that a surface follows: its spheres bound which blocks of the surface can be near another body's.
 struct FollowedBody {
-  Collider spheres;         // the pose and where it is placed; no surface, so nothing of the caller's collider is kept
-  std::uint64_t frame = 0;  // of the pose
-  bool is_placed = false;   // other than where its coordinates are
+  Collider spheres;         // the sphere state and its transform; no surface, so nothing of the caller's collider is
+                            // kept
+  std::uint64_t frame = 0;  // frame of the sphere state
+  bool is_placed = false;   // whether the transform is not the identity
 
-  /// Where it was, and with all of its spheres there.
+  /// Whether the body is unchanged since then and all of its spheres are fresh.
   bool is_current() const {
     const SphereState& pose = spheres.sphere_state();
     // mutant follow-moved: `pose.frame` -> `frame`
@@ -81,7 +82,7 @@ struct FollowedBody {
   bool covers() const { return spheres.sphere_state().covers; }
 };
 
-/// Which blocks have a facet of which a leaf owns a part; leaves by their nodes.
+/// By leaf, the blocks that have a facet of which the leaf owns a part; leaves are numbered by their nodes.
 struct BlocksOfLeaves {
   std::uint64_t cover_id = 0;
   std::vector<std::uint32_t> begin, blocks;
@@ -95,12 +96,12 @@ struct BlocksOfLeaves {
 ///
 /// Region r has the 8^(level + 1) facets from r 8^(level + 1) on, in the order of the tree.
 ///
-/// An edge is inside of a region when two facets of the surface have it, one in each direction, and both are in the
-/// region. All other edges of the region's facets are its border, each in the direction of its facet. They make loops,
-/// closed, the region on the left of each: where one edge comes to a vertex, the next is the other side of the same
-/// fan, which is the facets of the region about the vertex that are joined by inner edges. So a loop is at a vertex
-/// once for each fan there, and so are loops together. A region without a border has none, nor has one whose border is
-/// out of proportion to its facets, such as that of many separate ones.
+/// An edge is an inner edge of a region when two facets of the surface have it, one in each direction, and both are in
+/// the region. All other edges of the region's facets are its border, each in the direction of its facet. They make
+/// loops, closed, the region on the left of each: where one edge comes to a vertex, the next is the other side of the
+/// same fan, which is the facets of the region about the vertex that are joined by inner edges. So a loop is at a
+/// vertex once for each fan there, and so are loops together. A region without a border has none, nor has one whose
+/// border is out of proportion to its facets, such as that of many separate ones.
 struct RegionBorders {
   std::vector<std::uint32_t> loops_begin;  // region r has loops [loops_begin[r], loops_begin[r + 1])
   std::vector<std::uint32_t> slots_begin;  // loop k has the vertices in slots [slots_begin[k], slots_begin[k + 1])
@@ -113,7 +114,7 @@ struct RegionBorders {
 
 class ExcludedPairs;
 
-/// The tables of excluded pairs that queries asked for last: excluded_pairs() makes them.
+/// The tables of excluded pairs that queries requested last; excluded_pairs() makes them.
 struct ExclusionTables {
   std::mutex mutex;
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
@@ -122,9 +123,9 @@ struct ExclusionTables {
 /// The mesh, by its own numbers. make_surface_tree() fills it first, from the mesh alone.
 struct SurfaceMesh {
   std::vector<Facet> facets;
-  std::vector<std::array<std::uint32_t, 2>> edges;  // ascending; each from its lower vertex
+  std::vector<std::array<std::uint32_t, 2>> edges;  // in ascending order, each from its lower vertex
   std::vector<Vec3> rest;                           // by vertex
-  std::vector<std::uint32_t> component;             // by vertex; of facets that share vertices
+  std::vector<std::uint32_t> component;             // by vertex: component of facets that share vertices
   std::vector<std::uint32_t> ring_begin, ring;      // neighbors of vertex v along edges, ascending:
                                                     // ring[ring_begin[v] … ring_begin[v + 1])
 };
@@ -132,47 +133,48 @@ struct SurfaceMesh {
 /// How the mesh is sorted: blocks of eight facets, and what each block owns. make_surface_tree() fills it from the
 /// SurfaceMesh: facets, then vertices, then edges.
 struct SurfaceBlocks {
-  std::vector<std::uint32_t> order;  // facets as blocks have them
+  std::vector<std::uint32_t> order;  // facets in the order of the blocks
   std::vector<Facet> facets_in_order;
-  std::vector<std::uint32_t> vertex_of_slot;   // used vertices alone
-  std::vector<std::uint32_t> slot_of_vertex;   // no_slot: no facet uses it
+  std::vector<std::uint32_t> vertex_of_slot;   // used vertices only
+  std::vector<std::uint32_t> slot_of_vertex;   // no_slot: no facet uses the vertex
   std::vector<std::uint32_t> own_vertices;     // block b owns slots [own_vertices[b], own_vertices[b + 1])
-  std::vector<std::uint32_t> corners_begin;    // all corners of its facets are
+  std::vector<std::uint32_t> corners_begin;    // block b has all corners of its facets at
   std::vector<std::uint32_t> corners;          // corners[corners_begin[b] … corners_begin[b + 1]), as slots
-  std::vector<std::uint32_t> own_edges_begin;  // its edges are
+  std::vector<std::uint32_t> own_edges_begin;  // block b owns the edges
   std::vector<std::uint32_t> own_edges;        // own_edges[own_edges_begin[b] … own_edges_begin[b + 1])
   std::vector<std::array<std::uint32_t, 2>> ends_of_own_edges;
 
   std::uint32_t count() const { return static_cast<std::uint32_t>((order.size() + 7) / 8); }
 };
 
-/// Where the surface is: SurfaceTree::update() and follow() set it, each all of it.
+/// The pose of the surface; SurfaceTree::update() and follow() set it, each all members of it.
 struct SurfacePose {
   std::optional<PositionView> from, to;  // none: at rest
-  std::optional<FollowedBody> followed;  // where it is placed, `from` is, too
+  std::optional<FollowedBody> followed;  // the transform of the body also places `from`
 };
 
-/// Queries share it with the surface: what they stand at stays readable when the surface is gone or is another.
+/// Queries share it with the surface: the state at which a query stopped stays readable when the surface is gone or has
+/// changed.
 struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
 
-  // The surface, and how it is sorted: make_surface_tree() fills it once, in this order.
-  Vec3 origin;            // what boxes are about
+  // The surface and its order: make_surface_tree() fills it once, in this order.
+  Vec3 origin;            // origin of the boxes' coordinates
   double rest_reach = 0;  // the largest |coordinate| at rest of a vertex that a facet uses
   SurfaceMesh mesh;
   SurfaceBlocks blocks;
-  std::vector<RegionBorders> borders;  // of levels 1 and above, the last one above that of one group
+  std::vector<RegionBorders> borders;  // by level, from 1 on; the last level is above the level of one group
   std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
 
-  // The present pose or step: update() and follow() set the pose, move() makes the boxes, then the frame is another.
+  // The present pose or step: update() and follow() set the pose, move() makes the boxes, then the frame changes.
   SurfacePose pose;
-  SurfaceBoxes boxes;                     // of an older one while a body is followed
-  std::vector<MinBox> next_vertex_boxes;  // memory of move(): a refused one leaves `boxes` as they were
-  BlocksOfLeaves blocks_of_leaves;        // of the body followed last
+  SurfaceBoxes boxes;                     // boxes of an older pose while the surface follows a body
+  std::vector<MinBox> next_vertex_boxes;  // memory of move(): a rejected one leaves `boxes` unchanged
+  BlocksOfLeaves blocks_of_leaves;        // blocks by leaf of the last body that was followed
   std::uint64_t frame = 0;
   CallState call;
 
-  /// Boxes are of no frame, then.
+  /// The boxes then belong to no frame.
   void forget() noexcept { ++frame; }
   std::uint32_t block_count() const { return blocks.count(); }
   Vec3 from_of(std::uint32_t vertex) const {
@@ -181,20 +183,21 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   }
   Vec3 to_of(std::uint32_t vertex) const { return pose.to ? (*pose.to)[vertex] : from_of(vertex); }
 
-  /// Of a body whose pose covers: no vertex that a facet uses has a larger coordinate, in the world and about the
+  /// For a body whose spheres cover: no vertex that a facet uses has a larger |coordinate|, in the world and about the
   /// surface's origin.
   double farthest_of_spheres(const FollowedBody& of) const;
-  /// May it be asked: is a body that it follows where it was?
+  /// ok if queries may run: a body that the surface follows has not moved since.
   Status askable(std::uint8_t body) const;
 
-  /// Makes the boxes of all that is there.
+  /// Makes the boxes of the whole surface.
   Status move(Workers& workers);
 };
 
-/// Of levels 1 to `levels`, of which the last has one region; level 0 stays empty. facets: in the order of the tree.
+/// Borders of levels 1 to `levels`, the last of which has one region; level 0 stays empty. facets: facets in the order
+/// of the tree.
 std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::span<const std::uint32_t> slot_of_vertex,
                                           std::size_t levels);
-/// Sorts and links everything; positions are those at rest.
+/// Sorts the mesh and makes the tables; the positions are the rest positions.
 SurfaceTreeState make_surface_tree(const MeshView& rest);
 
 }  // namespace morula::detail

@@ -10,13 +10,13 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce.
+/// The reference: all other kernels have to return the same bits.
 namespace plain {
 
 /// The largest float that is not above x.
 ///
-/// Bit patterns of floats, seen as whole numbers with those of negative ones turned round, are in the order of the
-/// floats: one less is the next float down. Where the nearest float is above x, that is it. A negative x too small for
+/// Bit patterns of floats, read as integers with those of negative floats inverted, are in the order of the floats: one
+/// less is the next float down. If the nearest float is above x, that float is the result. A negative x too small for
 /// float is rounded to −0, whose number is one less than that of 0; the next one down is the largest negative float.
 /// Rounding keeps order: a point between two others along an axis lies between the rounded bounds of the two.
 float rounded_down(double x) {

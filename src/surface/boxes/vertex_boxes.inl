@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The source of vertex_boxes.cpp: four numbers at once, as plain::rounded_down has them one by one.
+// The source of vertex_boxes.cpp: four numbers at once, each equal to plain::rounded_down's.
 
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double LooseFourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 typedef std::int32_t FourWhole __attribute__((vector_size(16)));
 
-// By reference: without AVX, four doubles in a register are no argument that compilers agree on.
+// The argument is a reference: without AVX, compilers differ in how they pass four doubles in a register.
 inline Four rounded_down(const FourDoubles& x) {
   const Four nearest = __builtin_convertvector(x, Four);
   FourWhole number = reinterpret_cast<FourWhole>(nearest);
   number ^= (number >> 31) & 0x7fffffff;
-  // A true comparison is −1.
+  // A true comparison yields −1.
   // mutant surface-box-rounding: `= __builtin_convertvector` -> `= 0 * __builtin_convertvector`
   number += __builtin_convertvector(__builtin_convertvector(nearest, FourDoubles) > x, FourWhole);
   number ^= (number >> 31) & 0x7fffffff;
@@ -20,9 +20,9 @@ inline Four rounded_down(const FourDoubles& x) {
 
 #if MORULA_LANES == 16
 void make(const Vec3* lower, const Vec3* upper, std::size_t count, MinBox* boxes) {
-  // Both bounds in one register. The processor rounds down itself.
+  // Both bounds are in one register. The processor itself rounds down.
   const __m512i minus_above = _mm512_setr_epi64(0, 0, 0, 0, 1LL << 63, 1LL << 63, 1LL << 63, 1LL << 63);
-  // GCC 12 takes what has no mask for a read of nothing.
+  // GCC 12 takes an intrinsic without a mask for a read of an uninitialized value.
   constexpr __mmask8 coordinates = 0x77, every = 0xff;
   for (std::size_t i = 0; i < count; ++i) {
     const __m256d low = _mm256_loadu_pd(&lower[i].x), high = _mm256_loadu_pd(&upper[i].x);
@@ -40,7 +40,7 @@ void make(const Vec3* lower, const Vec3* upper, std::size_t count, MinBox* boxes
     low[3] = high[3] = 0;
     Four* const bounds = reinterpret_cast<Four*>(boxes + i);
     bounds[0] = rounded_down(low);
-    // −0 is 0 here as well: nothing is below it but negative numbers.
+    // −0 is 0 here as well: only negative numbers are below it.
     bounds[1] = rounded_down(-high);
     bounds[1][3] = 0;
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Vertex reader: positions of one kind, read without asking which kind for each of them.
+// Vertex reader: positions of one kind, read without a test of the kind for each vertex.
 #pragma once
 
 #include <cstring>
@@ -20,7 +20,7 @@ struct VertexReader {
   }
 };
 
-/// f(reader) with the reader of a view, or of positions at rest where there is none.
+/// Calls f(reader) with the reader of a view, or of the rest positions if there is no view.
 template <class F>
 void with_reader(const std::optional<PositionView>& view, const std::vector<Vec3>& rest, const F& f) {
   if (!view) {

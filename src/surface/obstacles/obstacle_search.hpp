@@ -18,7 +18,7 @@
 
 namespace morula::detail {
 
-/// Keeps its memory. What is not yet looked at is a list of nodes.
+/// It keeps its memory. A list of nodes holds the part of the tree that is not visited yet.
 template <class Found>
 class ObstacleSearch {
  public:
@@ -31,16 +31,16 @@ class ObstacleSearch {
     found_.clear();
     open_.assign(1, BoxNode::root(surface));
   }
-  /// As if new.
+  /// Resets the search to a new one.
   void forget() noexcept { *this = ObstacleSearch(); }
   bool is_started() const { return surface_ != nullptr; }
   bool is_current() const { return surface_->frame == frame_ && surface_->askable(0); }
   const SurfaceBoxes& boxes() const { return boxes_.a(); }
   const SurfaceTreeState& surface() const { return *surface_; }
 
-  /// is_far(center, half): is the box away from the obstacle? narrow(corners, found): whether the vertex or facet with
-  /// these vertices is near enough to be a candidate, and, in `found`, what is found of it, but for its number. Both
-  /// are called by workers. Refused with changed_during_call where a callback has moved the surface.
+  /// is_far(center, half): whether the box is away from the obstacle. narrow(corners, found): whether the vertex or
+  /// facet with these vertices is near enough to be a candidate; it fills `found` except for its number. Workers call
+  /// both. Returns changed_during_call if a callback has moved the surface.
   template <class IsFar, class Narrow>
   SurfaceQueryStatus run(const ObstacleOptions& options, Workers& workers, const IsFar& is_far, const Narrow& narrow) {
     SurfaceMeter meter(options.budget, options.clock, tests);
@@ -70,7 +70,7 @@ class ObstacleSearch {
     void clear() { found.clear(), candidates = 0; }
   };
 
-  // One after the other, so that what a budget in tests reaches is always the same.
+  // Visits nodes one after the other, so that a budget in tests always reaches the same nodes.
   template <class IsFar, class Narrow>
   void run_within_budget(SurfaceMeter& meter, const ObstacleOptions& options, const IsFar& is_far,
                          const Narrow& narrow) {
@@ -92,7 +92,7 @@ class ObstacleSearch {
     gather(1);
   }
 
-  // Level by level; each node by itself.
+  // Visits nodes level by level, each node by itself.
   template <class IsFar, class Narrow>
   void run_all(SurfaceMeter& meter, const ObstacleOptions& options, Workers& workers, const IsFar& is_far,
                const Narrow& narrow) {
@@ -182,7 +182,7 @@ class ObstacleSearch {
   }
 
   const SurfaceTreeState* surface_ = nullptr;
-  std::shared_ptr<const SurfaceTreeState> kept_;  // the same, of a SurfaceTree
+  std::shared_ptr<const SurfaceTreeState> kept_;  // the same state, if a SurfaceTree owns it
   std::uint64_t frame_ = 0;
   QueryBoxes boxes_;
   std::vector<BoxNode> open_, nodes_, next_, blocks_;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The way of a vertex or a facet past an obstacle: how long it is proven to stay apart.
+// The path of a vertex or a facet past an obstacle, and the time up to which it is proven to stay apart.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,24 @@ inline bool is_usable(const DistanceField& field) {
          std::isfinite(field.tolerance);
 }
 
-/// A distance field as a shape: what placed_shapes.hpp has of others, by its values and by how fast these change.
+/// A distance field as a shape: it has the functions of the shapes of placed_shapes.hpp, computed from its values and
+/// from the rate at which they change.
 class PlacedField {
  public:
   explicit PlacedField(const DistanceField& field) : field_(&field) {}
 
   double lipschitz() const { return field_->lipschitz; }
   double distance_at(const Vec3& x) const { return field_->value(x); }
-  /// Of points within a distance of x, whose coordinates are off by some 2^-50 of themselves.
+  /// A bound for points within a distance of x, whose coordinates are off by about 2^-50 of themselves.
   double bound(const Sphere& s) const {
     return field_->value(s.center) - field_->lipschitz * (s.radius * (1 + 0x1p-48) + 0x1p-48 * max_norm(s.center));
   }
   double bound(const Vec3& center, const Vec3& half) const { return bound(Sphere{center, scaled_length(half)}); }
 
-  /// The least value on a facet within the tolerance, or within half of what it is above `margin`: by quarters, whose
-  /// centers are asked. A quarter is done when it cannot be so much below the least value known. What is done is no
-  /// less than the least value that remains, less that allowance, since the allowance falls more slowly than the value.
+  /// The least value on a facet within the tolerance, or within half of its excess over `margin`: the facet is divided
+  /// into quarters, at whose centers the field is evaluated. A quarter is done when it cannot be so much below the
+  /// least known value. No value in a done quarter is less than the final least value less that allowance, since the
+  /// allowance falls more slowly than the value.
   FoundOnShape look_at(const Triangle& t, double margin) const {
     const double edge = std::max({length(t[1] - t[0]), length(t[2] - t[1]), length(t[0] - t[2])});
     const double tolerance = field_->tolerance > 0 ? field_->tolerance : 0.125 * edge * field_->lipschitz;
@@ -99,7 +101,7 @@ class PlacedField {
 template <class Shape>
 inline constexpr bool is_field = std::same_as<Shape, PlacedField>;
 
-/// Where a vertex or a facet is nearest to a shape. `lower` is below all of its signed distances.
+/// The point of a vertex or a facet that is nearest to a shape. `lower` is below all of its signed distances.
 template <class Shape>
 FoundOnShape nearest_on(const Shape& shape, std::span<const Vec3> points, double margin) {
   if (points.size() == 1) {
@@ -135,7 +137,7 @@ class ObstacleWay {
     for (std::size_t i = 0; i < size_; ++i) speed_ = std::max(speed_, scaled_length(to_[i] - from_[i]));
   }
 
-  /// The first time that is not proven to be free of impacts; more than 1 when all are.
+  /// The first time that is not proven to be free of impacts; more than 1 when all times are.
   double advance() const {
     double time = 0, ahead = 1;
     for (int steps = 0; steps < most_steps; ++steps) {
@@ -166,7 +168,7 @@ class ObstacleWay {
  private:
   static constexpr double never = std::numeric_limits<double>::infinity();
   static constexpr int most_steps = 1000;
-  /// A step that gains less time than this gains none.
+  /// A step that gains less time than this counts as none.
   static constexpr double least_gain = 0x1p-24;
 
   std::span<const Vec3> first(const Points& points) const { return std::span(points).first(size_); }
@@ -177,7 +179,7 @@ class ObstacleWay {
   }
 
   /// No point of the feature goes farther than its fastest vertex, and signed distances change no faster than their
-  /// points move, or a field by its constant times that. Positions at a time are off by some 2^-51 of the reach.
+  /// points move, or a field by its constant times that. Positions at a time are off by about 2^-51 of the reach.
   double safe_time(double lower, double time) const {
     double constant = 1;
     if constexpr (is_field<Shape>) constant = shape_.lipschitz();
@@ -187,13 +189,14 @@ class ObstacleWay {
     return time + gap / (constant * speed_) * (1 - 0x1p-40);
   }
 
-  /// What a gap along a direction has to exceed: the margin, and what rounding may have done. Heights are sums of three
-  /// products, positions off by 2^-51: all of it below 2^-48 |direction|_1 reach, and |direction|_1 is at most 2.
+  /// The lower bound that a gap along a direction has to exceed: the margin, plus an allowance for rounding. Heights
+  /// are sums of three products, positions off by 2^-51: all of it below 2^-48 |direction|_1 reach, and |direction|_1
+  /// is at most 2.
   double allowance(const Vec3& direction) const {
     return margin_ * length(direction) * (1 + 0x1p-50) + 0x1p-46 * reach_ + 0x1p-1000;
   }
 
-  /// The last time, from `time` on, up to which all of the feature is above the shape along the direction.
+  /// The last time, from `time` on, up to which the whole feature is above the shape along the direction.
   ///
   /// The height of a vertex above the shape's farthest point is linear in time: positive at two times, it is so between
   /// them. A feature is the hull of its vertices.
@@ -211,7 +214,8 @@ class ObstacleWay {
     return last;
   }
 
-  /// Are the two apart from `begin` to `end`, by a direction that turns from m, the given one, to n, that at the end?
+  /// Whether the two are apart from `begin` to `end` by a direction that turns from m, the given one, to n, the one at
+  /// the end.
   ///
   /// At the share u of the interval the direction is d = (1 − u) m + u n and a vertex is at x = (1 − u) x0 + u x1. No
   /// point of a shape is higher along d than the support h(d), and h, the greatest of linear functions, is not more

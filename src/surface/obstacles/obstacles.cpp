@@ -49,7 +49,7 @@ void require_usable(const ObstacleOptions& options) {
   require_budget(options.budget);
 }
 
-/// Vertices of a feature, where they are at the beginning and, less the obstacle's motion, at the end of a step.
+/// Positions of a feature's vertices at the beginning of a step and, less the obstacle's motion, at its end.
 struct Corners {
   std::array<Vec3, 3> from, to;
   std::size_t size;
@@ -61,11 +61,11 @@ struct Corners {
     for (std::size_t i = 0; i < size; ++i) to[i] = s.to_of(vertices[i]) - motion;
   }
   std::span<const Vec3> points() const { return {from.data(), size}; }
-  /// Contains the feature at the beginning.
+  /// A sphere that contains the feature at the beginning of the step.
   Sphere sphere() const { return size == 1 ? Sphere{from[0], 0} : sphere_about({from[0], from[1], from[2]}); }
 };
 
-/// What was not found of another question is gone.
+/// The parameters of a query. A query with others cannot be continued.
 struct Asked {
   double margin = 0;
   ObstacleFeatures features = ObstacleFeatures::facets;
@@ -169,7 +169,7 @@ struct SweptObstacleQuery::State {
   SurfaceQueryStatus go_on(Workers& workers) {
     const double margin = options.margin;
     const SurfaceTreeState& s = search.surface();
-    // Where the obstacle stands still, vertices go by −motion besides: a box is lengthened by that.
+    // In the frame in which the obstacle stands still, vertices also move by −motion: a box is lengthened by that.
     const Vec3 shift = motion * -0.5, longer = detail::abs(shift);
     return with_shape(*obstacle, [&](const auto& shape) {
       using Shape = std::remove_cvref_t<decltype(shape)>;

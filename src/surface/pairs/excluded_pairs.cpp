@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t all_bits = ~std::uint64_t{0};
 
-/// Searches along edges. It keeps its memory.
+/// A breadth-first search along edges. It keeps its memory.
 class RingSearch {
  public:
   /// Calls reached(v) for every vertex that is at most so many edges from one of `from`, each once and the nearest
@@ -56,11 +56,11 @@ class RingSearch {
   std::uint32_t now_ = 0;
 };
 
-/// The vertices in the rings of any vertex of one block. find() fills it anew for each row.
+/// The vertices in the rings of any vertex of one block. find() fills it for each row.
 class BlockRings {
  public:
   explicit BlockRings(const SurfaceTreeState& s) { reached_from_.assign(s.mesh.rest.size(), 0); }
-  /// Searches from each of these vertices, at most 32. False: the rings hold too many vertices.
+  /// Searches from each of these vertices, at most 32. Returns false if the rings hold too many vertices.
   bool find(const SurfaceTreeState& s, std::span<const std::uint32_t> corners, std::uint32_t rings) {
     for (const std::uint32_t v : reached_) reached_from_[v] = 0;
     reached_.clear();
@@ -75,13 +75,13 @@ class BlockRings {
     return true;
   }
   std::span<const std::uint32_t> reached() const { return reached_; }
-  /// From which of the vertices, a bit each.
+  /// The vertices from which a vertex was reached, a bit each.
   std::uint32_t reached_from(std::uint32_t vertex) const { return reached_from_[vertex]; }
 
  private:
   RingSearch search_;
   std::vector<std::uint32_t> reached_;
-  std::vector<std::uint32_t> reached_from_;  // by vertex; 0 for all that are not in reached_
+  std::vector<std::uint32_t> reached_from_;  // by vertex, a bit per start; 0 for all vertices that are not in reached_
 };
 
 /// Blocks [begin, end).
@@ -89,7 +89,7 @@ struct BlockRange {
   std::uint32_t begin, end;
 };
 
-/// Boxes at rest: box i of level k is of boxes 8 i … 8 i + 7 of level k − 1, and those of level 0 are of blocks.
+/// Boxes at rest: box i of level k contains boxes 8 i … 8 i + 7 of level k − 1, and level 0 holds the boxes of blocks.
 class RestBoxes {
  public:
   explicit RestBoxes(const SurfaceTreeState& s) {
@@ -102,8 +102,8 @@ class RestBoxes {
       levels_.push_back(std::move(next));
     }
   }
-  /// Adds, ascending, the blocks from `block` on that are surely near it, and those that are neither that nor surely
-  /// apart.
+  /// Adds, ascending, the blocks from `block` on that are surely near it, and the blocks that are neither surely near
+  /// nor surely apart.
   void find(const ExclusionTest& test, std::uint32_t block, std::vector<BlockRange>& near,
             std::vector<std::uint32_t>& in_doubt) const {
     find(test, block, levels_.size() - 1, 0, near, in_doubt);
@@ -132,12 +132,12 @@ class RestBoxes {
 /// A feature of a block.
 struct Place {
   std::uint32_t number;
-  Box box;                // at rest
-  std::uint32_t corners;  // a bit per vertex of the block
+  Box box;                // box at rest
+  std::uint32_t corners;  // the feature's corners, a bit per vertex of the block
   std::uint32_t joined;   // vertices of the row's block that are neighbors of one of its vertices, a bit each
 };
 
-/// The features of a block, in the places where FeatureBoxes has them.
+/// The features of a block, at the places where FeatureBoxes has them.
 struct BlockPlaces {
   std::vector<std::uint32_t> corners;  // the block's vertices, each once
   std::vector<Place> facets, vertices, edges;
@@ -152,7 +152,7 @@ struct BlockPlaces {
     for (std::uint32_t i = s.blocks.own_edges_begin[block]; i < s.blocks.own_edges_begin[block + 1]; ++i)
       add(s, edges, s.blocks.own_edges[i], s.blocks.ends_of_own_edges[i]);
   }
-  /// joined_to(v): vertices of the row's block that are neighbors of v.
+  /// joined_to(v) returns the vertices of the row's block that are neighbors of v.
   template <class JoinedTo>
   void join(const JoinedTo& joined_to) {
     std::array<std::uint32_t, 24> of_corner{};
@@ -177,7 +177,7 @@ struct BlockPlaces {
   }
 };
 
-/// Blocks by the vertices of their facets.
+/// For each vertex, the blocks that have a facet with it.
 class BlocksOfVertices {
  public:
   explicit BlocksOfVertices(const SurfaceTreeState& s) : begin_(s.mesh.rest.size() + 1) {
@@ -189,7 +189,7 @@ class BlocksOfVertices {
     for (std::size_t i = 0; i < s.blocks.facets_in_order.size(); ++i)
       for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks_[next[v]++] = static_cast<std::uint32_t>(i / 8);
   }
-  /// Ascending, some of them more than once.
+  /// The blocks of a vertex, ascending, some of them more than once.
   std::span<const std::uint32_t> of(std::uint32_t vertex) const {
     return std::span(blocks_).subspan(begin_[vertex], begin_[vertex + 1] - begin_[vertex]);
   }
@@ -216,10 +216,10 @@ bool ExclusionTest::are_near_at_rest(const FeaturePair& pair) const {
   return rule_.rest_distance > 0 && are_within_at_rest(surface_, pair, rule_.rest_distance);
 }
 
-// are_within_at_rest() takes the rounded distance of two points of the features, which are off by less than 2^-46 of
-// the largest coordinate: it is no less than the gap between the boxes and no more than the way across both, but for
-// what is allowed here. Differences of coordinates, and lengths of them, are off by 2^-50 of themselves, which is less
-// yet.
+// are_within_at_rest() compares the rounded distance of two points of the features, which is off by less than 2^-46 of
+// the largest coordinate: up to the allowance here, it is no less than the gap between the boxes and no more than the
+// extent of both together. Differences of coordinates, and lengths of them, are off by 2^-50 of themselves, which is
+// less yet.
 bool ExclusionTest::are_surely_apart(const Box& a, const Box& b) const {
   if (!(rule_.rest_distance > 0)) return true;
   const Vec3 gap = max(max(a.lower - b.upper, b.lower - a.upper), Vec3{});
@@ -238,7 +238,7 @@ const std::uint64_t ExcludedPairs::all_[most_masks] = {all_bits, all_bits, all_b
                                                        all_bits, all_bits, all_bits, all_bits, all_bits,
                                                        all_bits, all_bits, all_bits, all_bits, all_bits};
 
-/// What all rows of a table are made from, the same for all threads. ExcludedPairs() makes it once.
+/// The input of all rows of a table, the same for all threads. ExcludedPairs() makes it once.
 struct ExclusionSource {
   ExclusionSource(const SurfaceTreeState& s, const ExclusionRule& of)
       : surface(s), rule(of), test(s, of), boxes(s), blocks_of_vertices(s) {}
@@ -250,12 +250,12 @@ struct ExclusionSource {
   const BlocksOfVertices blocks_of_vertices;
 };
 
-/// Rows of the table, one after the other: of some of the blocks, with memory of its own.
+/// Rows of the table, one after the other, for a part of the blocks, with memory of its own.
 class ExclusionRows {
  public:
   explicit ExclusionRows(const ExclusionSource& source) : source_(source), rings_(source.surface) {}
 
-  /// False: the rings of the rule hold too many vertices.
+  /// Returns false if the rings of the rule hold too many vertices.
   bool add(std::uint32_t block) {
     places_a_.take(source_.surface, block, source_.rule.features);
     if (!rings_.find(source_.surface, places_a_.corners, source_.rule.rings)) return false;
@@ -276,16 +276,16 @@ class ExclusionRows {
     return entries.size() * sizeof(ExcludedPairs::Entry) + masks.size() * sizeof(std::uint64_t);
   }
 
-  std::vector<std::uint32_t> counts;  // of entries, after each row
+  std::vector<std::uint32_t> counts;  // number of entries after each row
   std::vector<ExcludedPairs::Entry> entries;
   std::vector<std::uint64_t> masks;
 
  private:
-  /// The blocks from the row's own on that may have an excluded pair with it, ascending. find_partners() fills it for
-  /// each row.
+  /// The blocks, from the row's own block on, that may have an excluded pair with it, ascending. find_partners() fills
+  /// it for each row.
   struct Partners {
-    std::vector<BlockRange> excluded;     // whose pairs are all excluded
-    std::vector<std::uint32_t> in_doubt;  // that may have a pair that is excluded and one that is not
+    std::vector<BlockRange> excluded;     // blocks whose pairs are all excluded
+    std::vector<std::uint32_t> in_doubt;  // blocks that may have both an excluded pair and one that is not
   };
 
   void find_partners(std::uint32_t block) {
@@ -299,7 +299,7 @@ class ExclusionRows {
     in_doubt.erase(std::unique(in_doubt.begin(), in_doubt.end()), in_doubt.end());
   }
 
-  /// All pairs of the row's block with these.
+  /// Excludes all pairs of the row's block with these blocks.
   void add_excluded(const BlockRange& range) {
     const bool is_next = entries.size() > row_ && entries.back().masks == ExcludedPairs::no_masks &&
                          entries.back().last + 1 == range.begin;
@@ -345,7 +345,7 @@ class ExclusionRows {
     add_masks(a.edges, b.edges, [&](std::uint32_t e, std::uint32_t f) { return ordered(PairKind::edge_edge, e, f); });
   }
 
-  /// Places without a feature count as excluded, and pairs that share a vertex, which no search finds.
+  /// Places without a feature count as excluded, and so do pairs that share a vertex, which no search finds.
   template <class Pair>
   void add_masks(const std::vector<Place>& a, const std::vector<Place>& b, const Pair& pair) {
     const std::size_t groups_a = (a.size() + 7) / 8, groups_b = (b.size() + 7) / 8, first = masks.size();
@@ -365,14 +365,14 @@ class ExclusionRows {
   const ExclusionSource& source_;
   BlockRings rings_;
   Partners partners_;
-  std::size_t row_ = 0;              // where the row's entries begin
-  BlockPlaces places_a_, places_b_;  // of the row's block, and of the one that is added
+  std::size_t row_ = 0;              // begin of the row's entries
+  BlockPlaces places_a_, places_b_;  // places of the row's block and of the block that is added
 };
 
 ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers) : rule_(rule) {
   const ExclusionSource source(s, rule_);
   const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.blocks.order.size();
-  // A few parts, for each has a number per vertex.
+  // There are few parts, because each holds a number per vertex.
   const std::size_t blocks_at_once = std::max<std::size_t>(16, (blocks + 63) / 64);
   std::vector<std::optional<ExclusionRows>> parts((blocks + blocks_at_once - 1) / blocks_at_once);
   std::atomic<std::size_t> bytes = 0;
@@ -388,7 +388,7 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
         is_too_large = true;
     }
   });
-  // Of the same rows the sum is the same, whoever adds it up.
+  // The sum over the same rows is the same in every order.
   is_kept_ = !is_too_large;
   if (!is_kept_) return;
   begin_.push_back(0);
@@ -435,7 +435,8 @@ std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surf
   constexpr std::size_t most_tables = 4;
   ExclusionTables& tables = *surface.exclusions;
   if (auto found = find_table(tables, rule)) return found;
-  // Without the lock: workers may do other work for this surface in between. Two threads may make the same table.
+  // The lock is not held here, because workers may do other work for this surface in between. Two threads may make the
+  // same table.
   auto made = std::make_shared<const ExcludedPairs>(surface, rule, workers);
   if (auto found = find_table(tables, rule)) return found;
   const std::lock_guard lock(tables.mutex);

@@ -5,7 +5,7 @@
 // A row per block lists the blocks at or after it with which it has an excluded pair. An entry has 64 bits for every
 // eight features against eight others, in the order in which PairSearch compares them, so that a search drops the
 // excluded ones of 64 pairs at once. Runs of blocks whose pairs are all excluded share an entry without bits, so that a
-// table has as many entries as there are blocks at the border of what is excluded.
+// table has as many entries as there are blocks at the border of the excluded set.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@
 
 namespace morula::detail {
 
-/// What PairFilter::rings and rest_distance exclude.
+/// The exclusions by PairFilter::rings and rest_distance.
 struct ExclusionRule {
   std::uint32_t rings = 0;
   double rest_distance = 0;
@@ -28,18 +28,19 @@ struct ExclusionRule {
   bool operator==(const ExclusionRule&) const = default;
 };
 
-/// Whether a rule excludes a pair, decided for that pair alone. Slow: for tables, and where there is none.
+/// Whether a rule excludes a pair, decided for that pair alone. It is slow: it serves to make tables, and searches
+/// without a table.
 class ExclusionTest {
  public:
   ExclusionTest(const SurfaceTreeState& surface, const ExclusionRule& rule);
   bool excludes(const FeaturePair& pair) const { return are_neighbors(pair) || are_near_at_rest(pair); }
   bool are_near_at_rest(const FeaturePair& pair) const;
-  /// Are features in these boxes all farther apart at rest, or all as near?
+  /// Whether all features in these boxes are farther apart at rest; whether all are as near.
   bool are_surely_apart(const Box& a, const Box& b) const;
   bool are_surely_near(const Box& a, const Box& b) const;
 
  private:
-  /// Some vertex of the one is at most so many edges from some vertex of the other.
+  /// Whether a vertex of the one is at most so many edges from a vertex of the other.
   bool are_neighbors(const FeaturePair& pair) const;
 
   const SurfaceTreeState& surface_;
@@ -49,14 +50,14 @@ class ExclusionTest {
 
 class ExcludedPairs {
  public:
-  /// A table takes at most so much memory, bytes per facet. A larger one is not kept.
+  /// The largest memory of a table that is kept, bytes per facet.
   static constexpr std::size_t most_bytes_per_facet = 512;
-  /// Nor is one for rings that hold more vertices than this about some vertex: it would take too long to make.
+  /// The most vertices in the rings about a vertex; with more, no table is made, since that would take too long.
   static constexpr std::size_t most_vertices_in_rings = 4096;
 
   ExcludedPairs(const SurfaceTreeState& surface, const ExclusionRule& rule, Workers& workers);
   const ExclusionRule& rule() const { return rule_; }
-  /// False: the table would be too large, and has no rows.
+  /// False when the table would be too large; it then has no rows.
   bool is_kept() const { return is_kept_; }
   std::size_t bytes() const;
 
@@ -64,9 +65,9 @@ class ExcludedPairs {
   /// facets alone. Else groups of vertices of a against facets of b; if b is another block, facets of a against groups
   /// of vertices of b; then for each group of edges of a all groups of edges of b.
   const std::uint64_t* of(std::uint32_t a, std::uint32_t b) const;
-  /// What of() returns where no pair is excluded.
+  /// The value that of() returns when no pair is excluded.
   static const std::uint64_t* none() { return none_; }
-  /// Of what of() returned: are all pairs excluded?
+  /// Whether a value of of() excludes all pairs.
   static bool are_all(const std::uint64_t* masks) { return masks == all_; }
 
  private:
@@ -74,10 +75,10 @@ class ExcludedPairs {
   static constexpr std::size_t most_masks = 3 + 3 + 3 * 3;
   static const std::uint64_t none_[most_masks], all_[most_masks];
   static constexpr std::uint32_t no_masks = 0xffffffffu;
-  /// Of one block, or of blocks in a row whose pairs are all excluded.
+  /// The entry of one block, or of consecutive blocks whose pairs are all excluded.
   struct Entry {
     std::uint32_t first, last;
-    std::uint32_t masks;  // where they begin; no_masks: all pairs are excluded
+    std::uint32_t masks;  // begin of the masks; no_masks: all pairs are excluded
   };
   friend class ExclusionRows;
 
@@ -88,7 +89,7 @@ class ExcludedPairs {
   std::vector<std::uint64_t> masks_;
 };
 
-/// The table of a surface for a rule, which has to exclude something. The surface keeps the last four. Any number of
+/// The table of a surface for a rule that excludes at least one pair. The surface keeps the last four. Any number of
 /// threads may call this at the same time.
 std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surface, const ExclusionRule& rule,
                                                     Workers& workers);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A PairFilter made ready for the surfaces that are asked, and the points of features: all, and the nearest of two.
+// A PairFilter prepared for the surfaces of a query, and the points of features: all vertices, and the nearest points
+// of two features.
 #pragma once
 
 #include <array>
@@ -28,7 +29,7 @@ inline Feature feature_b(PairKind kind) {
                                         : Feature::facet;
 }
 
-/// One to three vertices.
+/// The one to three vertices of a feature.
 class FeatureVertices {
  public:
   FeatureVertices(const SurfaceTreeState& s, Feature feature, std::uint32_t number) {
@@ -50,29 +51,29 @@ class FeatureVertices {
   std::size_t size_ = 0;
 };
 
-/// Of a pair of vertex and facet, either way round, or of two edges. points: 1 and 3, 3 and 1, or 2 and 2.
+/// The nearest points of a vertex and a facet, in either order, or of two edges. points: 1 and 3, 3 and 1, or 2 and 2.
 ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, std::span<const Vec3> b);
-/// Are two features of one surface within a distance at rest? Of two facets, that of their vertices, edges and facets
-/// counts which is least: 0 where they cross.
+/// Whether two features of one surface are within a distance at rest. The distance of two facets is the least of their
+/// vertices, edges and facets; 0 where they cross.
 bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance);
 
 class FeatureFilter {
  public:
-  /// Throws std::invalid_argument, naming the option, for one that is out of range by itself.
+  /// Throws std::invalid_argument, naming the option, for an option that is out of range by itself.
   static void require_usable(const PairFilter& filter);
-  /// Of one surface with itself where b is a. ok, or bad_option for masks that do not fit the surfaces. Makes the table
-  /// of excluded pairs where there is none.
+  /// Prepares the filter; for one surface with itself if b is a. ok, or bad_option for masks that do not fit the
+  /// surfaces. Makes the table of excluded pairs if there is none.
   Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b, Features features,
                Workers& workers);
-  /// What the search is to drop by itself: pairs that keeps() is not asked about. Null: nothing.
+  /// The pairs that the search has to drop by itself, without a call of accepts(); null if there are none.
   const ExcludedPairs* excluded() const {
     return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
   }
-  /// For pairs that share no vertex.
+  /// Whether a pair that shares no vertex is kept.
   bool accepts(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
 
  private:
-  /// Masks of features: the bits of all facets that a vertex or an edge is of.
+  /// Masks of features: the bits of all facets that have a vertex or an edge.
   struct Masks {
     std::span<const std::uint32_t> facet_category, facet_mask;
     std::vector<std::uint32_t> vertex_of, vertex_with, edge_of, edge_with;
@@ -86,9 +87,9 @@ class FeatureFilter {
   const PairFilter* filter_ = nullptr;
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
   Masks masks_a_, masks_b_;
-  std::shared_ptr<const ExcludedPairs> excluded_;  // of one surface with itself, where the filter excludes any
+  std::shared_ptr<const ExcludedPairs> excluded_;  // for one surface with itself, if the filter excludes any pair
   bool keeps_all_ = false;
-  bool tests_each_ = false;  // there is no table of excluded pairs
+  bool tests_each_ = false;  // whether each pair is tested, without a table of excluded pairs
 };
 
 }  // namespace morula::detail

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What queries of surface trees have in common: search, filter, and results that are gathered chunk by chunk.
+// The common parts of queries of surface trees: search, filter, and results gathered chunk by chunk.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,7 @@ inline void require_budget(const Budget& budget) {
                                 (budget.is_tests() ? " tests" : " ns") + " is negative");
 }
 
-/// Points of a feature where a surface is now.
+/// Points of a feature in the present pose of a surface.
 class FeaturePoints {
  public:
   FeaturePoints(const SurfaceTreeState& s, Feature feature, std::uint32_t number, bool at_end = false) {
@@ -48,7 +48,7 @@ class FeaturePoints {
   std::size_t size_;
 };
 
-/// For FeatureQuery: look(a, b, pair) is what is found of one pair, if anything.
+/// For FeatureQuery: look(a, b, pair) returns the result for one pair, if there is one.
 template <class Look>
 auto one_by_one(const Look& visit) {
   return
@@ -61,7 +61,7 @@ auto one_by_one(const Look& visit) {
       };
 }
 
-/// A call of a query whose state is `state`, where it is not refused: ask() begins it or goes on.
+/// Runs a query whose state is `state`, unless it is rejected: ask() begins it or continues it.
 template <class State, class Ask>
 SurfaceQueryStatus call_of(State& state, CallKind kind, const Ask& ask) {
   ObjectCall own(state, kind);
@@ -75,14 +75,14 @@ template <class Found>
 class FeatureQuery {
  public:
   struct Ask {
-    double reach = 0;  ///< of boxes
+    double reach = 0;  ///< largest distance of boxes that count as near
     Features features = Features::all;
     bool sorted = true;
-    bool by_spheres = true;  ///< pairs whose features are farther apart than that are not asked for
+    bool by_spheres = true;  ///< whether pairs whose features are farther apart than the reach may be left out
   };
 
-  /// Of one surface with itself where b is a. narrow(a, b, pairs, found): adds what is found of pairs of features whose
-  /// boxes are near; called by workers.
+  /// Starts a query; of one surface with itself if b is a. narrow(a, b, pairs, found): adds the results for pairs of
+  /// features whose boxes are near; workers call it.
   template <class Options, class Narrow>
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, const Ask& ask, const Options& options,
                          Workers& workers, const Narrow& narrow) {
@@ -102,13 +102,13 @@ class FeatureQuery {
     candidates_ = 0;
     return go_on(options, workers, narrow);
   }
-  /// reach: as at the start. The filter is read anew: options may have been set since.
+  /// Continues a query. reach: the value at the start. The filter is read again: options may have been set since.
   template <class Options, class Narrow>
   SurfaceQueryStatus resume(double reach, const Options& options, Workers& workers, const Narrow& narrow) {
     const StandardFloats standard;
     if (!search_.is_started()) return {{.code = Status::Code::no_front}};
     if (!search_.is_current()) return {{.code = Status::Code::other_frame}};
-    // Pairs that were farther apart are gone.
+    // Pairs that were farther apart were not kept.
     // mutant resume-other-distance: `reach != ask_.reach` -> `false`
     if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
@@ -117,19 +117,20 @@ class FeatureQuery {
     return go_on(options, workers, narrow);
   }
 
-  /// As if new: no results, nothing started, and none of the memory that an exception may have left in any state.
+  /// Resets the query to a new one: no results, nothing started, and no memory, which an exception may have left in any
+  /// state.
   void forget() noexcept { *this = FeatureQuery(); }
 
   const std::vector<Found>& found() const { return found_; }
   const std::vector<OpenFacets>& open() const { return open_; }
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
-  /// Of what was found: also when surfaces have moved since.
+  /// The reach of the results, also when surfaces have moved since.
   double reach() const { return ask_.reach; }
   double largest_coordinate() const { return largest_coordinate_; }
 
  private:
-  /// Refused with changed_during_call where a callback has moved a surface: the caller forgets what was found.
+  /// Returns changed_during_call if a callback has moved a surface; the caller then discards the results.
   template <class Options, class Narrow>
   SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
     const SurfaceTreeState &a = search_.a(), &b = search_.b();
@@ -170,7 +171,7 @@ class FeatureQuery {
   }
 
   struct alignas(64) Chunk {
-    std::vector<FeaturePair> pairs;  // to be looked at
+    std::vector<FeaturePair> pairs;  // pairs to be examined
     std::vector<Found> found;
     std::size_t candidates = 0;
   };

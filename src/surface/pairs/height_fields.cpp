@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t blocks_at_once = 512, regions_at_once = 32;
 
-/// HeightFields::Directions of one facet. Where a sign is in doubt, neither: what is nearly upright is no height field.
+/// HeightFields::Directions of one facet. If a sign is in doubt, neither bit is set: a nearly upright facet is in no
+/// height field.
 unsigned directions_of(const Vec3& p, const Vec3& q, const Vec3& r) {
   unsigned directions = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -31,21 +32,22 @@ bool is_lower(const Vec3& p, const Vec3& q, Projection projection) {
   return p[i] != q[i] ? p[i] < q[i] : p[j] < q[j];
 }
 
-/// Do segments pq and rs touch, or is that in doubt?
+/// Whether segments pq and rs touch, or may touch within rounding.
 bool may_touch(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s, Projection projection) {
   if (orient2d(p, q, r, projection) * orient2d(p, q, s, projection) > 0) return false;
   // mutant height-field-touches: `<= 0` -> `< 0`
   return orient2d(r, s, p, projection) * orient2d(r, s, q, projection) <= 0;
 }
 
-/// Do segments pq and qr have more in common than q? None is a point. Where p is on qr, or r on pq, the edges beyond
-/// touch, too; but in a loop of three there are none, and a facet may have a corner on its neighbor's edge.
+/// Whether segments pq and qr have more in common than q. Neither is a point. If p is on qr, or r on pq, the edges
+/// beyond also touch; but in a loop of three there are none, and a facet may have a corner on its neighbor's edge.
 bool folds_back(const Vec3& p, const Vec3& q, const Vec3& r, Projection projection) {
   // mutant height-field-folds-back: `orient2d(p, q, r, projection) == 0` -> `false`
   return is_lower(p, q, projection) == is_lower(r, q, projection) && orient2d(p, q, r, projection) == 0;
 }
 
-/// The directions from v, counter-clockwise from that of `from` to that of `to`, with both, which are not the same.
+/// The directions from v, counter-clockwise from the direction of `from` to that of `to`, both included; the two
+/// differ.
 struct Sector {
   const Vec3 &v, &from, &to;
 
@@ -56,14 +58,15 @@ struct Sector {
     return orient2d(v, to, p, projection) <= 0 || orient2d(v, p, from, projection) <= 0;
   }
 };
-/// Have two sectors at one point no direction in common? Arcs that have one have that at which one of them begins.
+/// Whether two sectors at one point have no direction in common. Two arcs with a common direction have in common the
+/// direction at which one of them begins.
 bool are_disjoint(const Sector& a, const Sector& b, Projection projection) {
   return !a.has(b.from, projection) && !b.has(a.from, projection);
 }
 
 }  // namespace
 
-/// The border that is looked at. Edge e goes from point e to point next_[e].
+/// The border that is tested. Edge e goes from point e to point next_[e].
 class HeightFields::Border {
  public:
   void start() {
@@ -87,8 +90,8 @@ class HeightFields::Border {
     before_[first] = edge_count() - 1;
     loops_.push_back(static_cast<std::uint32_t>(points_.size()));
   }
-  /// Do no edges touch but at a vertex that they share, are the fans at a vertex in disjoint sectors, and is no
-  /// counter-clockwise loop within another? Mirrored: clockwise. False where that is in doubt.
+  /// Whether no edges touch except at a vertex that they share, the fans at a vertex are in disjoint sectors, and no
+  /// counter-clockwise loop is within another. Mirrored: clockwise. False if one of these is in doubt.
   bool is_simple(Projection projection, bool is_mirrored) {
     group_edges(projection);
     // mutant height-field-border: `return no_edges_touch(projection, is_mirrored) &&` -> `return`
@@ -108,7 +111,7 @@ class HeightFields::Border {
   int turn(std::size_t loop, Projection projection) const;
 
   std::vector<Vec3> points_;
-  std::vector<MinBox> boxes_;  // of the points, rounded outwards
+  std::vector<MinBox> boxes_;  // boxes of the points, rounded outwards
   std::vector<std::uint32_t> slots_, next_, before_, loops_;
   std::vector<BoxGroup> edges_, runs_;  // boxes of edges in the plane, and of runs of eight of them
   struct Loop {
@@ -166,7 +169,7 @@ bool HeightFields::Border::no_edges_touch(Projection projection, bool is_mirrore
   return true;
 }
 
-/// But for a vertex that they share.
+/// Whether two edges are apart, except for a vertex that they share.
 bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projection projection, bool is_mirrored) const {
   const std::uint32_t e_end = next_[e], f_end = next_[f];
   const Vec3 &p = points_[e], &q = points_[e_end], &r = points_[f], &s = points_[f_end];
@@ -174,12 +177,13 @@ bool HeightFields::Border::are_apart(std::uint32_t e, std::uint32_t f, Projectio
   if (f_end == e) return !folds_back(r, p, q, projection);
   // mutant height-field-pinched: `have_disjoint_fans(e, f, projection, is_mirrored)` -> `true`
   if (slots_[e] == slots_[f]) return have_disjoint_fans(e, f, projection, is_mirrored);
-  // Sides of two fans are in disjoint sectors when those that leave the vertex are.
+  // Sides of two fans are in disjoint sectors when the sides that leave the vertex are.
   if (slots_[e_end] == slots_[f] || slots_[f_end] == slots_[e] || slots_[e_end] == slots_[f_end]) return true;
   return !may_touch(p, q, r, s, projection);
 }
 
-/// Edges that leave the same vertex: the fan of each is on its left, as far as the edge before it.
+/// Whether edges that leave the same vertex have disjoint fans. The fan of an edge is on its left, up to the preceding
+/// edge.
 bool HeightFields::Border::have_disjoint_fans(std::uint32_t e, std::uint32_t f, Projection projection,
                                               bool is_mirrored) const {
   const auto fan = [&](std::uint32_t edge) {
@@ -190,10 +194,10 @@ bool HeightFields::Border::have_disjoint_fans(std::uint32_t e, std::uint32_t f, 
   return are_disjoint(fan(e), fan(f), projection);
 }
 
-/// Of a loop, 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex hull. Where
-/// it is there more than once, a clockwise loop may count as the other, but not the other way: all sectors of a
-/// counter-clockwise one are less than half a turn there, since one that is more has directions out of the hull, which
-/// are not on its left.
+/// The direction of a loop; 1: counter-clockwise. Its first point in the order of coordinates is a corner of its convex
+/// hull. If the loop passes that point more than once, a clockwise loop may count as counter-clockwise, but not the
+/// reverse: all sectors of a counter-clockwise loop are less than half a turn there, since a larger sector has
+/// directions out of the hull, which are not on its left.
 int HeightFields::Border::turn(std::size_t loop, Projection projection) const {
   std::uint32_t first = loops_[loop];
   for (std::uint32_t e = loops_[loop] + 1; e < loops_[loop + 1]; ++e)
@@ -212,7 +216,7 @@ bool HeightFields::Border::no_loops_are_nested(Projection projection, bool is_mi
       box.add({points_[e][projection.first], points_[e][projection.second], 0});
     ccw_loops_.push_back({loop, box});
   }
-  // What lies within a loop has a box within its box.
+  // A loop that lies within another has a box within the other's box.
   for (const auto& [inner, box] : ccw_loops_)
     for (const auto& [outer, around] : ccw_loops_)
       if (inner != outer && min(box.lower, around.lower) == around.lower &&
@@ -221,9 +225,9 @@ bool HeightFields::Border::no_loops_are_nested(Projection projection, bool is_mi
   return true;
 }
 
-/// Of two loops that touch at vertices alone: a point of the inner one that is no vertex of the outer is not on it. A
-/// line from there to where the second coordinate stays and the first grows crosses the outer loop an odd number of
-/// times when the point is within. In doubt where all vertices are on both.
+/// The two loops touch at vertices only, so a point of the inner loop that is no vertex of the outer loop is not on the
+/// outer loop. A ray from there along which the second coordinate is constant and the first grows crosses the outer
+/// loop an odd number of times when the point is within. The answer is in doubt if all vertices are on both loops.
 bool HeightFields::Border::may_be_within(std::size_t inner, std::size_t outer, Projection projection) const {
   const std::span<const std::uint32_t> of_outer(slots_.data() + loops_[outer], loops_[outer + 1] - loops_[outer]);
   for (std::uint32_t i = loops_[inner]; i < loops_[inner + 1]; ++i) {
@@ -295,7 +299,7 @@ void HeightFields::find_all(Workers& workers) {
   for (std::size_t level = 1; level < levels_.size(); ++level)
     for (std::uint32_t region = 0; region < levels_[level].size(); ++region)
       levels_[level][region].directions = common_directions(level, region);
-  // From the largest on: what is within one is one, and is not looked at.
+  // Regions are tested from the largest on: a region within a height field is one, and is not tested.
   for (std::size_t level = levels_.size() - 1; level > 0; --level) {
     std::vector<Region>& regions = levels_[level];
     borders_.resize(std::max(borders_.size(), (regions.size() + regions_at_once - 1) / regions_at_once));

@@ -3,16 +3,16 @@
 // Height fields: regions of a surface that cannot cross themselves, because along an axis they lie over a plane once.
 //
 // Claim: let all facets of a region with a border (tree_state.hpp) run counter-clockwise when one coordinate is
-// dropped, all of them strictly; let no two edges of the border touch there but at a vertex that they share; where
-// loops are at a vertex more than once, let the sectors on their left have no direction in common; and let no loop that
+// dropped, all of them strictly; let no two edges of the border touch there except at a vertex that they share; if
+// loops pass a vertex more than once, let the sectors on their left have no direction in common; and let no loop that
 // runs counter-clockwise lie within another that does. Then no two facets of the region that share no vertex have a
 // common point.
 //
 // Proof. Let q be a point of the plane on no projected edge, and N(q) the number of projected facets that it is in.
-// Each runs round q once or not at all, counter-clockwise. Inner edges are run along once in each direction, so the
-// loops of the border together run round q N(q) times. Where they are at a vertex more than once, let them take a short
+// Each winds round q once or not at all, counter-clockwise. Inner edges are traversed once in each direction, so the
+// loops of the border together wind round q N(q) times. If they pass a vertex more than once, let them take a short
 // cut: along an arc about the vertex within the sector on their left, as near as q allows. The sectors have no
-// direction in common, so the arcs do not touch, and all loops are simple. A simple loop runs round q once if q is
+// direction in common, so the arcs do not touch, and all loops are simple. A simple loop winds round q once if q is
 // inside, by its own direction, else not at all. Two counter-clockwise loops with q inside, which do not touch, would
 // lie one within the other; so at most one is there, and N(q) <= 1.
 //
@@ -25,8 +25,8 @@
 // edge of it, or at a vertex with fans that are all open, whose sides are edges of the border. So is b, likewise. But
 // edges of the border that pass p share a vertex there. So a is b, which F and G do not share.
 //
-// It is normal-cone culling [volino1994] with an axis for a direction: so all of it is decided by signs of orientations
-// in the plane, without rounding.
+// This is normal-cone culling [volino1994] with an axis as the direction: so the whole test is decided by signs of
+// orientations in the plane, without rounding.
 #pragma once
 
 #include <cstdint>
@@ -44,13 +44,13 @@ class HeightFields {
   HeightFields(HeightFields&&) noexcept;
   HeightFields& operator=(HeightFields&&) noexcept;
 
-  /// None are known. boxes: of the present pose.
+  /// Starts without any known height field. boxes: the boxes of the present pose.
   void start(const SurfaceTreeState& s, const SurfaceBoxes& boxes);
-  /// Looks at the regions of all levels.
+  /// Tests the regions of all levels.
   void find_all(Workers& workers);
-  /// Looks at one region.
+  /// Tests one region.
   void find(std::size_t level, std::uint32_t region);
-  /// Is it known to be one? False of one that was not looked at.
+  /// Whether a region is known to be a height field; false for a region that was not tested.
   bool is_one(std::size_t level, std::uint32_t region) const {
     return level < levels_.size() && region < levels_[level].size() && levels_[level][region].is_field;
   }
@@ -62,7 +62,7 @@ class HeightFields {
     Directions directions = 0;
     bool is_field = false;
   };
-  class Border;  // memory of one worker
+  class Border;  // the memory of one worker
 
   void find_directions(std::uint32_t first_block, std::uint32_t last_block);
   Directions common_directions(std::size_t level, std::uint32_t region) const;
@@ -70,7 +70,7 @@ class HeightFields {
 
   const SurfaceTreeState* state_ = nullptr;
   const SurfaceBoxes* boxes_ = nullptr;
-  std::vector<std::vector<Region>> levels_;  // level 0: blocks, whose borders are not looked at
+  std::vector<std::vector<Region>> levels_;  // by level; level 0: blocks, whose borders are not tested
   std::vector<Border> borders_;
 };
 

@@ -9,7 +9,7 @@
 namespace morula::detail {
 namespace {
 
-/// So many pairs of nodes are made by one thread before workers go on from each of them by itself.
+/// The number of node pairs that one thread makes before workers descend from each of them by itself.
 constexpr std::size_t pairs_for_workers = 512;
 
 BoxGroup alone(const BoxGroup& of, std::size_t place) {
@@ -19,7 +19,7 @@ BoxGroup alone(const BoxGroup& of, std::size_t place) {
   return group;
 }
 
-/// The box of a whole group, by itself.
+/// A group that holds only the box of a whole group.
 BoxGroup together(const BoxGroup& of) {
   BoxGroup group;
   group.clear();
@@ -31,24 +31,24 @@ BoxGroup together(const BoxGroup& of) {
   return group;
 }
 
-/// The box of a node, by itself; above the last level is the box of all.
+/// A group that holds only the box of a node; above the last level, the box of the whole surface.
 BoxGroup box_of(const SurfaceBoxes& boxes, const BoxNode& node) {
   if (node.height == boxes.levels.size()) return together(boxes.levels.back()[0]);
   return alone(boxes.levels[node.height][node.number / 8], node.number % 8);
 }
 
-/// What is added to bounds of a, so that boxes no farther apart than `reach` overlap. shift: from a's origin to b's.
-/// extents: of the boxes of both, added.
+/// The lengths added to the bounds of a, so that boxes no farther apart than `reach` overlap. shift: from a's origin to
+/// b's. extents: the sum of the extents of both surfaces' boxes.
 ///
-/// Two points at most `reach` apart along an axis have coordinates about the two origins that are, once the shift is
-/// added, but for rounding: differences from the origins and the shift are off by 2^-53 of themselves, and what is
-/// added to bounds by 2^-24 when it becomes a float. All of it is below 2^-22 of the largest number that occurs. Bounds
-/// are rounded outwards; the sum of a bound and what is added to it, rounded to nearest, is on the same side of any
-/// float as the sum itself.
+/// Two points at most `reach` apart along an axis have coordinates about the two origins that are also at most that far
+/// apart, once the shift is added, except for rounding: differences from the origins and the shift are off by 2^-53 of
+/// themselves, and the length added to bounds by 2^-24 when it becomes a float. All of it is below 2^-22 of the largest
+/// number that occurs. Bounds are rounded outwards; the sum of a bound and the added length, rounded to nearest, is on
+/// the same side of any float as the sum itself.
 BoxReach box_reach(double reach, const Vec3& shift, double extents) {
   if (!(reach > 0 || shift != Vec3{})) return {};
   // No two boxes are as far apart as that, and it stays finite in float: an empty box, which is infinite, meets nothing
-  // only as long as what is added is finite.
+  // only as long as the added length is finite.
   constexpr double farthest_apart = 0x1p110;
   // mutant surface-beyond-float: `min(reach, farthest_apart)` -> `max(reach, 0 * farthest_apart)`
   const double near = std::min(reach, farthest_apart);
@@ -73,7 +73,7 @@ SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t
 bool SurfaceMeter::try_spend(std::size_t groups) {
   ask_to_go_on();
   if (is_over_) return false;
-  // The first piece of work is done whatever it costs, so that whoever resumes again and again comes to the end.
+  // The first unit of work is done at any cost, so that repeated resume() calls always finish.
   const bool is_first = calls_ == 0;
   if (budget_.is_tests())
     is_over_ = is_first ? budget_.tests() <= 0
@@ -119,7 +119,7 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
   if (is_height_field(pair)) return;
   const BoxNode &a = pair.a, &b = pair.b;
   const std::size_t first = below.size();
-  // Bit 8 i + j: child i of a and child j of b, where a node that stays what it is counts as its own child 0.
+  // Bit 8 i + j: child i of a and child j of b, where a node that is not replaced counts as its own child 0.
   const auto push_near = [&](std::uint64_t bits, const auto& child_of_a, const auto& child_of_b) {
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
@@ -147,8 +147,8 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
 }
 
 void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
-  // Breadth first, by one thread, as long as there are few; then each pair by itself, to its end. What comes out is
-  // the same for any number of workers.
+  // One thread descends breadth first as long as there are few pairs; then workers descend from each pair by itself, to
+  // its end. The result is the same for any number of workers.
   std::vector<NodePair>&level = descent_.level, &below = descent_.below;
   std::vector<BlockDescent::Task>& tasks = descent_.tasks;
   std::vector<BlockPair>& pairs = descent_.pairs;
@@ -170,7 +170,7 @@ void PairSearch::find_block_pairs(SurfaceMeter& meter, Workers& workers) {
     }
     level.swap(below);
   }
-  // A few pairs share the memory of one task: many small pieces of it would be slow to come by.
+  // A few pairs share the memory of one task: many small allocations would be slow.
   constexpr std::size_t pairs_at_once = 16;
   const std::size_t task_count = (level.size() + pairs_at_once - 1) / pairs_at_once;
   if (tasks.size() < task_count) tasks.resize(task_count);

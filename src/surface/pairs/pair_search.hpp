@@ -5,7 +5,7 @@
 //   open pair of nodes        is replaced by
 //   a, b of equal height      pairs of their children whose boxes are near
 //   a higher than b           children of a whose boxes are near b's, each with b; and the other way round
-//   a with itself             each child with itself, and pairs of two children as above; nothing where a is found to
+//   a with itself each child with itself, and pairs of two children as above; nothing if a is proven to
 //                             be a height field
 //   two blocks                pairs of features, which are compared group by group
 #pragma once
@@ -27,14 +27,14 @@
 
 namespace morula::detail {
 
-/// What of a budget is left.
+/// The rest of a budget.
 class SurfaceMeter {
  public:
-  /// tests: pairs of boxes that testing one group is.
+  /// tests: number of box pairs in a test of one group.
   SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
   bool is_unlimited() const { return budget_.is_unlimited(); }
-  /// May so many groups of boxes be tested against as many others, 64 pairs each? Once the answer was no it stays no.
-  /// The first time it is no only where the budget is nothing.
+  /// Whether so many groups of boxes may be tested against as many others, 64 pairs each. Once false, it stays false.
+  /// The first call returns false only if the budget is zero.
   bool try_spend(std::size_t groups);
   std::size_t groups_tested = 0;
 
@@ -47,20 +47,21 @@ class SurfaceMeter {
   bool is_over_ = false;
 };
 
-/// Keeps its memory. What is not yet compared is a list of open pairs of nodes.
+/// It keeps its memory. A list of open pairs of nodes holds the pairs that are not compared yet.
 class PairSearch {
  public:
-  /// Of one surface with itself where b is a. reach: pairs of boxes so far apart along each axis are still near, mesh
-  /// units.
-  /// by_spheres: of surfaces that follow bodies, pairs whose features are farther apart than that may be missing.
+  /// Starts a search; of one surface with itself if b is a. reach: largest distance along each axis at which boxes
+  /// still count as near, mesh units. by_spheres: for surfaces that follow bodies, pairs whose features are farther
+  /// apart than the reach may be missing.
   void start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, Features features, bool by_spheres,
              Workers& workers);
-  /// Of one surface with itself: what is not to be found. It has to live until the last run(). Null: nothing.
+  /// For one surface with itself: the pairs to leave out; null if there are none. The table has to live until the last
+  /// run().
   void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
   bool is_started() const { return a_.surface != nullptr; }
-  /// Have the surfaces not moved since?
+  /// Whether the surfaces have not moved since the start.
   bool is_current() const { return static_cast<bool>(moved(Status::Code::other_frame)); }
-  /// ok, or `code` with the number of the first one that has moved since.
+  /// ok, or `code` with the number of the first surface that has moved since.
   Status moved(Status::Code code) const {
     if (!a_.is_current(0)) return {code, 0};
     if (!is_with_itself() && !b_.is_current(1)) return {code, 1};
@@ -71,10 +72,11 @@ class PairSearch {
   const SurfaceTreeState& a() const { return *a_.surface; }
   const SurfaceTreeState& b() const { return *b_.surface; }
 
-  /// Calls find(chunk, pair) for pairs of features whose boxes are near and, of one surface with itself, that share no
-  /// vertex, and look(chunk) after some of them, the last ones at least: those of one chunk one after the other, of
-  /// different chunks at the same time. Chunks are numbered from 0 on; chunks(count) is called before any of them.
-  /// Every pair is found once, over all calls since start(). True when nothing is left to do.
+  /// Calls find(chunk, pair) for pairs of features whose boxes are near and, for one surface with itself, that share no
+  /// vertex. Calls look(chunk) after several of them, and always after the last ones. The calls for one chunk are made
+  /// one after the other, the calls for different chunks at the same time. Chunks are numbered from 0 on; chunks(count)
+  /// is called before any of them. Every pair is found once, over all calls since start(). True when nothing is left to
+  /// do.
   template <class Chunks, class Find, class Look>
   bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit);
 
@@ -90,24 +92,24 @@ class PairSearch {
   };
 
   bool is_node_with_itself(const NodePair& pair) const { return is_with_itself() && pair.a == pair.b; }
-  /// Are crossings of these facets with each other sought, and do they have a border that can be looked at?
+  /// Whether crossings of these facets with each other are sought and the facets have a border that can be tested.
   bool may_be_height_field(const NodePair& pair) const {
     return is_node_with_itself(pair) && features_ == Features::facets && !pair.a.is_block();
   }
   bool is_height_field(const NodePair& pair) const {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
   }
-  /// Where a budget bounds the work, only the smallest regions are looked at.
+  /// If a budget bounds the work, only the smallest regions are tested.
   bool is_sought_now(const NodePair& pair) const { return may_be_height_field(pair) && pair.a.height == 1; }
   /// Groups to be tested for a pair of nodes.
   std::size_t cost(const NodePair& pair) const {
-    // Looking at 64 facets and their border takes as long.
+    // The cost of testing 64 facets and their border, groups.
     constexpr std::size_t of_field = 32;
     if (pair.is_pair_of_blocks()) return cost(BlockPair{pair.a.number, pair.b.number});
     return is_sought_now(pair) ? 1 + of_field : 1;
   }
   std::size_t cost(const BlockPair& pair) const;
-  /// What replaces a pair that is no pair of blocks, last first.
+  /// Adds the pairs that replace a pair that is no pair of blocks, the last one first.
   void expand(const NodePair& pair, std::vector<NodePair>& below) const;
   void find_block_pairs(SurfaceMeter& meter, Workers& workers);
   template <class Find, class Look>
@@ -123,7 +125,7 @@ class PairSearch {
     if (!is_with_itself()) b_.boxes.fill(workers);
   }
 
-  /// find(pair) for pairs of features of two blocks whose boxes are near.
+  /// Calls find(pair) for pairs of features of two blocks whose boxes are near.
   template <class Find>
   void compare(const BlockPair& pair, const Find& find) const;
   template <class Find>
@@ -132,7 +134,7 @@ class PairSearch {
   void compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
   template <class Find>
   void compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
-  /// All groups of i against all of j. excluded: 64 bits for each i and j, and where they end for all of them.
+  /// Tests all groups of i against all of j. excluded: 64 bits for each i and j, and the end of all these masks.
   template <class GroupA, class GroupB, class Found>
   void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
                       const std::uint64_t*& excluded, const Found& found) const {
@@ -144,17 +146,17 @@ class PairSearch {
         }
   }
 
-  /// One of the two surfaces, as it was when start() filled it; fill_boxes() makes the boxes that are wanted.
+  /// One of the two surfaces, in its state when start() filled it; fill_boxes() makes the requested boxes.
   struct Side {
     const SurfaceTreeState* surface = nullptr;
-    std::shared_ptr<const SurfaceTreeState> kept;  // of a SurfaceTree: keeps the state
+    std::shared_ptr<const SurfaceTreeState> kept;  // keeps the state, if a SurfaceTree owns it
     std::uint64_t frame = 0;
     FeatureBoxes boxes;
 
     void start(const SurfaceTreeState& s);
     bool is_current(std::uint8_t body) const { return surface->frame == frame && surface->askable(body); }
   };
-  /// Which boxes count as near: start() fills it.
+  /// The test by which boxes count as near; start() fills it.
   struct NearTest {
     MeetGroups meet = nullptr;
     BoxReach reach{};
@@ -162,8 +164,8 @@ class PairSearch {
       return meet(group_a, group_b, reach);
     }
   };
-  /// Memory of find_block_pairs(), which fills it anew: pairs of nodes of one level, then tasks that go on from them to
-  /// the pairs of blocks of all.
+  /// Memory of find_block_pairs(), which fills it on each call: pairs of nodes of one level, then tasks that descend
+  /// from them, then the pairs of blocks of all tasks.
   struct BlockDescent {
     struct Task {
       std::vector<NodePair> stack;
@@ -175,7 +177,7 @@ class PairSearch {
     std::vector<BlockPair> pairs;
   };
 
-  Side a_, b_;  // of one surface with itself both are of it, and b_ has no boxes
+  Side a_, b_;  // for one surface with itself both refer to it, and b_ has no boxes
   Features features_ = Features::all;
   NearTest are_near_;
   QueryBoxes boxes_;
@@ -185,7 +187,7 @@ class PairSearch {
   BlockDescent descent_;
 };
 
-/// Without branches, which could not be foreseen.
+/// This has no branches, which would be unpredictable.
 inline bool share_a_vertex(const Facet& f, const Facet& g) {
   unsigned common = 0;
   for (const std::uint32_t v : g)
@@ -222,7 +224,8 @@ void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excl
   });
 }
 
-// Vertices of a with facets of b, facets of a with vertices of b, edges with edges: in the order of ExcludedPairs.
+// Compares vertices of a with facets of b, facets of a with vertices of b, edges with edges: in the order of
+// ExcludedPairs.
 template <class Find>
 void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded,
                                             const Find& find) const {
@@ -274,7 +277,7 @@ void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* exclu
                  });
 }
 
-// One pair after the other, so that what a budget in tests reaches is always the same.
+// Takes one pair after the other, so that a budget in tests always reaches the same pairs.
 template <class Find, class Look>
 void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const Look& visit) {
   while (!open_.empty() && meter.try_spend(cost(open_.back()))) {
@@ -312,7 +315,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
   chunks((pairs.size() + pairs_at_once - 1) / pairs_at_once);
   parallel_for(workers, pairs.size(), pairs_at_once, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
-    // Few enough to stay in a small cache.
+    // The pairs between two calls of look(), few enough to stay in a small cache.
     constexpr std::size_t pairs_at_a_look = 32;
     const std::size_t chunk = begin / pairs_at_once;
     for (std::size_t i = begin; i < end; ++i) {

@@ -10,7 +10,7 @@
 
 namespace morula::cli {
 
-/// As given; what was not is empty.
+/// The files as given; empty if not given.
 struct SideFiles {
   char letter = 'a';  // of its options, for messages
   std::string mesh{};
@@ -23,12 +23,12 @@ struct SideFiles {
 /// A rigid motion from "x,y,z" and "x,y,z,degrees": turned about the axis through the origin, then moved.
 RigidTransform parse_transform(const SideFiles& files);
 
-/// One body, frame after frame. Neither copied nor moved: its collider borrows what is beside it.
+/// One body, frame after frame. It cannot be copied or moved, because its collider borrows the other members.
 class Side {
  public:
-  /// Reads everything, so that whatever is missing is known before any tree is built.
+  /// Reads everything, so that missing files are reported ahead of any build.
   Side(const SideFiles& files, const std::string& sph_origin, Workers& workers);
-  /// Once: builds the tree where none was given, and the body. rules: by level.
+  /// Called once: builds the tree if none was given, and the body. rules: by level.
   void prepare(const std::vector<Rule>& rules, Workers& workers);
   Side(const Side&) = delete;
   Side& operator=(const Side&) = delete;

@@ -75,7 +75,7 @@ CollideOptions query_options(const CollideArguments& o) {
   return options;
 }
 
-/// The option that the library refuses, in the words of the command line.
+/// Reports an option that the library rejects by its name on the command line.
 ContactQuery make_query(const CollideArguments& o) {
   if (!(o.margin >= 0) || !std::isfinite(o.margin)) {
     throw UsageError(fmt::format("--margin {} is not a length of 0 or more", o.margin));
@@ -92,7 +92,7 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   a.move_to(frame, workers);
   b.move_to(frame, workers);
   CollidedFrame result{.name_a = a.frame_name(frame), .name_b = b.frame_name(frame)};
-  // The first call of all makes memory: not what a frame costs.
+  // The first call of all makes memory: its cost is not that of a frame.
   if (frame == 0) require_good(query.start(workers));
   toolbox::Stopwatch watch;
   const ContactStatus status = o.carry && frame > 0 ? query.carry(workers) : query.start(workers);
@@ -116,7 +116,7 @@ std::string stem(const Side& side) {
   return std::filesystem::path(side.name()).stem().string();
 }
 
-/// Two bodies' own options that were given, for refusals; nothing where there is none.
+/// The given options that need two bodies, for rejections; empty if there is none.
 std::string given_of_two(const CollideArguments& o) {
   const std::vector<std::pair<const char*, bool>> all{
       {"--carry", o.carry}, {"--priority", o.priority != "overlap"}, {"--plot", !o.plot.empty()}};

@@ -23,7 +23,7 @@ struct CollidedFrame {
   std::uint32_t achieved_level = 0;
   double microseconds = 0, crossings_microseconds = 0;
 
-  /// Of the surfaces; 0 without contacts.
+  /// The greatest depth of the surfaces; 0 without contacts.
   double deepest() const;
 };
 

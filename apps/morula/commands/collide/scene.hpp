@@ -12,11 +12,11 @@ namespace morula::cli {
 
 struct SceneRun {
   std::string file;
-  std::vector<std::filesystem::path> roots;  ///< besides its own folder
+  std::vector<std::filesystem::path> roots;  ///< allowed folders besides its own
   SceneOptions options;
-  std::string rule;  ///< one, or one per level with commas between
+  std::string rule;  ///< one rule, or one per level, separated by commas
   std::string sph_origin;
-  std::string budget;  ///< as given
+  std::string budget;  ///< budget as given
   std::string output;
   std::string page;
   unsigned threads = 0;

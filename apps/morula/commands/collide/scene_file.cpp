@@ -21,7 +21,7 @@ namespace {
 const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", "translate", "rotate",
                                           "path", "static", "groups", "meets",  "weight"};
 
-/// A value in the file, and how messages call it.
+/// A value in the file, and its name in messages.
 class Place {
  public:
   Place(const Json& json, std::string name) : json_(&json), name_(std::move(name)) {}
@@ -93,7 +93,7 @@ RigidTransform transform_of(const Place& body) {
   return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, translation);
 }
 
-/// Where the files of a scene are.
+/// The folders of a scene's files.
 struct SceneFolders {
   std::filesystem::path own;
   FileRoots roots;

@@ -13,9 +13,9 @@ namespace morula::cli {
 
 struct SceneFileBody {
   std::string name;
-  std::filesystem::path mesh, tree{}, motion{};  ///< as they are found from here; empty: none
+  std::filesystem::path mesh, tree{}, motion{};  ///< paths relative to the working folder; empty: none
   RigidTransform transform{};
-  std::vector<Vec3> path{};  ///< where it goes from there, a point per frame
+  std::vector<Vec3> path{};  ///< translation per frame, relative to its transform
   bool is_static = false;
   std::uint32_t category = 1, mask = ~std::uint32_t{0};
   double weight = 1;

@@ -23,7 +23,7 @@ std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::siz
   struct Wish {
     double gain;
     std::size_t link;
-    // Of equals the lower link.
+    // Equal gains go to the lower link.
     bool operator<(const Wish& other) const { return gain != other.gain ? gain < other.gain : link > other.link; }
   };
   std::priority_queue<Wish> wishes;
@@ -41,7 +41,7 @@ std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::siz
   while (!wishes.empty()) {
     const Wish next = wishes.top();
     wishes.pop();
-    // What is too many for links that share their set may do for another.
+    // A number that is too large for links that share their set may fit another link.
     if (used + demands[next.link].links > total) continue;
     ++counts[next.link];
     used += demands[next.link].links;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How many spheres each link of a robot gets of a common number.
+// The division of a total number of spheres among the links of a robot.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace morula::robot {
 
-/// Outside volume of a link with 1, 2, 8 and 32 spheres, looked at cheaply; between and beyond these it is taken to
+/// Outside volume of a link with 1, 2, 8 and 32 spheres, measured cheaply; between and beyond these it is assumed to
 /// fall as a power of the number.
 struct Demand {
   static constexpr std::array<std::size_t, 4> counts{1, 2, 8, 32};
   std::array<double, 4> outside{};
-  std::size_t links = 1;  ///< that share the set
-  std::size_t fixed = 0;  ///< spheres that the link has anyway; with no mesh beside them it takes no more
+  std::size_t links = 1;  ///< number of links that share the set
+  std::size_t fixed = 0;  ///< spheres that the link has in any case; a link without a mesh takes no others
   bool has_mesh = true;
 
   double at(std::size_t count) const;
 };
 
-/// One each, then one after the other to where it takes away most. The sum over links is at most `total` where one
-/// each is.
+/// One sphere each, then each further sphere to the link where it removes most volume. The sum over links is at most
+/// `total` if one sphere each is.
 std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::size_t total);
 
 }  // namespace morula::robot

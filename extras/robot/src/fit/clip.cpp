@@ -24,7 +24,7 @@ class Cutter {
 
   Mesh run() {
     for (const Facet& facet : mesh_.facets) {
-      std::vector<std::uint32_t> corners;  // of what is kept of the facet: up to four
+      std::vector<std::uint32_t> corners;  // corners of the kept part of the facet, up to four
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = facet[k], b = facet[(k + 1) % 3];
         if (kept(a)) corners.push_back(place(a));
@@ -48,7 +48,7 @@ class Cutter {
     if (places_[vertex] == no_place) places_[vertex] = add(mesh_.positions[vertex]);
     return places_[vertex];
   }
-  /// The point of an edge in the plane, the same whichever facet asks.
+  /// The point of an edge in the plane, the same for both facets.
   std::uint32_t cut(std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto [at, fresh] = cuts_.try_emplace({a, b}, no_place);
@@ -66,7 +66,7 @@ class Cutter {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
 
-/// The surface that a leaf answers for.
+/// The surface that a leaf has to cover.
 Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node) {
   Mesh region;
   for (std::uint32_t p = cover.region_begin[node]; p < cover.region_end[node]; ++p) {
@@ -100,7 +100,7 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays,
       continue;
     }
     CoveredTree smaller = build(region, options, serial_workers());
-    // A region that is round may be covered best by one sphere. Those of an octree are as small as its cells.
+    // A region that is round may be covered best by one sphere. The spheres of an octree are as small as its cells.
     if (smaller.tree.leaf_count() < 2 || depth >= 4) {
       smaller = build(region, {.method = Method::octree, .depth = 1, .stop = options.stop}, serial_workers());
     }
@@ -156,7 +156,7 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
   LinkSurface result;
   result.mesh = surface.mesh;
   for (const Sphere& s : surface.spheres) {
-    double depth = s.radius;  // of the center inside of the planes, the least
+    double depth = s.radius;  // least depth of the center inside of the planes
     for (const ClipPlane& plane : planes) depth = std::min(depth, dot(plane.normal, s.center) - plane.offset - margin);
     if (depth >= s.radius) {
       result.spheres.push_back(s);

@@ -66,15 +66,16 @@ void require_sense(const Robot& robot, const FitOptions& o) {
 /// Links whose shapes are the same.
 struct Group {
   std::vector<std::size_t> members;  // of RobotSpheres::links
-  std::size_t budget = 0;            // of the mesh and the spheres beside it; 0: as many as max_protrusion needs
+  std::size_t budget = 0;            // number of spheres for the mesh and other shapes; 0: as many as max_protrusion
+                                     // needs
 };
 
 bool same_surface(const LinkSurface& a, const LinkSurface& b) {
   return a.mesh.positions == b.mesh.positions && a.mesh.facets == b.mesh.facets && a.spheres == b.spheres;
 }
 
-/// Shapes that have the same inside where their surfaces together are the same. What two meshes enclose each by itself,
-/// a mesh of both may leave out.
+/// Whether shapes have the same inside if their surfaces together are the same. A mesh of two may leave out space that
+/// two meshes enclose each by itself.
 bool same_insides(const std::vector<Shape>& a, const std::vector<Shape>& b) {
   const auto meshes = std::count_if(a.begin(), a.end(), [](const Shape& s) { return s.kind == Shape::Kind::mesh; });
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Shape& s, const Shape& t) {
@@ -82,7 +83,7 @@ bool same_insides(const std::vector<Shape>& a, const std::vector<Shape>& b) {
   });
 }
 
-/// Calls f(i) for all i on the workers, the costliest first, and tells how far it is.
+/// Calls f(i) for all i on the workers, the costliest first, and reports progress.
 template <class Cost, class F>
 void for_each_group(std::size_t count, const FitOptions& o, Workers& workers, const Cost& cost, const F& f) {
   std::vector<std::size_t> order(count);
@@ -235,7 +236,7 @@ class Fitter {
       const CoveredTree model = build_link(link, build_options);
       volumes[k] = union_mass(leaves(model), 64).volume;
     }
-    // A surface that is open has no volume of its own: what is left of many spheres stands for it.
+    // A surface that is open has no volume of its own: the rest of many spheres replaces it.
     const MeshReport report = inspect(link.surface.mesh);
     const double object = report.has_volume() ? std::abs(report.volume) : 0;
     const double inside = object > 0 && object < volumes.back() ? object : 0.8 * volumes.back();
@@ -318,15 +319,15 @@ class Fitter {
 
   double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
 
-  /// What a sphere stays away from planes by at least: rounding to decimals moves less than 1e-6 of the size, and a
-  /// float is nearer still.
+  /// The least distance of a sphere from planes: rounding to decimals moves less than 1e-6 of the size, and rounding to
+  /// float even less.
   static double clip_allowance(const Mesh& mesh) {
     double extent = 0;
     for (const Vec3& p : mesh.positions) extent = std::max(extent, max_norm(p));
     return 2e-6 * extent;
   }
 
-  /// A sphere around what is that near to a plane reaches beyond it, however small.
+  /// A sphere around a point that near to a plane reaches beyond it, however small it is.
   void require_margin(const Link& link, const Mesh& mesh, std::span<const ClipPlane> planes) const {
     const double least = o_.padding + clip_allowance(mesh);
     if (least_height(mesh, planes) >= least) return;
@@ -370,7 +371,8 @@ class Fitter {
       options.spheres = spheres *= 2;
       model = build_link(link, options);
     }
-    // A thick link is covered best by spheres that fill it, however many. Those of an octree are as small as its cells.
+    // A thick link is covered best by spheres that fill it, for any number of them. The spheres of an octree are as
+    // small as its cells.
     for (int depth = 1; !fits(model) && depth <= max_depth; ++depth) {
       model = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
     }
@@ -384,7 +386,7 @@ class Fitter {
     const LinkSurface& surface = link.surface;
     figures.facets = surface.mesh.facet_count();
     figures.covered = true;
-    // Those that are kept may be anybody's. What a float may take is in the radius of ours, and more.
+    // Kept spheres may come from any source. The radius of fitted ones includes more than the rounding to float.
     std::vector<Sphere> certified = link.spheres;
     const double allowance = float_allowance(extent_of(link.spheres));
     // mutant robot-kept-as-floats: `allowance` -> `0 * allowance`

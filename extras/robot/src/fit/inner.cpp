@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::size_t candidates_of_a_shape = 3000, least_candidates = 40;
 
-/// A closed surface with what tells its inside.
+/// A closed surface with the query of its inside.
 struct Solid {
   Mesh mesh;
   std::unique_ptr<SignedDistance> object;
   double area = 0;
 
-  /// By how much the ball could grow and stay inside; below 0: it may be outside.
+  /// The length by which the ball could grow and stay inside; below 0: it may be outside.
   double room(const Sphere& s) const {
     const double depth = -(*object)(s.center);
     const bool wound = object->orientation() * object->bvh().winding_number(s.center) > 0.5;
@@ -51,7 +51,7 @@ Mesh piece_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
   return piece;
 }
 
-/// The closed pieces of a shape: each by itself where all face outwards, together where some are cavities of others.
+/// The closed components of a shape: each by itself if all face outwards, together if some are cavities of others.
 std::vector<Solid> solids_of(const Mesh& given) {
   const Mesh mesh = repair(given).mesh;
   const Components components = components_by_vertices(mesh);

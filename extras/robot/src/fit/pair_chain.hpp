@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The joints between two links, and where these are relative to each other.
+// The joints between two links, and the relative poses of these links.
 #pragma once
 
 #include <morula/geometry/rigid_transform.hpp>
@@ -10,7 +10,7 @@
 
 namespace morula::robot {
 
-/// The range of a coordinate, and whether a search over it means anything.
+/// The range of a coordinate, and whether a search over it is meaningful.
 struct CoordinateRange {
   double lower = 0, upper = 0;  ///< radians or mesh units
 };
@@ -31,28 +31,29 @@ JointRanges joint_ranges(const Robot& robot, double robot_size);
 
 /// A joint of a chain that moves: its coordinate, and how it depends on it.
 struct ChainJoint {
-  std::size_t coordinate = 0;     ///< of PairChain::coordinates
+  std::size_t coordinate = 0;     ///< place in PairChain::coordinates
   double factor = 1, offset = 0;  ///< its value is factor × coordinate + offset
   bool slides = false;
   Vec3 axis{};
-  RigidTransform before{};  ///< of the joint at 0, in what the joint before it moves
+  RigidTransform before{};  ///< transform of the joint at 0, in the axes that the preceding joint moves
 };
 
-/// The way from the last link that carries both to one of them.
+/// The joints from the last link that carries both to one of them.
 struct Branch {
   std::vector<ChainJoint> joints;  ///< from the common link outward
-  RigidTransform end{};            ///< of the link in what its last joint moves
+  RigidTransform end{};            ///< transform of the link in the axes that its last joint moves
 };
 
-/// Both ways.
+/// Both branches.
 struct PairChain {
   Branch a, b;
-  std::vector<std::size_t> coordinates;  ///< of robot.independent_joints, that move the links relative to each other
-  bool usable = true;                    ///< every joint of it has a usable range
+  std::vector<std::size_t> coordinates;  ///< places in robot.independent_joints of the joints that move the links
+                                         ///< relative to each other
+  bool usable = true;                    ///< whether every joint of the chain has a usable range
 };
 PairChain chain_of(const Robot& robot, const JointRanges& ranges, std::size_t link_a, std::size_t link_b);
 
-/// A joint of a chain where it stands.
+/// A joint of a chain in its present place.
 struct PlacedJoint {
   Vec3 point, axis;  ///< a point of its axis, and its direction
   const ChainJoint* joint = nullptr;

@@ -11,7 +11,7 @@ namespace morula::robot {
 
 namespace {
 
-/// How far a joint may be from where it stands, as what a ball needs of it.
+/// The largest distance of a joint from its present value, in the form that a ball needs.
 struct Sweep {
   Vec3 point, axis;
   bool slides = false, half_turn = false;  // half_turn: any point of the circle is possible
@@ -37,7 +37,7 @@ Sphere swept(Sphere ball, std::span<const Sweep> sweeps) {
   return ball;
 }
 
-/// A link's nodes with their balls, made where they are asked for.
+/// A link's nodes with their balls, made on first use.
 class SweptGroup {
  public:
   explicit SweptGroup(const SphereGroup& group)
@@ -82,7 +82,7 @@ class Prover {
   }
 
   Verdict run(std::size_t boxes, const std::stop_token& stop) {
-    // The share of what is proven tells how many boxes the rest will take.
+    // The proven share gives an estimate of the number of boxes that the rest will take.
     constexpr std::size_t before_guessing = 1000;
     JointBox all;
     for (const std::size_t c : pair_.chain.coordinates) all.sides.push_back(pair_.ranges.coordinates[c]);
@@ -117,7 +117,7 @@ class Prover {
   Sweep sweep_of(const PlacedJoint& placed, const JointBox& box) const {
     const ChainJoint& joint = *placed.joint;
     const CoordinateRange& side = box.sides[joint.coordinate];
-    // From the middle to the farther end, whatever is rounded.
+    // The half width reaches from the middle to the farther end, for any rounding.
     const double middle = values_[joint.coordinate], half = std::max(side.upper - middle, middle - side.lower);
     Sweep sweep{.point = placed.point, .axis = placed.axis, .slides = joint.slides};
     sweep.coordinate = joint.coordinate;
@@ -206,7 +206,7 @@ class Prover {
   const LinkPair& pair_;
   SweptGroup swept_a_, swept_b_;
   double allowance_ = 0;
-  // Of the box that is looked at.
+  // By coordinate of the present box.
   std::vector<double> values_, growth_;
   RigidTransform at_a_{}, at_b_{};
   std::vector<PlacedJoint> placed_a_, placed_b_;
@@ -234,7 +234,7 @@ class Descent {
     for (std::size_t i = 0; i < starts && !stop.stop_requested(); ++i) {
       if (goes_down(drawn[i].first, drawn[i].second, few_steps)) return true;
     }
-    // The nearest ones go on: where a chain is nearly straight, the last way is long.
+    // The nearest ones are continued: where a chain is nearly straight, the last way is long.
     std::partial_sort(drawn.begin(), drawn.begin() + finalists, drawn.begin() + starts);
     for (std::size_t i = 0; i < finalists && !stop.stop_requested(); ++i) {
       if (goes_down(drawn[i].first, drawn[i].second, many_steps)) return true;
@@ -248,7 +248,7 @@ class Descent {
     return nearest_spheres(pair_.a, a, pair_.b, b);
   }
 
-  /// How the distance changes with each coordinate, where the same two spheres stay nearest.
+  /// The derivative of the distance by each coordinate, while the same two spheres stay nearest.
   std::vector<double> slope(const NearestSpheres& nearest) const {
     std::vector<double> result(sides_.size(), 0.0);
     const double between = distance(nearest.a, nearest.b);
@@ -265,8 +265,8 @@ class Descent {
     return result;
   }
 
-  /// Newton's steps towards distance 0 within the ranges, halved where they do not help. Leaves the values and the
-  /// distance that are reached; true: the spheres meet.
+  /// Newton's steps towards distance 0 within the ranges, halved if they do not help. Writes the values and the
+  /// distance reached; returns true if the spheres meet.
   bool goes_down(double& reached, std::vector<double>& values, int most_steps) {
     constexpr double least_step = 1e-6;
     NearestSpheres nearest = at(values);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Do two links of a robot ever meet? A search for a configuration in which they do, and a proof that there is none.
+// Whether two links of a robot ever meet: a search for a configuration in which they do, and a proof that there is
+// none.
 #pragma once
 
 #include <optional>
@@ -25,7 +26,7 @@ enum class Verdict {
 };
 
 /// Proves that the spheres of two links are apart in every configuration within the ranges, or finds one in which they
-/// meet. boxes: the most boxes of configurations that are looked at. Undecided also when stopped.
+/// meet. boxes: the most boxes of configurations that are examined. Undecided also when stopped.
 ///
 /// Why it is a proof. Take a box of configurations, joint j within ±h_j of its value at the center of the box, and cut
 /// the chain at some place into the joints of b's side and those of a's. In the axes of that place, a sphere of a can
@@ -38,7 +39,7 @@ enum class Verdict {
 /// are, in all of the box. A node of a SphereGroup is a ball that contains its spheres, and moves with them: it may
 /// stand for all of them. A box without proof is halved along the coordinate that makes balls grow most.
 ///
-/// Rounding. A pose is a product of at most some hundred rigid transforms, each rounded by less than 2^-50 of the sum
+/// Rounding. A pose is a product of at most a few hundred rigid transforms, each rounded by less than 2^-50 of the sum
 /// of all lengths in it, and a turn of up to far_turn radians is off by less than 2^-43: balls have to be apart by
 /// 2^-33 of this sum (`reach_of` and the extents of both links) on top.
 Verdict prove_apart(const LinkPair& pair, std::size_t boxes, const std::stop_token& stop);

@@ -14,7 +14,7 @@
 
 namespace morula::robot {
 
-/// A link's surface where it stands.
+/// A link's surface in its place at rest.
 struct RestSurfaces::Placed {
   Mesh mesh;
   std::vector<Sphere> balls;

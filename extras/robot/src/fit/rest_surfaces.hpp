@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How far the surfaces of two links are from each other with all joints at rest.
+// The distance of the surfaces of two links with all joints at rest.
 #pragma once
 
 #include <memory>
@@ -18,11 +18,11 @@ class RestSurfaces {
   RestSurfaces(const RestSurfaces&) = delete;
   RestSurfaces& operator=(const RestSurfaces&) = delete;
 
-  /// Between the surfaces of two of these links, mesh units; 0 where they cross, touch, or come as near as a
-  /// millionth of the larger link's size, which files in single precision do not tell from touching. Balls count as
-  /// solid. Where one of the links has cylinders, capsules or ellipsoids, 0 means that polyhedra inside of them touch,
-  /// so that the true shapes do, too. A link whose surface is not known has its spheres for it. Safe to call from
-  /// several threads at a time.
+  /// The distance of the surfaces of two of these links, mesh units; 0 where they cross, touch, or come as near as a
+  /// millionth of the larger link's size, which files in single precision do not distinguish from touching. Balls count
+  /// as solid. If one of the links has cylinders, capsules or ellipsoids, 0 means that polyhedra inside of them touch,
+  /// so that the true shapes also touch. The spheres of a link replace an unknown surface. Safe to call from several
+  /// threads at a time.
   double distance(std::size_t a, std::size_t b) const;
 
  private:

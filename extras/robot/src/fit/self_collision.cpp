@@ -19,13 +19,13 @@ namespace morula::robot {
 
 namespace {
 
-// How much work each step may do. Limits are counts, not times: results have to be the same everywhere.
+// The limits of work of each step. Limits are counts, not times: results have to be the same everywhere.
 constexpr std::size_t first_samples = 1000;               // in which every pair is tested, and its overlaps are counted
 constexpr std::size_t configurations_a_chunk = 64;        // of parallel loops
-constexpr std::size_t boxes_of_a_proof = 30'000;          // some 0.1 s where all of them are looked at
-constexpr std::size_t most_rounds_of_samples = 8;         // times the number asked for
-constexpr std::size_t most_sphere_tests = 2'000'000'000;  // some 10 s of one thread
-constexpr double nearly_every = 0.95;                     // of the first samples
+constexpr std::size_t boxes_of_a_proof = 30'000;          // about 0.1 s if all of them are examined
+constexpr std::size_t most_rounds_of_samples = 8;         // multiple of the requested number
+constexpr std::size_t most_sphere_tests = 2'000'000'000;  // about 10 s of one thread
+constexpr double nearly_every = 0.95;                     // share of the first samples
 
 /// Two links with spheres, by their places among these.
 struct Pair {
@@ -36,10 +36,10 @@ struct Pair {
   std::size_t overlaps = 0;                      // among the first samples
 };
 
-/// Which chunk's configurations made which pairs meet.
+/// The pairs that meet in the configurations of a chunk.
 struct Sampled {
   std::vector<std::size_t> met{};       // indices of pairs
-  std::vector<std::uint32_t> counts{};  // of overlaps, one per pair; empty: not asked for
+  std::vector<std::uint32_t> counts{};  // numbers of overlaps, one per pair; empty: not requested
   std::size_t tests = 0;
 };
 
@@ -86,7 +86,7 @@ class Finder {
   std::size_t link(std::size_t place) const { return spheres_.links[place].link; }
   const std::string& name_of(std::size_t place) const { return robot_.links[link(place)].name; }
   LinkPair search_pair(const Pair& pair) const { return {pair.chain, ranges_, groups_[pair.a], groups_[pair.b]}; }
-  /// It may still turn out never to meet.
+  /// Whether the pair may still turn out never to meet.
   static bool is_open(const Pair& pair) { return !pair.reason && !pair.meets && pair.chain.usable; }
 
   void stop_on_request() const {
@@ -116,7 +116,7 @@ class Finder {
     }
   }
 
-  /// Spheres that overlap say nothing yet: the surfaces inside them decide.
+  /// Overlapping spheres do not suffice: the surfaces inside them decide.
   void mark_touching_at_rest() {
     const std::vector<RigidTransform> poses = link_poses(robot_, rest_values(robot_));
     std::vector<std::size_t> near, used;  // pairs, places
@@ -148,7 +148,7 @@ class Finder {
     }
   }
 
-  /// The k-th configuration is the k-th of one long sequence of random numbers, whoever draws it.
+  /// The k-th configuration is the k-th of one long sequence of random numbers, for any thread that draws it.
   std::vector<double> configuration(std::size_t k) const {
     constexpr std::uint64_t step_of_random = 0x9e3779b97f4a7c15u;  // of Random's state
     Random random(o_.seed + step_of_random * (k * ranges_.coordinates.size()));
@@ -233,7 +233,7 @@ class Finder {
     stop_on_request();
   }
 
-  /// Until no open pair has met for as long again.
+  /// Samples until no open pair has met in as many further samples.
   void sample_until_steady() {
     std::size_t last_met = samples_;
     const std::size_t most = most_rounds_of_samples * o_.samples;

@@ -27,7 +27,7 @@ double gap(const Sphere& a, const Sphere& b) {
   return distance(a.center, b.center) - a.radius - b.radius;
 }
 
-/// Of two nodes the one to divide: the larger one that has children. True: a's.
+/// Chooses the node to divide: the larger one that has children. Returns true for a's.
 bool divides_first(const SphereGroup::Node& a, const SphereGroup::Node& b) {
   if (a.child_count == 0 || b.child_count == 0) return b.child_count == 0;
   return a.sphere.radius >= b.sphere.radius;

@@ -14,12 +14,12 @@ namespace morula::robot {
 /// A node's sphere contains, up to rounding, the spheres below it.
 struct SphereGroup {
   struct Node {
-    Sphere sphere{};                ///< in the link's axes
+    Sphere sphere{};                ///< sphere in the link's axes
     std::uint32_t first_child = 0;  ///< children are adjacent
-    std::uint32_t child_count = 0;  ///< 0: one of the link's spheres
+    std::uint32_t child_count = 0;  ///< number of children; 0: one of the link's spheres
   };
   std::vector<Node> nodes;  ///< the root first
-  double extent = 0;        ///< the farthest point of a sphere from the link's origin, or farther
+  double extent = 0;        ///< upper bound of the distance of a sphere's points from the link's origin
 };
 SphereGroup group_of(std::span<const Sphere> spheres);
 
@@ -30,7 +30,7 @@ bool groups_meet(const SphereGroup& a, const RigidTransform& at_a, const SphereG
 
 /// The two spheres that are nearest, or lie deepest in each other.
 struct NearestSpheres {
-  double distance = 0;  ///< of their surfaces; negative where they overlap
+  double distance = 0;  ///< distance of their surfaces; negative where they overlap
   Vec3 a{}, b{};        ///< their centers
 };
 NearestSpheres nearest_spheres(const SphereGroup& a, const RigidTransform& at_a, const SphereGroup& b,

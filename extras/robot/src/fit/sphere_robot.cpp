@@ -31,7 +31,7 @@ bool meets_box(const Sphere& s, const ObstacleBox& box, double more) {
   return squared <= reach * reach;
 }
 
-/// What rounding may move, many times over: inner spheres have to let through whatever leaves would not.
+/// Many times the largest effect of rounding: inner spheres must not exclude anything that leaves would accept.
 double rounding(const Sphere& s) {
   return 1e-12 * (max_norm(s.center) + s.radius);
 }
@@ -102,7 +102,7 @@ std::optional<std::pair<std::size_t, std::size_t>> SphereRobot::self_collision()
   return std::nullopt;
 }
 
-/// Their roots meet.
+/// Whether two links meet whose roots meet.
 bool SphereRobot::meet(LinkTree& a, LinkTree& b) {
   const std::vector<Sphere>&p = moved(a), &q = moved(b);
   stack_.assign(1, {0, 0});
@@ -128,7 +128,7 @@ bool SphereRobot::meet(LinkTree& a, LinkTree& b) {
   return false;
 }
 
-/// inner: may what is below a sphere meet it? leaf: does this one?
+/// inner: whether spheres below a sphere may meet it. leaf: whether this sphere does.
 template <class Inner, class Leaf>
 bool SphereRobot::any_leaf(const Inner& inner, const Leaf& leaf) {
   for (LinkTree& link : trees_) {
@@ -179,7 +179,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
     }
     return false;
   }
-  // Down the other tree, as far as the robot reaches it.
+  // Descends the other tree where the robot reaches it.
   waiting.push_back(0);
   while (!waiting.empty()) {
     const std::uint32_t node = waiting.back();

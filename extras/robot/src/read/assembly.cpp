@@ -50,8 +50,8 @@ void Assembly::carry(std::size_t parent, std::size_t child, const RigidTransform
                      const std::vector<Movement>& movements, int line) {
   const std::string name = robot.links[child].name;
   std::size_t carrier = parent;
-  RigidTransform at = pose;  // of the child at its reference, in what has been reached
-  Vec3 reached{};            // where that stands in the child
+  RigidTransform at = pose;  // transform of the child at its reference, in the link reached so far
+  Vec3 reached{};            // place of that link in the child
   for (std::size_t i = 0; i < movements.size(); ++i) {
     const Movement& m = movements[i];
     const bool last = i + 1 == movements.size() && m.anchor == Vec3{};
@@ -114,7 +114,7 @@ std::string_view name(Joint::Kind kind) {
 
 namespace {
 
-/// In how many directions it has a size.
+/// The number of directions in which the shape has extent.
 int extents(const Shape& shape) {
   const auto count = [](const Vec3& v) { return (v.x != 0 ? 1 : 0) + (v.y != 0 ? 1 : 0) + (v.z != 0 ? 1 : 0); };
   switch (shape.kind) {

@@ -52,7 +52,7 @@ struct Reader {
   std::size_t instances = 0, elements = 0, faces = 0, holed = 0;
   mutable detail::AskNowAndThen ask_now_and_then{1u << 14};  // before each number, position and facet
 
-  /// A few nodes that hold each other several times would be more than anybody can draw.
+  /// A few nodes that hold each other several times would expand to more than any program can draw.
   void count_instance(const XMLElement& at) {
     if (++instances > most_instances + elements) {
       xml.fail(at, fmt::format("nodes and geometries are shown more than {} times", most_instances + elements));
@@ -72,7 +72,7 @@ struct Reader {
     for (const XMLElement* it = at.FirstChildElement(); it != nullptr; it = it->NextSiblingElement()) remember(*it);
   }
 
-  /// What "#name" in an attribute stands for.
+  /// The element that "#name" in an attribute refers to.
   const XMLElement& target(const XMLElement& at, const char* attribute) const {
     const std::string url = xml.text(at, attribute);
     if (url[0] != '#') xml.fail(at, fmt::format("\"{}\" is in another file, which is not read", url));

@@ -39,7 +39,7 @@ class Search {
   Search(const fs::path& robot_file, int line, const std::string& name)
       : robot_file_(robot_file), line_(line), name_(name) {}
 
-  /// Where it is there and may be opened. One that lies outside is remembered: a later place may be right.
+  /// Whether a file exists and may be opened. A file outside the roots is remembered: a later place may be right.
   bool finds(const fs::path& candidate, const FileRoots& roots) {
     const fs::path plain = fs::absolute(candidate).lexically_normal();
     std::error_code error;
@@ -94,7 +94,7 @@ bool find_in_package(Search& search, const PackageFile& file, const RobotFolders
   return false;
 }
 
-/// A place on the machine that it was written on: what follows some folder of it may be here.
+/// A path on the machine where it was written: the end of it, from one of its folders on, may exist here.
 bool find_end_of(Search& search, const fs::path& written, const RobotFolders& folders) {
   if (climbs(written)) return false;
   const std::vector<fs::path> open = folders.open_levels();

@@ -30,7 +30,7 @@ bool holds_home(const fs::path& folder) {
   return home != nullptr && *home != '\0' && FileRoots({folder}).hold(home);
 }
 
-/// A file that happens to lie here says nothing of what lies beside it.
+/// Whether a folder is too wide: a file in it is no sign that the files next to it belong together.
 bool is_too_wide(const fs::path& folder) {
   // mutant robot-around-home: `holds_home(folder)` -> `false`
   return !folder.has_relative_path() || !folder.parent_path().has_relative_path() || holds_home(folder);

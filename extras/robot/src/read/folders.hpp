@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Folders around a robot's file, and which of them hold the files that it may name.
+// Folders around a robot's file, and the folders among them whose files it may name.
 #pragma once
 
 #include <filesystem>
@@ -17,19 +17,19 @@ namespace morula::robot {
 /// that is a home folder, holds one, or is the disk's root or directly in it. A file that is opened through a link has
 /// these folders of both places.
 ///
-/// A reference package://NAME/PATH or model://NAME/PATH may also lead into a folder NAME that is a package beside one
-/// of these folders, and into the own folder or one of the two above it where that is called NAME and is no home.
+/// A reference package://NAME/PATH or model://NAME/PATH may also lead into a folder NAME that is a package next to one
+/// of these folders, and into the own folder or one of the two above it if that is called NAME and is no home.
 class RobotFolders {
  public:
   RobotFolders(const std::filesystem::path& robot_file, std::span<const std::filesystem::path> package_paths);
 
-  /// Of the robot's file.
+  /// The folder of the robot's file.
   const std::filesystem::path& own() const { return own_; }
-  /// What the user names.
+  /// The package paths given by the user.
   const std::vector<std::filesystem::path>& package_paths() const { return package_paths_; }
   /// The own folder and the six above it.
   const std::vector<std::filesystem::path>& levels() const { return levels_; }
-  /// Those of levels() in which all files may be named.
+  /// The folders of levels() in which all files may be named.
   std::vector<std::filesystem::path> open_levels() const;
 
   const FileRoots& roots() const { return roots_; }

@@ -22,8 +22,8 @@ bool is_mujoco_mesh(const std::filesystem::path& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (ending != ".msh") return false;
-  // Counts of vertices may have the byte of a dollar, too: those that spell the first letters of a word after it would
-  // be of more than a billion.
+  // Counts of vertices may also contain the byte of a dollar: counts that spell the first letters of a word after it
+  // would exceed a billion.
   std::array<char, 4> start{};
   std::ifstream(path, std::ios::binary).read(start.data(), start.size());
   const auto is_letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };

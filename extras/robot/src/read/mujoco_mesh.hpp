@@ -8,10 +8,10 @@
 
 namespace morula::robot {
 
-/// Is this `.msh` MuJoCo's? Gmsh's, of the same name, begin with a word.
+/// Whether this `.msh` is MuJoCo's. Gmsh's files of the same extension begin with a word.
 bool is_mujoco_mesh(const std::filesystem::path& path);
-/// Vertices and facets; normals and places in textures are passed over. Throws FileError for sizes that do not agree
-/// with the file's, for indices out of range, and for a file without facets, whose hull is meant.
+/// Vertices and facets; normals and texture coordinates are skipped. Throws FileError for sizes that do not agree with
+/// the file's, for indices out of range, and for a file without facets, whose hull is meant.
 Mesh read_mujoco_mesh(const std::filesystem::path& path);
 
 }  // namespace morula::robot

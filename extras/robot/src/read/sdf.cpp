@@ -16,7 +16,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr double no_limit = 1e15;  // what files say that mean none
+constexpr double no_limit = 1e15;  // value in files that mean no limit
 
 class SdfReader {
  public:
@@ -62,7 +62,7 @@ class SdfReader {
     enum class State { waiting, at_work, done } state = State::waiting;
   };
 
-  /// A joint that waits for what the others join.
+  /// A joint that waits until the others are joined.
   struct Loop {
     const XMLElement* joint;
     std::size_t parent, child;
@@ -152,7 +152,7 @@ class SdfReader {
     return value == "true" || value == "1";
   }
 
-  /// As written; what it is relative to is asked for apart.
+  /// The pose as written; base_of() returns the frame to which it is relative.
   RigidTransform own_pose(const XMLElement& of) const {
     const XMLElement* at = of.FirstChildElement("pose");
     if (at == nullptr || at->GetText() == nullptr) return {};
@@ -204,7 +204,7 @@ class SdfReader {
     }
   }
 
-  /// What the pose of a frame is relative to; "" is the model.
+  /// The frame to which the pose of a frame is relative; "" is the model.
   std::string base_of(const Frame& frame) const {
     const std::string given = relative_name(*frame.at);
     if (!given.empty()) return given == "__model__" ? "" : given;
@@ -216,7 +216,7 @@ class SdfReader {
     return attached == nullptr || std::string_view(attached) == "__model__" ? "" : attached;
   }
 
-  /// Poses of a frame and of all that it stands on, without recursion: chains may be long.
+  /// Resolves the poses of a frame and of all frames that it is relative to, without recursion: chains may be long.
   void resolve(const std::string& name, const XMLElement& asked_by) {
     std::vector<std::string> chain;
     for (std::string at = name; !at.empty();) {
@@ -288,7 +288,7 @@ class SdfReader {
     robot().links.push_back(std::move(link));
   }
 
-  /// In the link, whatever it is relative to.
+  /// The pose in the link, for any frame to which it is relative.
   RigidTransform pose_in_link(const XMLElement& of, const std::string& link) const {
     const std::string base = relative_name(of);
     if (base.empty() || base == link) return own_pose(of);
@@ -307,7 +307,7 @@ class SdfReader {
     return result;
   }
 
-  /// Only a shape that is needed can be refused.
+  /// Only a shape that is needed can cause a rejection.
   void add_shape(std::vector<Shape>& shapes, const XMLElement& of, const std::string& link, bool needed) {
     try {
       std::optional<Shape> shape = shape_of(of, link, needed);
@@ -318,7 +318,7 @@ class SdfReader {
     }
   }
 
-  /// Nothing for one without a surface that could be covered, with a note where it is needed.
+  /// None for a shape without a surface that could be covered, with a note if it is needed.
   std::optional<Shape> shape_of(const XMLElement& of, const std::string& link, bool needed) {
     const XMLElement* geometry = of.FirstChildElement("geometry");
     const XMLElement* at = geometry == nullptr ? nullptr : geometry->FirstChildElement();
@@ -449,7 +449,7 @@ class SdfReader {
     const RigidTransform joint_pose = pose_of(name, at), child_pose = pose_of(child, at);
     const RigidTransform in_parent = relative_to(pose_of(parent, at), child_pose);
     Vec3 anchor = child_pose.inverse_rotate(joint_pose.translation - child_pose.translation);
-    // Poses that are given the other way round meet but for rounding.
+    // Poses that are given in the other direction meet up to rounding.
     const double size = max_norm(joint_pose.translation) + max_norm(child_pose.translation);
     if (max_norm(anchor) <= 1e-14 * size) anchor = {};
     const XMLElement *axis = at.FirstChildElement("axis"), *second = at.FirstChildElement("axis2");
@@ -487,7 +487,7 @@ class SdfReader {
     }
   }
 
-  /// One link for all that are joined so far, whichever of two carries the other.
+  /// One link that represents all links joined so far, in either direction.
   std::size_t carrier_of_all(std::size_t link) const {
     for (auto found = carriers_.find(link); found != carriers_.end(); found = carriers_.find(link))
       link = found->second;

@@ -65,7 +65,7 @@ Mesh turned_mesh(double bottom, const std::vector<Ring>& rings, double top) {
   return mesh;
 }
 
-/// What rounding may take from a polyhedron that is to contain a round shape.
+/// The factor that pays for rounding in a polyhedron that is to contain a round shape.
 constexpr double outward = 1 + 0x1p-44;
 
 Mesh cylinder_mesh(double radius, double length, RoundShapes round) {
@@ -76,8 +76,8 @@ Mesh cylinder_mesh(double radius, double length, RoundShapes round) {
 }
 
 /// Contains the capsule because it is convex and every plane of a facet is `radius` or more from the segment's ends.
-/// The meridians are polygons about the circle, and so are the parallels. The one inside has its corners on the
-/// capsule, which is convex, too.
+/// The meridians are polygons about the circle, and so are the parallels. The inner polyhedron has its corners on the
+/// capsule, which is also convex.
 Mesh capsule_mesh(double radius, double length, RoundShapes round) {
   constexpr int quarter = around / 4;
   const bool inside = round == RoundShapes::inside;
@@ -88,13 +88,14 @@ Mesh capsule_mesh(double radius, double length, RoundShapes round) {
     rings.push_back({widened * at.sin, -0.5 * length - widened * at.cos});
   }
   rings.back().height = -0.5 * length;
-  // Of a ball the two rings in the middle are one.
+  // The two middle rings of a ball coincide.
   const std::vector<Ring> below(rings.begin(), rings.end() - (length > 0 ? 0 : 1));
   for (auto ring = below.rbegin(); ring != below.rend(); ++ring) rings.push_back({ring->radius, -ring->height});
   const double pole = 0.5 * length + widened;
   Mesh mesh = turned_mesh(-pole, rings, pole);
   if (inside) return mesh;
-  // Facets lie deeper than the edges of the profile where both kinds of polygon meet: measured, then made good.
+  // Facets lie deeper than the edges of the profile where both kinds of polygon meet: their depth is measured, then
+  // compensated.
   double least = widened;
   for (std::size_t facet = 0; facet < mesh.facet_count(); ++facet) {
     const auto [a, b, c] = mesh.corners(facet);

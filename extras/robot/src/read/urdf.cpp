@@ -32,7 +32,8 @@ struct UrdfReader {
     return value;
   }
 
-  /// Nothing for shapes that cannot be covered and need not be, with a note. Only one that is needed can be refused.
+  /// None for shapes that cannot be covered and need not be, with a note. Only a shape that is needed can cause a
+  /// rejection.
   std::optional<Shape> shape(const XMLElement& of, const std::string& link, bool needed) {
     try {
       std::optional<Shape> read = shape_of(of, link, needed);

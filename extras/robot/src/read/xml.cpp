@@ -82,7 +82,7 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
   std::string bytes = bytes_of(file);
-  // Programs of C write the end of their text, too.
+  // Programs in C may also write the terminating 0 of their text.
   while (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
     fail_at(file, line_of(bytes, at),
@@ -115,9 +115,9 @@ std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) con
   return value;
 }
 
-/// What is meant by numbers that are written as some readers take them: with a comma between every two, or as a
-/// variable of the environment with a value for where there is none. Nothing where it is not clear: "1,5 2,5 3,5" are
-/// three numbers with decimal commas or six without, and of too many numbers nobody knows which are meant.
+/// The meaning of numbers in forms that only certain readers accept: with a comma between every two, or as an
+/// environment variable with a default value. None if it is ambiguous: "1,5 2,5 3,5" are three numbers with decimal
+/// commas or six without, and among too many numbers the intended ones are unknown.
 std::vector<double> Xml::numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
                                        std::size_t count) const {
   std::string plain = value;
@@ -173,7 +173,7 @@ bool read_numbers(std::string_view text, std::vector<double>& numbers) {
     double value = 0;
     const std::from_chars_result read = std::from_chars(at, end, value);
     if (read.ec == std::errc::result_out_of_range && read.ptr != at) {
-      // Too small for a double is 0, as every reader has it; too large is no number.
+      // Too small for a double is 0, as in every reader; too large is no number.
       const std::string_view word(at, static_cast<std::size_t>(read.ptr - at));
       if (word.find("e-") == std::string_view::npos && word.find("E-") == std::string_view::npos) return false;
       value = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// XML with messages that name file and line. Nothing is expanded: a document that declares entities is refused.
+// XML with messages that name file and line. No entities are expanded: a document that declares them is rejected.
 #pragma once
 
 #include <tinyxml2.h>
@@ -33,7 +33,7 @@ class Xml {
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& text) const;
   /// Throws where it is missing.
   std::string text(const tinyxml2::XMLElement& at, const char* attribute) const;
-  /// `fallback` where it is missing; throws for what is no finite number.
+  /// A number; `fallback` if it is missing. Throws for text that is no finite number.
   double number(const tinyxml2::XMLElement& at, const char* attribute, double fallback) const;
   double number(const tinyxml2::XMLElement& at, const char* attribute) const;
   Vec3 vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const;
@@ -50,10 +50,10 @@ class Xml {
   mutable detail::AskNowAndThen ask_now_and_then_{256};  // whenever an attribute is looked at
 };
 
-/// Finite numbers apart by blanks; nothing where something else is among them.
+/// Reads finite numbers separated by blanks; fails if there is other text among them.
 bool read_numbers(std::string_view text, std::vector<double>& numbers);
 
-/// By roll, pitch, yaw about the fixed axes x, y, z, as URDF and SDF have it.
+/// By roll, pitch, yaw about the fixed axes x, y, z, as in URDF and SDF.
 RigidTransform from_roll_pitch_yaw(const Vec3& angles, const Vec3& translation);
 Vec3 roll_pitch_yaw(const RigidTransform& pose);
 /// First a, then b on top: x → a(b(x)).

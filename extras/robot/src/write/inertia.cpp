@@ -37,14 +37,14 @@ Tensor from_axes(const std::array<Vec3, 3>& axes, const Vec3& moments) {
   return tensor;
 }
 
-/// Of a rod one moment is 0, which is near enough to what a solid has.
+/// Whether moments are nearly those of a solid. One moment of a rod is 0, which is near enough.
 bool is_near_solid(const Vec3& moments) {
   const double least = std::min({moments.x, moments.y, moments.z}), most = std::max({moments.x, moments.y, moments.z});
   return std::isfinite(most) && most > 0 && least >= -1e-9 * most;
 }
 
-/// Moments of a solid: each above the least one that is taken, no two less than the third. With A + B < C the solid
-/// that is nearest is flat: the second moment along the axis of C is 0 instead of below, which raises A and B alike.
+/// Moments of a solid: each above the least one that is taken, no two less than the third. If A + B < C, the nearest
+/// solid is flat: the second moment along the axis of C is 0 instead of below, which raises A and B alike.
 Vec3 raised(Vec3 moments) {
   const double most = std::max({moments.x, moments.y, moments.z});
   // mutant mjcf-moment-least: `least_moment` -> `0.0`
@@ -52,7 +52,7 @@ Vec3 raised(Vec3 moments) {
   for (int i = 0; i < 3; ++i) {
     double &a = moments[(i + 1) % 3], &b = moments[(i + 2) % 3];
     const double lack = moments[i] - (a + b);
-    // Rounding must not take away what is added.
+    // Rounding must not cancel the added share.
     const double share = 0.5 * lack + 0x1p-40 * most;
     // mutant mjcf-moments-triangle: `-0x1p-40 * most` -> `most`
     if (lack > -0x1p-40 * most) a += share, b += share;
@@ -60,14 +60,14 @@ Vec3 raised(Vec3 moments) {
   return moments;
 }
 
-/// Far enough from all bounds for a reader that computes the moments anew.
+/// Whether moments are far enough from all bounds for a reader that recomputes them.
 bool is_safe(const Vec3& moments) {
   const double sum = moments.x + moments.y + moments.z;
   const double least = std::min({moments.x, moments.y, moments.z}), most = std::max({moments.x, moments.y, moments.z});
   return least >= std::max(10 * least_moment, 1e-9 * most) && sum - 2 * most >= 1e-9 * most;
 }
 
-/// Of a ball of the density of water: of a mass of which nothing else is known.
+/// The inertia of a ball with the density of water, for a mass without other data.
 Tensor ball_inertia(double mass) {
   const double radius = std::cbrt(mass / (1000 * 4.0 / 3 * std::numbers::pi));
   const double moment = 0.4 * mass * radius * radius;

@@ -102,7 +102,7 @@ std::vector<OutputFile> write_morphit(const Description& d) {
   std::vector<OutputFile> files;
   for (const LinkSpheres& link : d.spheres.links) {
     const std::string& name = d.robot.links[link.link].name;
-    // Each its share of the link's mass, by volume: the sum is right, whatever overlaps.
+    // Each sphere gets its share of the link's mass, by volume: the sum is right for any overlaps.
     double all = 0;
     for (const Sphere& s : link.spheres) all += volume(s);
     Json masses = Json::array();

@@ -21,7 +21,7 @@ std::string sphere_lines(const Description& d, const std::string& indent) {
   return text;
 }
 
-/// Comments that say why each partner of a link is ignored: YAML has no other place for it.
+/// Comments that give the reason why each partner of a link is ignored: YAML has no other place for it.
 std::string reason_lines(const Description& d, const std::string& indent, const std::string& link) {
   std::string text;
   for (const IgnoreReason reason :
@@ -69,7 +69,7 @@ std::vector<std::string> link_names(const Description& d) {
   return names;
 }
 
-/// What a planner reads: the robot's own file, or the URDF that is written of a robot in another format.
+/// The file that a planner reads: the robot's own file, or the URDF written for a robot in another format.
 std::filesystem::path urdf_of(const Description& d) {
   if (d.robot.format == Robot::Format::urdf) return std::filesystem::absolute(d.robot.file).lexically_normal();
   return (std::filesystem::absolute(d.options.folder) / (identifier(d.robot.name) + "_spherized.urdf"))
@@ -102,7 +102,7 @@ std::filesystem::path asset_root(const Description& d) {
   return folder;
 }
 
-constexpr double max_acceleration = 15.0, max_jerk = 500.0;  // what both readers' own robots have
+constexpr double max_acceleration = 15.0, max_jerk = 500.0;  // values of both readers' own robots
 
 std::string curobo_text(const Description& d, bool old_keys) {
   const Robot& robot = d.robot;
@@ -120,7 +120,7 @@ std::string curobo_text(const Description& d, bool old_keys) {
   text += fmt::format("    collision_link_names: {}\n", quoted_list(links));
   text +=
       d.spheres.links.empty() ? "    collision_spheres: {}\n" : "    collision_spheres:\n" + sphere_lines(d, "      ");
-  // A whole number is neither of the two types that the reader knows.
+  // An integer is neither of the two types that the reader accepts.
   text += "    collision_sphere_buffer: 0.0\n    extra_collision_spheres: {}\n";
   text += ignore_lines(d, "    ", "self_collision_ignore");
   text += buffer_lines(d, "    ", "self_collision_buffer");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// MJCF and SDF: the robot as simulators take it, with masses that the spheres do not change.
+// MJCF and SDF: the robot in the formats of simulators, with masses that the spheres do not change.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using tinyxml2::XMLElement;
 /// w, x, y, z.
 std::array<double, 4> quaternion(const RigidTransform& pose) {
   const auto& r = pose.rows;
-  // The largest of the four is computed first, so that nothing is divided by what is small.
+  // The largest of the four is computed first, so that no divisor is small.
   const std::array<double, 4> squares{1 + r[0].x + r[1].y + r[2].z, 1 + r[0].x - r[1].y - r[2].z,
                                       1 - r[0].x + r[1].y - r[2].z, 1 - r[0].x - r[1].y + r[2].z};
   const auto largest = static_cast<std::size_t>(std::max_element(squares.begin(), squares.end()) - squares.begin());
@@ -47,7 +47,7 @@ std::array<double, 4> quaternion(const RigidTransform& pose) {
   return q;
 }
 
-/// Of MJCF: a joint without a range would be without limits, so it is none.
+/// Whether MJCF has the joint: a joint without a range would have no limits, so it is not written.
 bool is_written(const Joint& joint) {
   return joint.moves() && joint.lower < joint.upper;
 }
@@ -68,7 +68,7 @@ class Mjcf {
     add_body(add_element(root, "worldbody"), d_.robot.root);
     root->InsertEndChild(document.NewComment(fmt::format(" {} ", ignored_note(d_)).c_str()));
     XMLElement* contact = add_element(root, "contact");
-    // MuJoCo refuses attributes that it does not know: the reasons are comments.
+    // MuJoCo rejects unknown attributes, so the reasons are comments.
     for (const IgnoreReason reason :
          {IgnoreReason::given, IgnoreReason::adjacent, IgnoreReason::rest, IgnoreReason::apart, IgnoreReason::never}) {
       add_excludes(contact, reason);
@@ -85,7 +85,7 @@ class Mjcf {
   }
 
  private:
-  /// "world" is the name of what everything stands on.
+  /// "world" is the name of the body that carries all others.
   std::string body_name(std::size_t link) const {
     const std::string& own = d_.robot.links[link].name;
     return own == "world" ? "world_link" : own;
@@ -126,7 +126,7 @@ class Mjcf {
         set(geom, "type", "sphere");
         set(geom, "size", fmt::format("{}", s.radius));
         set(geom, "pos", words(s.center));
-        // Overlapping spheres would weigh what overlaps several times.
+        // Overlapping spheres would count the mass of overlaps several times.
         set(geom, "mass", "0");
         set(geom, "group", "3");
       }
@@ -142,7 +142,7 @@ class Mjcf {
     if (joint.kind != Joint::Kind::continuous) set(at, "range", fmt::format("{} {}", joint.lower, joint.upper));
   }
 
-  /// Of a body that moves MuJoCo asks a mass, its own or that of one that is fixed to it.
+  /// MuJoCo requires a mass for a moving body, its own or that of a body fixed to it.
   bool carries_mass(std::size_t link) const {
     if (body_inertia(d_, link)) return true;
     return std::any_of(below_[link].begin(), below_[link].end(), [&](std::size_t joint) {
@@ -203,7 +203,7 @@ void add_sdf_link(XMLElement* model, const Description& d, std::size_t link) {
       add_pose(at, {}, joint.name);
     }
   }
-  // A link that says nothing weighs 1 in SDF.
+  // A link without an inertia has mass 1 in SDF.
   constexpr BodyInertia token{.mass = token_mass, .matrix = {token_moment, 0, 0, token_moment, 0, token_moment}};
   const BodyInertia inertia = body_inertia(d, link).value_or(token);
   XMLElement* inertial = add_element(at, "inertial");

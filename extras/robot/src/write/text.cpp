@@ -19,7 +19,7 @@ std::string json_text(const Json& json) {
 }
 
 std::string decimal(double value) {
-  char digits[400];  // the longest double without an exponent takes some 330 characters
+  char digits[400];  // the longest double without an exponent takes about 330 characters
   const std::to_chars_result written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed);
   std::string text(digits, written.ptr);
   if (text.find('.') == std::string::npos) text += ".0";

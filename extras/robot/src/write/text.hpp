@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the writers share.
+// Functions that the writers share.
 #pragma once
 
 #include <tinyxml2.h>
@@ -21,7 +21,7 @@ std::string decimal(double value);
 std::string decimals(const Vec3& v);
 /// "a b c".
 std::string words(const Vec3& v);
-/// In double quotes, as JSON and YAML have it.
+/// In double quotes, as in JSON and YAML.
 std::string quoted(const std::string& text);
 /// "[a, b]" of names in quotes.
 std::string quoted_list(std::span<const std::string> names);
@@ -29,9 +29,9 @@ std::string quoted_list(std::span<const std::string> names);
 /// Letters, digits and underscores, not beginning with a digit: for names of files, and for C++.
 std::string identifier(const std::string& text);
 
-/// "Spheres by morula 0.1.0", and what they are not.
+/// "Spheres by morula 0.1.0", and their limits.
 std::string made_note(const Description& description);
-/// Indented, with a first line and a comment that says what made it.
+/// Indented, with a first line and a comment that names the program.
 std::string xml_text(tinyxml2::XMLDocument& document, const Description& description);
 tinyxml2::XMLElement* add_element(tinyxml2::XMLNode* parent, const char* name);
 void set(tinyxml2::XMLElement* at, const char* attribute, const std::string& value);
@@ -40,9 +40,9 @@ std::vector<std::string> tool_frames(const Description& description);
 std::vector<std::string> own_joint_names(const Robot& robot);
 /// Partners of every link that has some, by name, each pair once.
 std::map<std::string, std::vector<std::string>> ignored_by_link(const Description& description);
-/// "Ignored pairs: 2 given, …": how many for which reason, what is proven, and the bound of what is not.
+/// "Ignored pairs: 2 given, …": the number for each reason, the number proven, and the bound for the others.
 std::string ignored_note(const Description& description);
-/// "surfaces touch at rest": why a pair is ignored; of a sampled one also the bound.
+/// "surfaces touch at rest": the reason why a pair is ignored; for a sampled one also the bound.
 std::string reason_text(const Description& description, IgnoreReason reason);
 /// The links, the reason, and for `apart` and `never` whether it is proven and the share of configurations, with 95 %
 /// confidence, below which they meet.

@@ -51,7 +51,7 @@ XMLElement* add_geometry(XMLElement* link, const RigidTransform& pose, const cha
   return add_element(add_element(visual, "geometry"), kind);
 }
 
-/// A visual shape in a URDF's words, as far as it has them.
+/// A visual shape in URDF, as far as URDF has the shape.
 void add_visual(XMLElement* link, const Shape& shape, const Description& d, const std::string& below) {
   const auto leave_out = [&](const char* what) {
     link->InsertEndChild(
@@ -64,7 +64,7 @@ void add_visual(XMLElement* link, const Shape& shape, const Description& d, cons
       const bool turned = shape.before.rows != RigidTransform{}.rows;
       if (!shape.part.empty()) return leave_out("a part of a mesh");
       if (turned && !(s.x == s.y && s.y == s.z)) return leave_out("a mesh that is turned before it is scaled");
-      // Scaled after it was moved is moved by what is scaled.
+      // A shape scaled after a motion is a scaled shape with a scaled motion.
       RigidTransform moved = shape.before;
       moved.translation = {s.x * moved.translation.x, s.y * moved.translation.y, s.z * moved.translation.z};
       XMLElement* mesh = add_geometry(link, composed(shape.origin, moved), "mesh");
@@ -84,7 +84,7 @@ void add_visual(XMLElement* link, const Shape& shape, const Description& d, cons
       set(cylinder, "radius", radius);
       set(cylinder, "length", length);
       if (shape.kind == Shape::Kind::cylinder) return;
-      // Few readers know capsules.
+      // Few readers accept capsules.
       for (const double end : {-0.5, 0.5}) {
         const RigidTransform cap{.translation = {0, 0, end * shape.length}};
         set(add_geometry(link, composed(shape.origin, cap), "sphere"), "radius", radius);
@@ -186,7 +186,7 @@ std::string srdf_text(const Description& d) {
     const LinkSpheres* link = d.spheres.of(i);
     XMLElement* at = add_element(root, "link_sphere_approximation");
     set(at, "link", d.robot.links[i].name);
-    // Without any element a reader makes one sphere round the link; one of radius 0 says that there is to be none.
+    // Without any element a reader makes one sphere round the link; one of radius 0 prevents that.
     const std::vector<Sphere> nothing{Sphere{}};
     for (const Sphere& s : link == nullptr ? nothing : link->spheres) {
       XMLElement* sphere = add_element(at, "sphere");
@@ -208,7 +208,7 @@ std::string srdf_text(const Description& d) {
     set(at, "link1", a);
     set(at, "link2", b);
     set(at, "reason", std::string(name(pair.reason)));
-    set(at, "detail", reason_text(d, pair.reason));  // readers take the attributes that they know
+    set(at, "detail", reason_text(d, pair.reason));  // readers ignore unknown attributes
   }
   return xml_text(document, d);
 }

@@ -12,7 +12,7 @@ using namespace toolbox;
 namespace {
 
 struct Bare {
-  std::size_t bare = 0;   // cases with surface bare in some sample
+  std::size_t bare = 0;   // cases with uncovered surface in some sample
   std::size_t total = 0;  // cases
   double worst = 0;
   double worst_uncovered_distance = 0;
@@ -74,7 +74,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
   return claims;
 }
 
-/// How much looser one rule is than another, case by case.
+/// The looseness of one rule relative to another, case by case.
 Claim ratio_claim(const Evidence& evidence, Claim claim, const RuleKey& rule, const RuleKey& other, double most,
                   bool at_the_end, const std::vector<std::size_t>& levels) {
   std::size_t count = 0;

@@ -25,7 +25,7 @@ Claim loss_claim(const Evidence& evidence, const RuleKey& rule, std::vector<std:
     const auto mine = evidence.mean_error(c, rule);
     const auto other = evidence.mean_error(c, Rule::traditional);
     if (!mine || !other) continue;
-    // The loss: how much is added to the error at rest.
+    // The loss: the increase of the error over that at rest.
     const double my_loss = *mine - evidence.errors(c, rule).front();
     const double other_loss = *other - evidence.errors(c, Rule::traditional).front();
     ++total;
@@ -51,7 +51,7 @@ Claim exponential_claim(const Evidence& evidence) {
               "",
               {"fig2a", "fig2b"}};
   std::size_t count = 0;
-  std::size_t faster = 0;  // than a straight line, by far
+  std::size_t faster = 0;  // growth far above a straight line
   std::size_t total = 0;
   std::string text;
   for (const std::size_t level : evidence.levels()) {

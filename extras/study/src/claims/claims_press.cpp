@@ -23,7 +23,7 @@ std::vector<const PressCell*> presses_of(const Evidence& evidence, Rule rule) {
   return list;
 }
 
-/// Those of the first body, which are drawn.
+/// The figures of the first body, which are drawn.
 std::vector<std::string> rule_figures(const Evidence& evidence, const std::string& measure) {
   std::vector<std::string> list;
   for (const PressCell& cell : evidence.result().presses) {
@@ -36,7 +36,7 @@ std::vector<std::string> rule_figures(const Evidence& evidence, const std::strin
   return list;
 }
 
-/// Of all leaves, without a budget: the last query of each axis and amount.
+/// The figures of all leaves, without a budget: the last query of each axis and amount.
 std::vector<const PressFigures*> leaf_figures(const PressCell& cell) {
   std::vector<const PressFigures*> list;
   for (const PressFigures& f : cell.figures) {
@@ -58,7 +58,7 @@ std::string where_text(const Evidence& evidence, const PressCell& cell, const Pr
                      percent(evidence.plan().press_amounts[f.amount]));
 }
 
-/// What nothing has been measured for, so far.
+/// A claim without any measurement yet.
 Claim new_claim(std::string id, std::string claim, std::vector<std::string> figures) {
   return {std::move(id), ClaimOrigin::ours, std::move(claim), Verdict::untested, "", std::move(figures)};
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Evidence: the figures of one body, as claims ask for them.
+// Evidence: the figures of one body, as claims use them.
 #pragma once
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ class Evidence {
   std::size_t lower() const { return plan_.levels().back(); }
   std::size_t last() const { return plan_.samples - 1; }
 
-  /// The medial tree during a stretch, which some claims are about; nothing without it.
+  /// The medial tree during a stretch, which several claims need; none without it.
   std::optional<Case> medial_stretch(std::size_t level) const {
     const std::optional<std::size_t> medial = plan_.find_source(body_, Method::medial);
     for (const std::size_t m : motions_) {
@@ -70,12 +70,12 @@ class Evidence {
     }
     return std::nullopt;
   }
-  /// nullptr when there is none. The level of the case has no part in it.
+  /// nullptr when there is none. The level of the case is ignored.
   const MotionRun* cell(const Case& c, const RuleKey& rule) const {
     const std::optional<std::size_t> place = plan_.find_rule(rule);
     return place ? result_.find({c.source, c.motion, *place}) : nullptr;
   }
-  /// One per sample; empty when there is none, or it has no answer.
+  /// One per sample; empty when there is none, or no value.
   std::vector<double> errors(const Case& c, const RuleKey& rule) const {
     std::vector<double> list;
     const MotionRun* found = cell(c, rule);
@@ -87,7 +87,7 @@ class Evidence {
     }
     return list;
   }
-  /// Over the deformed samples.
+  /// The mean error over the deformed samples.
   std::optional<double> mean_error(const Case& c, const RuleKey& rule) const {
     const std::vector<double> e = errors(c, rule);
     if (e.size() < 2) return std::nullopt;
@@ -108,11 +108,11 @@ class Evidence {
   std::vector<std::size_t> sources_, motions_;
 };
 
-/// Those that the paper makes. cost may be nullptr.
+/// The claims of the paper. cost may be nullptr.
 std::vector<Claim> paper_claims(const Evidence& evidence, const Cost* cost);
-/// What it did not measure.
+/// Claims on figures that the paper did not measure.
 std::vector<Claim> new_claims(const Evidence& evidence);
-/// About contacts.
+/// Claims on contacts.
 std::vector<Claim> press_claims(const Evidence& evidence);
 
 }  // namespace morula::study

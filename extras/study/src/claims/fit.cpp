@@ -37,7 +37,7 @@ LineFit fit_with(double b, std::span<const double> t, std::span<const double> e,
   return fit_line(x, e);
 }
 
-/// What is left of e by a parabola in t: by a line, and by what t² adds to it.
+/// The residual of e after a fit by a parabola in t: after a line, and after the part that t² adds to it.
 double parabola_residual(std::span<const double> t, std::span<const double> e) {
   std::vector<double> square(t.size()), bend(t.size()), rest(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) square[i] = t[i] * t[i];
@@ -58,7 +58,7 @@ double parabola_residual(std::span<const double> t, std::span<const double> e) {
 ExponentialFit fit_exponential(std::span<const double> t, std::span<const double> e) {
   std::vector<double> x(t.size());
   const LineFit line = fit_with(0, t, e, x);
-  // On a grid: the residual need not have a single minimum.
+  // The search is on a grid, because the residual need not have a single minimum.
   constexpr int steps = 2000;
   constexpr double widest = 10;
   LineFit best = line;

@@ -35,7 +35,7 @@ std::vector<MeasureKind> measures(ErrorUnit unit) {
        [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
 }
 
-/// One curve of a figure: whose, called what, and in which part.
+/// One curve of a figure: its source, its name and its part.
 struct Curve {
   std::size_t source;
   std::optional<std::size_t> rule;

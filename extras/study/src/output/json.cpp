@@ -20,7 +20,7 @@ Json array_of(const std::vector<Item>& items, const Write& write) {
   return json;
 }
 
-/// What decides the figures: of the whole plan, without bodies, trees and threads.
+/// The settings that decide the figures: the whole plan without bodies, trees and threads.
 Json settings_json(const Plan& plan) {
   const auto rule_name = [](const FollowRule& rule) { return rule.name; };
   return {{"quick", plan.quick},
@@ -128,7 +128,7 @@ Json press_json(const Plan& plan, const PressCell& cell) {
           {"figures", figures_json(cell)}};
 }
 
-/// Where b is and what is true there: enough to ask `morula collide` the same.
+/// The place of b and the true values there: sufficient input to reproduce them by `morula collide`.
 Json truths_json(const Plan& plan, const PressScene& scene) {
   const auto vector = [](const Vec3& v) { return Json::array({v.x, v.y, v.z}); };
   Json truths = array_of(scene.truths, [&](const PressTruth& truth) -> Json {

@@ -95,7 +95,7 @@ Plot plot_of(std::span<const Figure> group) {
     PlotPanel panel{fmt::format("{}, {}", figure.y_label, figure.y_unit), {}};
     for (const Series& s : figure.series) {
       PlotLine line{s.name, s.x, s.y, color_of(s.name), PlotLine::Style::solid, s.role != SeriesRole::reference};
-      // Levels and budgets are no one sequence.
+      // Levels and budgets do not form one sequence.
       for (std::size_t i = 1; i < first.x_names.size() && i < line.x.size(); ++i) {
         if (first.x_names[i - 1].rfind("level", 0) != 0 || first.x_names[i].rfind("level", 0) == 0) continue;
         line.x.insert(line.x.begin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(i) - 0.5);
@@ -122,7 +122,7 @@ std::vector<Picture> make_pictures(const Plan& plan, const Result& result) {
   Mesh shown = coarser(rest, most_facets, kept);
   const std::vector<Row> rows = make_rows(plan);
 
-  // One scale for all; a column is as wide as what is in it, a row as high.
+  // One scale for all; the width of a column and the height of a row are those of their contents.
   PictureView view = side_view(bounding_box(rest).longest_axis());
   std::vector<double> widths, heights(rows.size(), 0);
   std::vector<std::vector<PictureBox>> boxes(rows.size());

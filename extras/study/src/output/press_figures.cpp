@@ -18,11 +18,11 @@ namespace {
 
 using Value = std::function<std::optional<double>(const PressFigures&)>;
 
-/// One of the spheres and one of the surfaces, or one alone.
+/// A measure of the spheres and one of the surfaces, or only one.
 struct PressMeasure {
   std::string suffix, title, label, unit;
-  Value surfaces;  // corrected; of what is not about depth or normals: the value
-  Value spheres;   // or none
+  Value surfaces;  // corrected value; the only value of a measure that concerns neither depth nor normals
+  Value spheres;   // value of the spheres, or none
 };
 
 std::vector<PressMeasure> press_measures() {
@@ -89,7 +89,7 @@ void add_press_group(const Plan& plan, const std::string& group, const std::stri
 std::vector<Figure> make_press_figures(const Plan& plan, const Result& result) {
   std::vector<Figure> figures;
   const std::string& body = plan.bodies.front().name;
-  std::vector<const PressCell*> cells;  // of the first body
+  std::vector<const PressCell*> cells;  // cells of the first body
   for (const PressCell& cell : result.presses)
     if (plan.pressed(cell.source).body == 0) cells.push_back(&cell);
   const auto is_medial = [&](const PressCell* cell) { return plan.pressed(cell->source).named() == Method::medial; };

@@ -9,7 +9,7 @@
 namespace morula::study {
 namespace {
 
-/// Of one level over the deformed samples of one cell, or of several: means, and the worst of each.
+/// Means and worst values of one level over the deformed samples of one cell, or of several.
 struct Summary {
   double error_sum = 0, error_worst = 0, count = 0;
   double bare_worst = 0, gap_worst = 0, protrusion_worst = 0;

@@ -21,7 +21,7 @@ class Follower {
   virtual ~Follower() = default;
   virtual SphereTree follow(const std::vector<Vec3>& positions) = 0;
   virtual std::optional<std::uint64_t> hash() const = 0;
-  /// Of the levels that promise cover; nothing when none does.
+  /// The certificate of the levels that guarantee cover; none when no level does.
   virtual std::optional<Certificate> certificate(const std::vector<Vec3>&) const { return std::nullopt; }
 };
 
@@ -42,7 +42,7 @@ class UpdatedTree final : public Follower {
   Body body_;
 };
 
-/// On the caller's thread, so that every run gives the same bits.
+/// It works on the caller's thread, so that every run gives the same bits.
 class RebuiltTree final : public Follower {
  public:
   RebuiltTree(const Mesh& mesh, const CoveredTree& model)
@@ -121,7 +121,7 @@ LevelFigures measure_level(const Plan& plan, const Mesh& rest, const LoosenessMe
   return figures;
 }
 
-/// The samples at which a cell looks at its body.
+/// The samples at which a cell measures its body.
 std::vector<std::size_t> wanted_samples(const Plan& plan, const Source& source, const FollowRule& rule) {
   return rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples();
 }

@@ -14,23 +14,23 @@
 
 namespace morula::study {
 
-/// The poses of one motion, with what all cells of it ask.
+/// The poses of one motion, with the data that all its cells use.
 struct Poses {
   MovedFrames motion;
-  std::vector<std::unique_ptr<SignedDistance>> distances;  // one per pose; none of a mesh without inside
+  std::vector<std::unique_ptr<SignedDistance>> distances;  // one per pose; empty for a mesh without an inside
 };
 
 /// Throws BuildStopped when the stop is requested.
 MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
                    const FollowRule& rule, bool with_protrusion, const std::stop_token& stop);
 
-/// Seconds of one update of the cell's body; nothing of rules that are no plain update.
+/// Seconds of one update of the cell's body; none for rules that are no plain update.
 std::optional<double> time_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
                                 const FollowRule& rule);
 
-/// All that was measured.
+/// All measured figures.
 Json stored_json(const MotionRun& cell);
-/// Throws nlohmann::json::exception when it is none.
+/// Throws nlohmann::json::exception when the JSON is no cell.
 MotionRun cell_from_json(const Json& json);
 
 }  // namespace morula::study

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Cell store: JSON and trees under a hash of all that decides them.
+// Cell store: JSON and trees under a hash of all settings that decide them.
 #pragma once
 
 #include <morula/study/cache.hpp>
@@ -12,14 +12,15 @@
 
 namespace morula::study {
 
-/// To be raised when the same settings give other figures than before, or these are stored otherwise.
+/// The version of stored figures. Raise it when a change gives other figures for the same settings, or stores them in
+/// another form.
 inline constexpr int cell_format = 2;
 
-// cache: nullptr finds nothing and keeps nothing. Several threads may ask and store at once, for different settings.
+// cache: nullptr finds and keeps nothing. Several threads may find and store at once, for different settings.
 
-/// What was stored for exactly these settings; nothing when there is none, or it cannot be read.
+/// The JSON stored for exactly these settings; none if there is none, or if it cannot be read.
 std::optional<Json> find(const Cache* cache, const std::string& stem, const Json& settings);
-/// Written whole or not at all.
+/// Stores a result; the write is atomic.
 void store(const Cache* cache, const std::string& stem, const Json& settings, const Json& result);
 
 std::optional<CoveredTree> find_tree(const Cache* cache, const std::string& stem, const Json& settings,

@@ -92,7 +92,7 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
       cost.boxes = list_from(stored->at("boxes"));
       cost.mixes = list_from(stored->at("mixes"));
       return cost;
-    } catch (const Json::exception&) {  // not ours: measured anew
+    } catch (const Json::exception&) {  // foreign data: measured again
     }
   }
   const std::vector<std::vector<Vec3>> poses = timed_poses(plan);
@@ -102,7 +102,7 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   }
   cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, model, 6), poses, plan.cost_repeats));
   cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, model, 18), poses, plan.cost_repeats));
-  const CoveredTree& first = result.model.front();  // what the mixes are run on
+  const CoveredTree& first = result.model.front();  // the model for the mixes
   for (const FollowRule& mix : plan.mixes)
     cost.mixes.push_back(time_updates(mix.name, Body(body.mesh, first, mix.options), poses, plan.cost_repeats));
   store(cache, stem, settings, costs_json(cost));

@@ -18,8 +18,8 @@ struct MovedFrames {
   std::vector<std::vector<Vec3>> frames;
 };
 
-/// Motions of the body, one frame per parameter. What it cannot do is left out; why, goes to `skipped` unless that is
-/// nullptr.
+/// Motions of the body, one frame per parameter. Motions that are impossible for it are left out; the reasons go to
+/// `skipped` unless that is nullptr.
 std::vector<MovedFrames> move_frames(const Plan& plan, std::size_t body, std::span<const Deformations> motions,
                                      std::span<const double> parameters, std::vector<Skipped>* skipped);
 

@@ -33,7 +33,7 @@ double squared_distance_to(const Segment& s, const Vec3& p) {
   return squared_distance(p, s.from + t * along);
 }
 
-/// Which crossings lie in the regions of a node: of those of its body's facets that it has a part of.
+/// The crossings in the region of a node: the crossings of those of its body's facets of which it owns a part.
 class CrossingsOfNodes {
  public:
   CrossingsOfNodes(const Collider& body, std::vector<std::uint32_t> facets)
@@ -57,7 +57,7 @@ class CrossingsOfNodes {
   std::vector<std::vector<std::uint32_t>> lists_;
 };
 
-/// The crossings of one pose, as contacts are held against them.
+/// The crossings of one pose, with which contacts are compared.
 class Judge {
  public:
   Judge(const Collider& a, const Collider& b, const PressTruth& truth)
@@ -77,8 +77,8 @@ class Judge {
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common_));
     return common_;
   }
-  /// Between the two surfaces where they cross, from b to a: the mean over the contact's own crossings by length; where
-  /// it has none, of the nearest one.
+  /// The normal between the two surfaces at their crossing, from b to a: the mean over the contact's own crossings by
+  /// length; if it has none, that of the nearest one.
   Vec3 normal_near(const Contact& contact, const std::vector<std::uint32_t>& own) const {
     Vec3 sum{};
     for (const std::uint32_t i : own) sum += weights_[i] * normals_[i];
@@ -107,7 +107,7 @@ class Judge {
   std::vector<std::uint32_t> common_;
 };
 
-/// The least value that nine tenths do not exceed.
+/// The least value that nine tenths of the values do not exceed.
 double ninth_tenth(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[(9 * values.size() + 9) / 10 - 1];

@@ -12,13 +12,14 @@
 
 namespace morula::study {
 
-/// From three sides. Nothing for a body that cannot be bent, has no inside, or passes its copy from all of them;
-/// `skipped` says what is left out and why.
-/// built: any tree of the body; it makes the search fast and has no part in what is found.
+/// A press from three sides. None for a body that cannot be bent, has no inside, or passes its copy from all of them;
+/// `skipped` gets the parts left out, with reasons. built: any tree of the body; it speeds the search up and does not
+/// affect the result.
 std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const CoveredTree& model,
                                      std::vector<Skipped>& skipped);
 
-/// source: of Plan::pressed; rule: in Plan::press_rules. Throws BuildStopped when the stop is requested.
+/// source: a place in Plan::pressed; rule: a place in Plan::press_rules. Throws BuildStopped when the stop is
+/// requested.
 PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& model,
                     const PressScene& scene, const std::stop_token& stop);
 

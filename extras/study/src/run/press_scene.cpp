@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Press scene: the places of two bodies pressed together, and what the triangles say there.
+// Press scene: the places of two bodies pressed together, and the true values by triangles there.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 /// Lengths are known to this share of the diagonal.
 constexpr double precision = 1e-6;
 
-/// The shortest first; of equals the first.
+/// The axes, the shortest first; equal ones in order.
 std::array<int, 3> axes_by_length(const Vec3& extent) {
   std::array order{0, 1, 2};
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return extent[i] < extent[j]; });
@@ -65,8 +65,8 @@ RigidTransform moved(RigidTransform transform, const Vec3& by) {
   return transform;
 }
 
-/// From `far` along the axis inwards until the bodies touch: never farther than they are proved to be apart, so that
-/// nothing is passed. Nothing when they pass each other, or so near that the way in is lost in small steps.
+/// Moves from `far` along the axis inwards until the bodies touch: never farther than they are proved to be apart, so
+/// that no contact is skipped. None when they pass each other, or pass so near that the steps become too small.
 std::optional<double> touching_offset(Pair& pair, const RigidTransform& turned, const Vec3& axis, double far,
                                       double diagonal) {
   constexpr int most_steps = 2000;
@@ -89,7 +89,7 @@ Vec3 facet_normal(const Triangle& t) {
 }
 
 /// The surface of a inside b has the curve where the surfaces cross as its rim, so its vector area is half the sum of
-/// from × to along that curve: exact, whatever the facets.
+/// from × to along that curve: exact for any facets.
 Vec3 push_direction(const Collider& a, const Collider& b, std::span<const Crossing> crossings, const Vec3& fallback) {
   Vec3 area{};
   const Vec3 origin = crossings.front().segment.from;
@@ -103,7 +103,7 @@ Vec3 push_direction(const Collider& a, const Collider& b, std::span<const Crossi
   return normalized(-area, fallback);
 }
 
-/// How far b has to go along `away` for nothing to cross, by bisection; not more than `most`.
+/// The distance that b has to move along `away` until no facets cross, by bisection; at most `most`.
 double way_out(Pair& pair, const RigidTransform& transform, const Vec3& away, double most, double diagonal) {
   double crossing = 0;
   double free = most;
@@ -114,7 +114,7 @@ double way_out(Pair& pair, const RigidTransform& transform, const Vec3& away, do
   return free;
 }
 
-/// Nothing when the bodies pass each other, or are through each other before the last amount.
+/// Empty when the bodies pass each other, or are through each other before the last amount.
 std::vector<PressTruth> press_along(const Plan& plan, Pair& pair, const Box& box, int side, double diagonal) {
   Vec3 axis{0, 0, 0};
   axis[side] = 1;

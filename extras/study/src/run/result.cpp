@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Results of a study, and how they are looked up.
+// Results of a study, and functions that look them up.
 #include <algorithm>
 #include <morula/study/run.hpp>
 

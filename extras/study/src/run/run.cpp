@@ -21,7 +21,7 @@ using namespace toolbox;
 
 namespace {
 
-/// What is under way, for all threads.
+/// The progress of all threads.
 class Counter {
  public:
   Counter(std::size_t total, const Progress& report) : total_(total), report_(report) {}
@@ -82,7 +82,7 @@ Json press_settings(const Plan& plan, const Source& source, const CoveredTree& m
   return json;
 }
 
-/// Everything that all parts of a run ask for.
+/// The data that all parts of a run share.
 struct Context {
   const Plan& plan;
   const Cache* cache;
@@ -91,7 +91,7 @@ struct Context {
   Counter& counter;
   Result& result;
 
-  /// What the cache holds for these settings, read by `parse`; else what `measure` finds, which is then kept.
+  /// The cached result for these settings, read by `parse`; otherwise the result of `measure`, which is then stored.
   template <class Parse, class Measure, class Write>
   auto cached(const std::string& stem, const Json& settings, const Parse& parse, const Measure& measure,
               const Write& write) const {
@@ -100,7 +100,7 @@ struct Context {
         auto value = parse(*stored);
         counter.reused();
         return value;
-      } catch (const Json::exception&) {  // not ours: measured anew
+      } catch (const Json::exception&) {  // foreign data: measured again
       }
     }
     auto value = measure();
@@ -130,14 +130,14 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
 
 struct CellTask {
   MotionRunKey key;
-  std::size_t source;  // among the body's
-  std::size_t motion;  // among those that it can make
+  std::size_t source;  // place among the body's sources
+  std::size_t motion;  // place among the motions that it can make
   const FollowRule* rule;
   bool with_protrusion;
   MotionRun* result;
 };
 
-/// Everything about one body; its trees and poses are dropped at the end, unless somebody wants its trees.
+/// Everything about one body; its trees and poses are dropped at the end, unless the caller requests its trees.
 class BodyRun {
  public:
   BodyRun(const Context& context, std::size_t body) : c_(context), body_(body) {
@@ -200,7 +200,7 @@ class BodyRun {
       for (std::size_t m = 0; m < poses_.size(); ++m) {
         for (std::size_t r = 0; r < plan.rules.size(); ++r) {
           MotionRun* cell = &cells[next++];
-          if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built anew
+          if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built again
           tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], true, cell});
         }
       }
@@ -240,7 +240,7 @@ class BodyRun {
     task.result->key = task.key;
   }
 
-  /// All trees, and those that are made for this alone.
+  /// Runs presses for all trees, including trees that are made only for them.
   void run_presses() {
     const Plan& plan = c_.plan;
     if (plan.press_rules.empty() || sources_.empty()) return;
@@ -299,7 +299,7 @@ void run_needles(const Context& c) {
   });
 }
 
-/// Refuses what names something that is not in the plan.
+/// Rejects entries that refer to a part that is not in the plan.
 void check(const Plan& plan) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("study: " + what); };
   if (plan.bodies.empty() || plan.sources.empty()) refuse("a plan needs a body and a tree of it");

@@ -18,7 +18,7 @@ using namespace toolbox;
 
 namespace {
 
-/// One copy: where its motion and its place have taken it.
+/// One copy in its present pose and place.
 class TouchingBody {
  public:
   TouchingBody(const Mesh& mesh, const CoveredTree& model, const TouchSide& side)
@@ -48,7 +48,7 @@ class TouchingBody {
   Deformations motion_;
 };
 
-/// Is the point in a contact: within its error bound, both facets among its nodes'?
+/// Whether the point is in a contact: within its error bound, with both facets among its nodes'.
 bool is_reported(const Vec3& point, const Crossing& crossing, const Collider& a, const Collider& b,
                  const std::vector<Contact>& contacts) {
   const auto has = [](std::span<const std::uint32_t> facets, std::uint32_t facet) {

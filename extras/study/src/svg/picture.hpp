@@ -15,7 +15,7 @@ struct PictureView {
   Vec3 right, up, toward;
   double scale = 1;  // page units per mesh unit
   double page_x = 0;
-  double page_y = 0;  // where the origin of the mesh comes to lie; the page's y points down
+  double page_y = 0;  // place of the mesh's origin on the page; the page's y points down
 
   double x(const Vec3& p) const { return page_x + scale * dot(right, p); }
   double y(const Vec3& p) const { return page_y - scale * dot(up, p); }
@@ -25,7 +25,7 @@ struct PictureView {
 /// A view of bodies that lie along `axis`: from the side, a little from above and turned.
 PictureView side_view(int axis);
 
-/// What is drawn, in page units, if nothing is moved.
+/// The box of a drawing, in page units, without any shift.
 struct PictureBox {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
@@ -35,7 +35,7 @@ PictureBox picture_box(const PictureView& view, const PositionView& points, std:
 std::string svg_mesh(const MeshView& mesh, const PictureView& view);
 
 /// The visible part of every sphere, shaded as a ball, and in a color of its own the part of the mesh that is in front
-/// of all spheres: surface that is bare. Found on a raster of a third of a page unit. id: begins the names of
+/// of all spheres: uncovered surface. It is found on a raster of a third of a page unit. id: begins the names of
 /// gradients.
 std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
                         const std::string& id);
@@ -43,8 +43,8 @@ std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, c
 /// The gradient that svg_spheres refers to; once in a file.
 std::string svg_sphere_definitions(const std::string& id);
 
-/// A coarser mesh for pictures: vertices that share a cell of a lattice become one, which is where the first of them
-/// is. `kept` tells for each of its vertices which one of the mesh it is.
+/// A coarser mesh for pictures: vertices that share a cell of a lattice become one, at the position of the first of
+/// them. `kept` has, for each of its vertices, the index of that vertex in the mesh.
 Mesh coarser(const Mesh& mesh, std::size_t most_facets, std::vector<std::uint32_t>& kept);
 
 }  // namespace morula::study

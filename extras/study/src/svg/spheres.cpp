@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The visible parts of spheres: a raster tells which sphere is in front, borders of its regions become paths.
+// The visible parts of spheres: a raster has the sphere in front at each pixel, and the borders of its regions become
+// paths.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct Point {
   double x, y;
 };
 
-/// Which sphere is in front of each pixel; spheres.size() where it is the mesh.
+/// The front sphere of each pixel; spheres.size() for the mesh.
 class Raster {
  public:
   Raster(const PictureBox& box)
@@ -148,7 +149,7 @@ double distance_to_line(const Point& p, const Point& a, const Point& b) {
   return std::abs(dx * (p.y - a.y) - dy * (p.x - a.x)) / size;
 }
 
-/// Douglas and Peucker: keeps what is farther than `tolerance` from the straight line.
+/// Douglas and Peucker: keeps points that are farther than `tolerance` from the straight line.
 void simplify(const std::vector<Point>& loop, std::size_t begin, std::size_t end, double tolerance,
               std::vector<Point>& kept) {
   double farthest = 0;
@@ -207,7 +208,7 @@ std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, c
                         const std::string& id) {
   Raster raster(picture_box(view, mesh.positions, spheres));
   for (std::size_t i = 0; i < spheres.size(); ++i) raster.add(spheres[i], view, static_cast<int>(i));
-  // Spheres that touch the surface from outside are not to be spotted by rounding: a sixth of a page unit.
+  // Spheres that touch the surface from outside must not get spots by rounding: a sixth of a page unit.
   for (std::size_t f = 0; f < mesh.facet_count(); ++f)
     raster.add(mesh.corners(f), view, static_cast<int>(spheres.size()), 0.5);
   std::vector<std::vector<Crack>> borders = cracks(raster, spheres.size() + 1);

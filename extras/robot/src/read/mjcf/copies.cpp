@@ -16,7 +16,7 @@ namespace {
 /// Copies, elements in them, and pairs of them that are referred to, all together.
 constexpr std::size_t most_copies = 10'000, most_comparisons = 10'000'000;
 
-/// Where both stand in copies of one <replicate>, they stand in the same.
+/// Whether two elements in copies of one <replicate> are in the same copy.
 bool stand_together(const MjcfName& a, const MjcfName& b) {
   const auto depth = static_cast<std::ptrdiff_t>(std::min(a.copies.size(), b.copies.size()));
   return std::equal(a.copies.begin(), a.copies.begin() + depth, b.copies.begin(),

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// <frame> and <replicate>: where what they hold stands, and what it is called in each copy.
+// <frame> and <replicate>: the poses of their contents, and the names of these in each copy.
 #pragma once
 
 #include <map>
@@ -21,14 +21,14 @@ struct MjcfCopy {
 
 struct MjcfName {
   std::string text;
-  std::vector<MjcfCopy> copies{};  ///< that it stands in, from the outermost on
+  std::vector<MjcfCopy> copies{};  ///< copies that contain the element, from the outermost on
 };
 
 class MjcfNames {
  public:
-  /// As it is written, and as it is. False when there is one already.
+  /// Adds a name as written, and as in its copy. Returns false if it exists already.
   bool add(const std::string& written, const MjcfName& name);
-  /// Those that a reference means: what is called that, or all copies of it.
+  /// The names that a reference means: the element of that name, or all copies of it.
   std::vector<MjcfName> of(const std::string& written) const;
 
  private:
@@ -63,16 +63,16 @@ class MjcfCopies {
     suffix_ = around;
   }
 
-  /// What is visited is called by its name and this.
+  /// The text that the names of visited elements get appended.
   const std::string& suffix() const { return suffix_; }
-  /// Empty where it has none.
+  /// The name of an element; empty if it has none.
   std::string name_of(const tinyxml2::XMLElement& at) const;
   MjcfName name(const std::string& text) const { return {text, copies_}; }
 
-  /// To be called for what is visited, once: refuses a small file that means much.
+  /// Has to be called once for each visited element: rejects a small file that expands to too many elements.
   void count(const tinyxml2::XMLElement& at);
 
-  /// The pairs that an element means which refers to two names: of things of one <replicate>, those of one copy.
+  /// The pairs that an element with two names means: for elements of one <replicate>, the pairs within one copy.
   std::vector<std::pair<std::string, std::string>> pairs(const tinyxml2::XMLElement& at,
                                                          const std::vector<MjcfName>& some,
                                                          const std::vector<MjcfName>& others);
@@ -83,7 +83,7 @@ class MjcfCopies {
     Vec3 offset, angles;
     std::string separator;
     Series(const MjcfFiles& files, const MjcfValues& values, const tinyxml2::XMLElement& at);
-    /// Of as many digits as the count has.
+    /// The suffix of a copy, with as many digits as the count has.
     std::string suffix(int number) const;
   };
 

@@ -26,7 +26,7 @@ class MjcfFiles {
   const Xml& file_of(const tinyxml2::XMLElement& at) const { return *files_.at(at.GetDocument()); }
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& text) const { file_of(at).fail(at, text); }
 
-  /// Included files stand in the place of what includes them.
+  /// The children of an element; included files replace the elements that include them.
   std::vector<const tinyxml2::XMLElement*> children(const tinyxml2::XMLElement& of);
 
  private:

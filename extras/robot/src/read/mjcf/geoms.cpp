@@ -89,7 +89,7 @@ std::optional<Shape> MjcfGeoms::shape_of(const MjcfElement& e, const std::string
     return std::nullopt;
   }
   if (type != "mesh" && e.find("mesh") != nullptr) {
-    // The fit would depend on the version that fits. The mesh is what the robot is.
+    // The fit would depend on the version that fits. The mesh is the robot's true shape.
     if (needed) {
       notes_.push_back(
           fmt::format("the {} that MuJoCo fits to mesh {} (line {}) is not made: the mesh itself is covered", type,

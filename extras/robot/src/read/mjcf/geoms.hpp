@@ -17,15 +17,15 @@ namespace morula::robot {
 
 class MjcfGeoms {
  public:
-  /// What is passed over is said in `notes`.
+  /// `notes` reports skipped geoms.
   MjcfGeoms(MjcfFiles& files, const MjcfValues& values, const ReadOptions& options, std::vector<std::string>& notes)
       : files_(files), values_(values), options_(options), notes_(notes) {}
 
   /// The meshes of an <asset>.
   void read_assets(const tinyxml2::XMLElement& of);
-  /// A geom of this name collides, whatever its masks say.
+  /// A geom of this name collides, whatever its masks are.
   void set_paired(const std::string& name) { paired_.insert(name); }
-  /// Adds a geom to the shapes of a link, if it collides or is seen. suffix: what its name has behind it in this copy.
+  /// Adds a geom to the shapes of a link, if it collides or is visible. suffix: the end of its name in this copy.
   void add(const tinyxml2::XMLElement& at, Link& link, const RigidTransform& frame, const std::string& child_class,
            const std::string& suffix);
 
@@ -37,7 +37,7 @@ class MjcfGeoms {
     bool operator==(const Mesh&) const = default;
   };
 
-  /// Nothing for a geom that has no end, or that is not needed and names no file.
+  /// None for a geom that is infinite, or that is not needed and names no file.
   std::optional<Shape> shape_of(const MjcfElement& e, const std::string& link, const RigidTransform& frame,
                                 bool needed);
   /// The first `count` numbers of size, none below 0.

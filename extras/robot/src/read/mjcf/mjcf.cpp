@@ -158,7 +158,7 @@ class MjcfReader {
     }
     const std::size_t links = robot().links.size();
     add_children(at, body.link, {}, child_class, depth);
-    // Of a body that carries others MuJoCo keeps the frame.
+    // MuJoCo keeps the frame of a body that carries others.
     if (body.aligned_by != nullptr && robot().links.size() == links) {
       files_.fail(
           *body.aligned_by,
@@ -227,7 +227,7 @@ class MjcfReader {
       return;
     }
     if (type == "fixed") {
-      // Not MuJoCo's: other simulators read it in its files. A body without a joint is fixed anyway.
+      // This is not MuJoCo's: other simulators read it in MuJoCo's files. A body without a joint is fixed anyway.
       robot().notes.push_back(fmt::format("a joint in {} (line {}) is fixed, which MuJoCo does not know: it is skipped",
                                           robot().links[body.link].name, at.GetLineNum()));
       return;
@@ -319,7 +319,7 @@ class MjcfReader {
   }
   void add_mimic(const XMLElement& at, const std::string& joint, const std::string& led_by,
                  const std::vector<double>& c) {
-    // Fixed joints are the reader's own, and what a free body hangs on may be dropped: in the file neither is a joint
+    // Fixed joints are the reader's own, and the joint of a free body may be dropped: in the file neither is a joint
     // that others follow.
     const auto find = [&](const std::string& name) {
       const std::size_t found = robot().find_joint(name);
@@ -339,7 +339,7 @@ class MjcfReader {
     robot().joints[follower].mimic = Joint::Mimic{leader, c[1], offset};
   }
 
-  /// Of a file without bodies: a part or a prop, which others put somewhere.
+  /// Reads the world of a file without bodies: a part or a prop, which other files place.
   void take_world(const std::vector<const XMLElement*>& sections) {
     Body world{0, {}};
     for (const XMLElement* at : sections) {
@@ -354,7 +354,7 @@ class MjcfReader {
     scenery_ = 0;
   }
 
-  /// The world is left out where the robot is one body in its origin, or a free one.
+  /// The world is left out if the robot is one body in its origin, or a free one.
   void drop_world() {
     Robot& r = robot();
     if (r.joints.empty()) return;

@@ -69,7 +69,7 @@ void MjcfValues::read_default(const XMLElement& at, const std::string& parent, i
   if (depth > deepest_class) files_.fail(at, "default classes are nested more than 64 deep");
   const char* own = at.Attribute("class");
   if (depth > 0 && own == nullptr) files_.fail(at, "a <default> in another has no class");
-  // The outermost is called main, whatever older files say.
+  // The outermost is called main, regardless of older files.
   const std::string name = depth > 0 ? own : "main";
   if (depth > 0) {
     if (classes_.size() >= most_classes) files_.fail(at, "there are more than 10,000 default classes");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What elements say: by themselves, by the default classes, and in the units of <compiler>.
+// The values of elements: their own, or of the default classes, in the units of <compiler>.
 #pragma once
 
 #include <map>
@@ -19,7 +19,7 @@ struct MjcfDefault {
 };
 using MjcfAttributes = std::map<std::string_view, MjcfDefault>;
 
-/// An element, and the class that says what it does not say itself.
+/// An element, and the class that has its default values.
 struct MjcfElement {
   const tinyxml2::XMLElement& own;
   const MjcfAttributes* defaults = nullptr;
@@ -43,7 +43,7 @@ class MjcfValues {
   /// The outermost <default>, and the classes in it.
   void read_default(const tinyxml2::XMLElement& at) { read_default(at, "main", 0); }
 
-  /// With the class that it names, or that of what is around it.
+  /// The element with the class that it names, or with the class of the element around it.
   MjcfElement element(const tinyxml2::XMLElement& at, const std::string& child_class) const;
   void require_class(const tinyxml2::XMLElement& at, const std::string& name) const;
 
@@ -54,22 +54,23 @@ class MjcfValues {
   Vec3 vector(const MjcfElement& e, const char* attribute, const Vec3& fallback) const;
   double number(const MjcfElement& e, const char* attribute, double fallback) const;
   bool is_true(const MjcfElement& e, const char* attribute, bool fallback) const;
-  /// In radians.
+  /// An angle in radians.
   double angle(double value) const;
   /// By angles as they are written, about the axes of eulerseq.
   RigidTransform turn_by_euler(const Vec3& angles) const;
   RigidTransform turn(const MjcfElement& e) const;
   RigidTransform pose(const MjcfElement& e) const;
 
-  /// A joint with a range is limited, though it does not say so.
+  /// A joint with a range is limited, even without an attribute for that.
   bool auto_limits() const { return auto_limits_; }
-  /// Bodies that move freely and carry no other stand in the axes of their inertia, where their joint does not say.
+  /// Bodies that move freely and carry no other stand in the axes of their inertia, if their joint has no attribute for
+  /// that.
   bool align_free() const { return align_free_; }
   /// The name of a mesh's file, as <compiler> has it.
   std::string mesh_name(const std::string& file) const;
 
  private:
-  /// What a class says about elements, by their names; those of the classes around it included.
+  /// The default values of a class by element name, including the values of the classes around it.
   using Class = std::map<std::string_view, MjcfAttributes>;
 
   void read_default(const tinyxml2::XMLElement& at, const std::string& parent, int depth);
