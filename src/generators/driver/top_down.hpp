@@ -46,14 +46,14 @@ struct DriverInput {
   LevelHook new_level = {};  ///< called level by level only
   /// Signed distance of the mesh; null: it is made on first use.
   const SignedDistance* distance = nullptr;
-  /// Of the mesh. With lines no level is looser than the level above it.
+  /// Lines of the mesh. With lines no level is looser than the level above it.
   const ObjectLines* lines = nullptr;
-  /// Called when no level is divided any more, so that what only dividing needs is gone when the cover takes its
-  /// memory; not where the worst leaf is first.
+  /// Called after the last division of a level-by-level build, so that data for divisions are freed when the cover
+  /// takes its memory. It is not called if the worst leaf is divided first.
   std::function<void()> divided = {};
 };
 
-/// Whether the run asks for a number of spheres or a protrusion instead of a depth: then the worst leaf is divided
+/// Whether the options give a number of spheres or a protrusion instead of a depth: then the worst leaf is divided
 /// first.
 inline bool is_worst_first(const BuildRun& run) {
   return run.spheres > 0 || run.max_protrusion > 0;

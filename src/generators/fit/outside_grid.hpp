@@ -55,7 +55,7 @@ class OutsideGrid {
   double outside_together(std::span<const Spheref> balls);
 
  private:
-  // Where the cells lie among those of the object's lines; the constructor settles it.
+  // Position of the cells among those of the object's lines; the constructor computes it.
   struct Place {
     int stride = 1;              // lattice cells to a cell
     double cell = 0;             // width of a cell, mesh units
