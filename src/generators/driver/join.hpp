@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Join: scores of leaves, and joined children where fewer are wanted than a generator made.
+// Join: scores of leaves, and children joined again if a generator made more than run.spheres.
 #pragma once
 
 #include "generators/driver/top_down.hpp"

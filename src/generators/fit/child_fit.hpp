@@ -41,7 +41,7 @@ class ChildFit {
   ChildFit(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t max_balls,
            const Sphere& start, const Settings& settings, std::uint64_t seed);
 
-  /// Makes one ball over all points and splits balls until there are as many as wanted or splitting does not pay.
+  /// Makes one ball over all points and splits balls until there are max_balls or splitting does not pay.
   void split_from_one();
   /// Starts from these balls; each point goes to the ball of least power. fill_places holds until the next call: if it
   /// is false, no sweep adds a ball.

@@ -22,7 +22,7 @@ struct FitInputs {
 };
 
 /// Invariant: has_fit(b) is true only if a fit to these inputs made ball b, and no sibling near it has changed since,
-/// as far as each sibling's last change tells. (A ball that is relocated changes twice, and its departure is forgotten:
+/// as far as each sibling's last change shows. (A ball that is relocated changes twice, and its departure is forgotten:
 /// its old neighbors keep their fits, which contain their points all the same.) Every change of a ball goes through
 /// note_fit() or note_change(); only these two make an entry stale, by its time.
 class FitCache {

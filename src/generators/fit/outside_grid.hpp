@@ -79,7 +79,7 @@ class OutsideGrid {
     std::vector<std::int32_t> first;            // per line; −1 but while it looks
     std::vector<std::array<int, 2>> lines_met;  // that have some
   };
-  // What steps are made for: prepare() writes it.
+  // Inputs of the steps: prepare() writes them.
   struct Prepared {
     float overlap_weight = -1;
     Vec3f center{};

@@ -25,7 +25,7 @@ struct ReducerInput {
   std::span<const Vec3> samples;  ///< points of the region: corners of its patches and points spread by area
   std::span<const Vec3> normals;  ///< unit outward normal of the facet of each sample; zero on facets without area
   Sphere sphere;                  ///< sphere of the node
-  std::size_t branching;          ///< most spheres wanted
+  std::size_t branching;          ///< most spheres of a proposal
   std::uint64_t seed;
   const ObjectShape& shape;
 };
