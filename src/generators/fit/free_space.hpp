@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Free space: the space outside the object and outside all other balls, about one ball that is to be moved a little.
+//
 // It is stored as intervals on lines of all three axes, exact along each line: a layer much thinner than the distance
 // of lines still counts, while OutsideGrid assigns a whole cell to the ball that contains its middle. Axes are weighted
 // as there.

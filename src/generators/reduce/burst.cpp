@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Burst [bradshaw2004]: a ball is removed and its neighbors take its samples, repeatedly.
+//
 // Departure: costs wait in a heap and are computed again only when they come up. Bursts around a ball hardly ever lower
 // its cost, so the first entry that is up to date counts as the best.
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spawn [bradshaw2002]: spheres that all stick out equally, by s, placed next to each other until they contain all
 // samples; the least s for which few enough do.
+//
 // Departures: a sphere has r = s − φ(c), so the search is over its center alone; its gain is the number of new samples
 // with a soft edge, which has a slope; a plain count has none. Every sphere must contain the remotest sample left, so
 // no stray remains at the end. It starts from the best of the medial balls there instead of the previous sphere. s is

@@ -22,8 +22,8 @@
 //                   3 x 2^-53 A and s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same
 //                   combination of those tested as far as x and y go; their first weights differ by up to 2 s, which
 //                   moves it by up to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which
-//                   rounded_up_radius and so certify() also require, and 6 s A. What is left of the allowances is a
-//                   thousand times what second-order terms and double arithmetic take.
+//                   rounded_up_radius and so certify() also require, and 6 s A.
+// The rest of the allowances is a thousand times the second-order terms and the rounding of double arithmetic.
 #pragma once
 
 #include <morula/geometry/scale.hpp>

@@ -32,7 +32,7 @@ struct SampleBlock {
 struct BlockBound {
   Spheref places;              ///< contains the block's samples
   Vec3f axis;                  ///< axis of the cone of directions
-  float cosine = 1, sine = 0;  ///< of the cone's half angle, 0…π
+  float cosine = 1, sine = 0;  ///< half angle of the cone, 0…π
 };
 
 class SurfaceSamples {

@@ -32,7 +32,7 @@ class RebuildCycle {
   enum class Phase : std::uint8_t { idle, gathering, building };
   enum class Event : std::uint8_t {
     frame,         ///< a frame away from rest
-    wanted,        ///< a rebuild is wanted for the present pose or the one to come; only where may_start()
+    wanted,        ///< a rebuild is due for the present pose or the one to come; only if may_start()
     body_stopped,  ///< the body stands still away from rest: a rebuild for another pose is of no use
     at_rest,       ///< the body is exactly at rest
     collected,     ///< the result was taken from the job

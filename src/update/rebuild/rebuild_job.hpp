@@ -22,7 +22,7 @@ namespace morula::detail {
 /// owner's while idle or done, the runner's while queued; the side whose turn ends writes it.
 class RebuildJob {
  public:
-  /// levels: number of looseness figures wanted.
+  /// levels: number of looseness figures to compute.
   RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
 
   enum class Stage : std::uint8_t { idle, queued, done };

@@ -15,7 +15,7 @@ namespace morula::detail {
 /// A body, and its measures at the pose that it was made for; and its looseness at another pose, with the strain from
 /// that one, if it was ever measured; else that strain is 0.
 struct TreeVersion {
-  /// The body is at the pose that it was made for, posed. levels: number of looseness figures wanted. estimator: of
+  /// The body is at the pose that it was made for, posed. levels: number of looseness figures to compute. estimator: of
   /// that mesh; it is at that pose afterwards.
   TreeVersion(Body its_body, const MeshView& posed, LoosenessEstimator& estimator, std::size_t levels);
 

@@ -61,7 +61,7 @@ class TreeVersions {
   // Results of a frame.
 
   void activate(TreeVersion& next) noexcept;
-  /// Keeps the tree and swaps the formerly rebuilt one into `rebuilt`.
+  /// Keeps the tree and swaps the last rebuilt one into `rebuilt`.
   void keep(std::unique_ptr<TreeVersion>& rebuilt) noexcept { rebuilt_.swap(rebuilt); }
   /// Records the looseness that was estimated for the present tree at this strain.
   void learn(const std::vector<double>& looseness, double strain) noexcept;

@@ -22,13 +22,13 @@ struct CenterTie {
   std::uint32_t begin = 0, end = 0;  ///< range in points and weights; the entries of a tie are `step` apart
   std::uint32_t step = 1;
   bool carries = false;                 ///< e is not zero
-  bool degenerate = false;              ///< as in AnchorChoice
+  bool degenerate = false;              ///< flag of the AnchorChoice
   std::array<std::uint32_t, 3> axes{};  ///< anchors; repeated ones if they are collinear or fewer
   Vec3f in_axes;                        ///< e in the coordinates of these axes
   Vec3f rest_carried;                   ///< e, by the routine that runs per frame
 };
 
-/// Ties of many centers, with what they share.
+/// Ties of many centers, with their shared data.
 class Anchors {
  public:
   /// Adds a tie to a few of the candidates (choose_anchors); without candidates the center stays.
