@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Proof that no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the center
-// of node n to a corner that n owned in the given cover. A leaf takes over patches of a facet only where every corner
+// of node n to a corner that n owned in the given cover. A leaf takes over patches of a facet only if every corner
 // that it takes has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
-//   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): what is
-//               compared is what certify() computes, by the same expression, so where the tree's spheres were certified
-//               they are; and a rule that measures what nodes own finds no larger radius about the same center at rest.
-//               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
+//   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): the
+//               compared distances are those that certify() computes, by the same expression, so certified spheres stay
+//               certified; and a rule that measures owned corners finds no larger radius about the same center at rest.
+//               Nodes whose squares vanish or overflow, for which certify() has another test, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
-//               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no
+//               one: the facet itself. Or patches of one facet and one owner become their convex hull, if it has no
 //               more area than they have (joined_pieces.hpp): its corners are some of theirs, so the first line holds
 //               for these too.
-//   regions     are made anew, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
+//   regions     are made again, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
 //               gives its last patch away.
 #include <algorithm>
 #include <limits>

@@ -11,9 +11,9 @@
 namespace morula::detail {
 namespace {
 
-// A facet has twice the area 1. If a cut ends at another, its end is off that one by a rounding of its coordinates, and
-// the areas of patches are rounded sums: both far below this share, which is far below the precision that users of
-// areas need.
+// Areas are doubled, so that a facet has 1. If a cut ends at another, its end is off that one by a rounding of its
+// coordinates, and the areas of patches are rounded sums: both far below this share, which is far below the precision
+// that users of areas need.
 // mutant joined-pieces-area: `48` -> `20`
 constexpr double rounding_of_area = 0x1p-48;
 // Patches that touch have boxes that touch, up to the same rounding.

@@ -38,8 +38,8 @@ struct FlatSetBy {
 /// by.levels; and the set of 2, 3, 4, 6, 8, 16, 32, 64 … spheres below, grown by dividing the worst sphere. The grown
 /// set starts from one that by.other_start seeks at 12, 16, 24, 48 … spheres, if that one is tighter. Sets are compared
 /// by the volume of their union outside the object. If more spheres would be looser, fewer are returned.
-/// So a set of N is never looser than one level of N children, nor than a set of one of those numbers. It may be looser than a set of
-/// another smaller number that was sought at once and is tighter than the grown set.
+/// So a set of N is never looser than one level of N children, nor than a set of one of those numbers. It may be looser
+/// than a set of another smaller number that was sought at once and is tighter than the grown set.
 CoveredTree flat_set(const FitInput& input, const ObjectLines& lines, const BuildRun& run, const FlatSetBy& by,
                      Workers& workers);
 /// Whether flat_set() makes this run's tree.

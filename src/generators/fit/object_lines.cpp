@@ -134,7 +134,7 @@ void ObjectLines::weigh(const MeshView& mesh, const std::vector<Vec3>& vertices)
       static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
   const std::size_t blocks = step[2] * static_cast<std::size_t>(block_count_[2]);
   std::vector<float> sums(3 * blocks, 0.0F);
-  // Squares of a facet's unit normal: most facets are crossed many times. Those without area have none.
+  // Squares of a facet's unit normal: most facets are crossed many times. Facets without area have none.
   constexpr float not_known = -1;
   std::vector<std::array<float, 3>> squares(mesh.facet_count(), {not_known, 0, 0});
   const auto squares_of = [&](std::uint32_t f) -> const std::array<float, 3>& {
@@ -224,7 +224,7 @@ void ObjectLines::vote() {
         }
         voted.begin.push_back(static_cast<std::uint32_t>(voted.crossings.size()));
       }
-    axes_[axis] = std::move(voted);  // the other axes' lines are still unvoted; only votes are read here
+    axes_[axis] = std::move(voted);  // the other axes' lines are still the voting ones; only votes are read here
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Looseness watch: estimates how loose the present tree is, a share of the work in each frame, and so decides when a
-// rebuild is wanted.
+// rebuild is due.
 //
 //             estimate as the last one              settle(): a rebuild was requested
 //   +--------+ ---------------------> +---------+ ------------------------------------> +---------+
@@ -57,7 +57,7 @@ class LoosenessWatch {
   const RebuildOptions& options_;
   RebuildReport& report_;
   LoosenessEstimator estimator_;
-  std::vector<double> thresholds_;  // thresholds per level; a rebuild is wanted above them
+  std::vector<double> thresholds_;  // thresholds per level; a rebuild is due above them
   std::vector<double> estimated_;
   double strain_at_begin_ = 0;  // strain of the tree at the start of the estimate in progress
   Motion motion_ = Motion::moving;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rebuild cycle: the life of a rebuild, from the frame that wants one to the frame that takes its result.
+// Rebuild cycle: the life of a rebuild, from the frame that requests one to the frame that takes its result.
 //
 //           wanted, where may_start()
 //   +------+ ------------------------> +-----------+

@@ -125,8 +125,8 @@ std::size_t TreeVersions::evaluated_in_a_frame() const noexcept {
   return std::clamp(tests_to_see / std::max<std::size_t>(1, tests_of_update_), least_seen, most_seen);
 }
 
-// The tree with the best expected score of those not evaluated lately, so that each tree's turn comes. As long as the
-// volume of the present one's spheres is about that at its build, only trees with a better expected score.
+// The tree with the best expected score of those not evaluated lately, so that each tree's turn comes. Only trees with
+// a better expected score are candidates while the volume of the present one's spheres is about that at its build.
 TreeVersion* TreeVersions::next_to_evaluate(std::uint64_t frame, bool has_grown) noexcept {
   // mutant known-in-turn: `std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1)` -> `evaluated_lately`
   const std::uint64_t round = std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1);
