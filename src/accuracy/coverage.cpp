@@ -39,8 +39,8 @@ double triangle_less_sector(const Vec2& a, const Vec2& b, double radius) {
 /// Area of a convex polygon (counter-clockwise) outside the disc about the origin. Error: a few ulps of the triangles
 /// between the origin and those parts of the border that lie outside the disc; what lies inside cancels exactly.
 double area_outside_disc(std::span<const Vec2> polygon, double radius) {
-  // Green's theorem about the disc's center: a piece of border inside the disc adds a triangle to the polygon's area
-  // and the same triangle to the area covered, so only pieces outside remain.
+  // Green's theorem about the disc's center: a part of the border inside the disc adds a triangle to the polygon's area
+  // and the same triangle to the area covered, so only parts outside remain.
   double sum = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec2 a = polygon[k], b = polygon[(k + 1) % polygon.size()];
@@ -83,11 +83,11 @@ FacetPlane::FacetPlane(const Triangle& facet) {
 }
 
 /// Area of the part of a convex polygon in that plane, counter-clockwise about its normal, that lies outside the
-/// sphere. scratch: anything.
+/// sphere. scratch: any content.
 double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygon, const Sphere& sphere,
                            std::vector<Vec2>& scratch) {
-  // From the sphere's center, so that far from the origin nothing cancels. A corner's own height differs from the
-  // plane's by rounding alone; the first will do.
+  // Computed from the sphere's center, so that far from the origin nothing cancels. A corner's own height differs from
+  // the plane's by rounding alone, so the first one suffices.
   const double height = morula::dot(polygon[0] - sphere.center, plane.normal);
   scratch.clear();
   for (const Vec3& p : polygon) {
@@ -98,27 +98,27 @@ double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygo
   return area_outside_disc(scratch, squared > 0 ? std::sqrt(squared) : 0.0);
 }
 
-/// Collects convex pieces of the surface and finds the largest gap(x) = min_i |x − c_i| − r_i on them.
+/// Collects convex parts of the surface and finds the largest gap(x) = min_i |x − c_i| − r_i on them.
 ///
 /// Each |x − c_i| is convex, so on a triangle it is largest at a corner, and min_i max_corners |x − c_i| − r_i bounds
-/// the gap from above: exactly so where one sphere is the nearest at all of the triangle. Triangles are halved along
-/// their longest edge, the one with the highest bound first.
+/// the gap from above: the bound is exact if one sphere is the nearest at all of the triangle. Triangles are halved
+/// along their longest edge, the one with the highest bound first.
 class LargestGap {
  public:
-  /// diagram: borrowed. tolerance: distances are not told apart below it.
+  /// diagram: borrowed. tolerance: distances that differ by less count as equal.
   LargestGap(const PowerDiagram& diagram, double tolerance) : diagram_(&diagram), tolerance_(tolerance) {}
 
   /// upper: the least growth that lets one sphere contain the polygon.
   void add(std::span<const Vec3> polygon, std::uint32_t facet, double upper);
-  /// What another search found and still has to look at.
+  /// Adds the result of another search and the parts that it has not refined yet.
   void add(const LargestGap& other);
-  /// Until the bounds are within relative 5e-7 (or a quarter of the tolerance) of each other, or the budget of
+  /// Refines until the bounds are within relative 5e-7 (or a quarter of the tolerance) of each other, or the budget of
   /// 2²⁰ halvings is spent; the bounds hold in either case.
   void refine();
 
-  double lower() const { return best_; }  ///< attained; minus infinity before anything was added
+  double lower() const { return best_; }  ///< attained; minus infinity before a part was added
   double upper() const;
-  std::uint32_t facet() const { return best_facet_; }  ///< where lower() is attained
+  std::uint32_t facet() const { return best_facet_; }  ///< facet on which lower() is attained
 
  private:
   struct Piece {
@@ -126,14 +126,14 @@ class LargestGap {
     std::uint32_t facet;
     double upper;
   };
-  double wanted() const;  // pieces bounded by this need no further look
+  double wanted() const;  // bound below which parts need no refinement
   void look_at(const Vec3& x, std::uint32_t facet);
   void push(const Piece& piece);
 
   const PowerDiagram* diagram_;
   double tolerance_;
   double best_ = -std::numeric_limits<double>::infinity();
-  double dropped_ = -std::numeric_limits<double>::infinity();  // highest bound of a piece no longer looked at
+  double dropped_ = -std::numeric_limits<double>::infinity();  // highest bound of a dropped part
   std::uint32_t best_facet_ = 0;
   std::vector<Piece> pieces_;  // heap, highest bound first
 };
@@ -220,7 +220,7 @@ double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres)
   return largest * 0x1p-46;
 }
 
-// A share of the facets, gone through in order.
+// A share of the facets, processed in order.
 class FacetRange {
  public:
   FacetRange(const MeshView& mesh, std::span<const Sphere> spheres, const PowerDiagram& diagram, double tolerance)
@@ -229,8 +229,8 @@ class FacetRange {
   void look_at(std::uint32_t facet) {
     const Triangle corners = mesh_.corners(facet);
     area += morula::area(corners);
-    // Most facets lie in the sphere that the one before them ended in; a ball is convex, so no cutting is needed to
-    // know that they are covered.
+    // Most facets lie in the sphere that contained the end of the last one; a ball is convex, so the test of the
+    // corners proves without cuts that they are covered.
     if (contains(spheres_[recent_], corners)) return;
     const PowerDiagram::Growth growth = diagram_.least_growth(corners);
     if (growth.amount <= tolerance_) {
@@ -261,8 +261,8 @@ class FacetRange {
   }
 
   void look_at_uncovered(std::uint32_t facet, const Triangle& corners) {
-    // Where powers are equal up to rounding, a piece may have gone to a sphere that does not contain it although
-    // another does.
+    // If powers are equal up to rounding, a part may have gone to a sphere that does not contain it although another
+    // does.
     const double upper = diagram_.least_growth(points_).amount;
     if (upper <= tolerance_) return;
     all_contained = false;
@@ -313,7 +313,7 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
   if (result.covered) return result;
 
   gap.refine();
-  // Cells whose corners rounding misplaced are covered after all, in smaller pieces.
+  // Cells whose corners are misplaced by rounding are covered after all, in smaller parts.
   if (gap.upper() <= result.tolerance) {
     result.covered = true;
     return result;

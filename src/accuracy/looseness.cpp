@@ -21,10 +21,10 @@ namespace morula {
 using namespace detail;
 namespace {
 
-/// What closes an open surface: facets from its border to a point in the middle of each piece of border.
+/// Caps that close an open surface: facets from its border to a point in the middle of each component of the border.
 ///
-/// Hangs on the facets alone, so that no deformation changes it. The winding number of the open surface is that of the
-/// closed one, a whole number, less that of the caps, wherever these lie [jacobson2013].
+/// The caps depend on the facets alone, so that no deformation changes them. The winding number of the open surface is
+/// that of the closed one, a whole number, less that of the caps, wherever these lie [jacobson2013].
 class BorderCaps {
  public:
   explicit BorderCaps(const MeshView& mesh);
@@ -34,7 +34,7 @@ class BorderCaps {
 
  private:
   struct Side {
-    std::uint32_t from, to;  // as the cap goes, against the facet
+    std::uint32_t from, to;  // direction of the cap, against the facet
     std::uint32_t piece;
   };
   std::vector<Side> sides_;
@@ -45,7 +45,7 @@ BorderCaps::BorderCaps(const MeshView& mesh) {
   const Connectivity all = connectivity(mesh);
   DisjointSets sets(mesh.vertex_count());
   for (std::uint32_t e = 0; e < all.edge_count(); ++e) {
-    // Facets that go along an edge both ways cancel; what is left over is border.
+    // Facets on both sides of an edge cancel; the rest of the edges is border.
     const auto [a, b] = all.edges[e];
     int forward = 0;
     for (const std::uint32_t side : all.edge_sides(e)) forward += side_ends(mesh.facets, side)[0] == a ? 1 : -1;
@@ -74,7 +74,7 @@ void BorderCaps::close(const MeshView& mesh, std::vector<Vec3>& positions, std::
   for (const Side& side : sides_) facets.push_back({side.from, side.to, first_middle + side.piece});
 }
 
-// A box side that is a whole number of edges but for rounding must not get a layer of its own.
+// A box side that is a whole number of edges except for rounding must not get a layer of its own.
 constexpr double rounding_of_a_side = 1e-9;
 
 double longest_side(const Box& box) {
@@ -92,12 +92,12 @@ double edge_of(const VoxelGrid& grid, const Box& spheres, const Box& both) {
     throw std::invalid_argument("voxel grid: resolution must be 8 to 4096, not " + std::to_string(grid.resolution));
   const double edge =
       std::max(longest_side(spheres) / grid.resolution, longest_side(both) / (most_voxels_along_a_side - 2));
-  return edge > 0 ? edge : 1.0;  // everything is one point
+  return edge > 0 ? edge : 1.0;  // all points coincide
 }
 
-/// The piece that holds both boxes, so that nothing of the object or of the spheres goes uncounted. Edge and phase come
-/// from the grid alone (of `level`: from the spheres' box alone), unless that needs too many voxels along a side: then
-/// `level` takes a longer edge and `fixed` throws std::invalid_argument, as it does for a bad grid.
+/// The part of the lattice that contains both boxes, so that all of the object and of the spheres is counted. Edge and
+/// phase come from the grid alone (of `level`: from the spheres' box alone), unless that needs too many voxels along a
+/// side: then `level` takes a longer edge and `fixed` throws std::invalid_argument, as it does for a bad grid.
 VoxelLattice voxel_lattice(const VoxelGrid& grid, const Box& spheres, const Box& mesh) {
   Box both = spheres;
   both.add(mesh);
@@ -125,7 +125,7 @@ Box checked_box(const MeshView& mesh) {
   return bounding_box(mesh);
 }
 
-// What is counted: the mesh of a frame, checked, and the lattice over it.
+// Input of a count: the mesh of a frame, checked, and the lattice over it.
 struct Counted {
   MeshView mesh;
   VoxelLattice lattice{};
@@ -204,8 +204,8 @@ Looseness LoosenessMeter::measure_open(const PositionView& positions, std::span<
   Looseness result = counted.result(counts.in_union);
   constexpr std::size_t quarter = 0, half = 1, three_quarters = 2;
   if (counts.inside[three_quarters] == 0) return result;
-  // The volume of the closed surface is known exactly: voxels only say by how much that of the open one differs. A body
-  // that is aligned with the lattice would gain or lose a layer of voxels.
+  // The volume of the closed surface is computed exactly: voxels only give the difference of the open one. A body that
+  // is aligned with the lattice would gain or lose a layer of voxels.
   const double beyond_voxels =
       sign * (signed_volume(closed) - static_cast<double>(counts.closed_turns) * counted.volume_of(1));
   const auto object_at = [&](std::size_t threshold) {

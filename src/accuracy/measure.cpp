@@ -11,7 +11,7 @@ using namespace detail;
 
 namespace {
 
-/// What all levels share.
+/// Data that all levels share.
 class Meter {
  public:
   Meter(const MeshView& mesh, const MeasureOptions& options, Workers& workers)

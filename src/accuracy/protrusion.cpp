@@ -22,11 +22,11 @@ void require_usable_tolerance(double tolerance) {
                                 std::to_string(tolerance));
 }
 
-// A cube of the octree and what is known of it.
+// A cube of the octree, with its bound.
 struct Cell {
   Vec3 center;
   double half_edge;
-  double upper;  // of the protrusion of points in both the cube and the ball
+  double upper;  // bound of the protrusion of points in both the cube and the ball
 };
 
 Vec3 farthest_corner(const Cell& cell, const Vec3& from) {
@@ -39,12 +39,12 @@ class ProtrusionSearch {
   ProtrusionSearch(const SignedDistance& object, const Sphere& ball, double tolerance)
       : object_(object),
         ball_(ball),
-        // Distances are rounded too: below this, refinement would never end.
+        // Distances are also rounded: below this, refinement would never end.
         tolerance_(std::max(tolerance * ball.radius, 0x1p-46 * (max_norm(ball.center) + ball.radius))) {}
 
   BallProtrusion run() {
-    // φ is 1-Lipschitz, so r + φ(c) is an upper bound; where the direction to the nearest surface point (or away from
-    // it, outside) goes on straight, as for convex objects, the end of that radius attains it.
+    // φ is 1-Lipschitz, so r + φ(c) is an upper bound; if the direction to the nearest surface point (or away from it,
+    // outside) continues straight, as for convex objects, the end of that radius attains it.
     const SignedDistance::Result at_center = object_.at(ball_.center);
     best_ = std::max(0.0, at_center.distance);
     upper_ = std::max(0.0, ball_.radius + at_center.distance);
@@ -74,8 +74,8 @@ class ProtrusionSearch {
     return normalized(away, {0, 0, 0});
   }
 
-  // At the largest protrusion of the ball's surface, φ grows straight outward: go where it would if it grew there as it
-  // does here.
+  // At the largest protrusion of the ball's surface, φ grows straight outward: the step goes to the point that would be
+  // the largest if φ grew there as it does here.
   void climb(Vec3 direction) {
     constexpr int most_steps = 8;
     double reached = -1;
@@ -107,7 +107,7 @@ class ProtrusionSearch {
       std::pop_heap(cells.begin(), cells.end(), lower_bound_first);
       const Cell cell = cells.back();
       cells.pop_back();
-      // Projecting into the ball shortens no distance to the ball's points, so a point of the ball looked at near the
+      // Projecting into the ball shortens no distance to the ball's points, so a tested point of the ball near the
       // cube's center bounds the cube as well as the center itself would, and can be attained.
       const Vec3 p = projected(cell.center);
       const SignedDistance::Result at_p = look_at(p);
@@ -120,7 +120,8 @@ class ProtrusionSearch {
         const double h = 0.5 * cell.half_edge;
         Cell child{cell.center + Vec3{octant & 1 ? h : -h, octant & 2 ? h : -h, octant & 4 ? h : -h}, h, bound};
         if (is_outside_ball(child)) continue;
-        // No farther from the object than from the one surface point just found; when p is inside, φ grows from there.
+        // The distance from the object is at most that from the surface point just found; when p is inside, φ grows
+        // from there.
         child.upper = std::min(
             child.upper, at_p.distance > 0 ? distance(farthest_corner(child, at_p.closest.point), at_p.closest.point)
                                            : at_p.distance + distance(farthest_corner(child, p), p));

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t samples_per_chunk = 64;
 
-// Drawn round by round, so that workers can test a round; what is kept does not depend on their number.
+// Samples are drawn round by round, so that workers can test a round; the kept samples do not depend on the number of
+// workers.
 std::vector<Vec3> interior_samples(const SignedDistance& object, const Box& box, const SampleCounts& counts,
                                    Workers& workers) {
   constexpr std::size_t most_rounds = 100;
@@ -49,7 +50,7 @@ double mean_of(std::span<const double> values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
-// Between two values in proportion, as numpy and torch do. Sorted values.
+// The percentile, interpolated linearly between two values, as numpy and torch do. Values are sorted.
 double p95_of(std::span<const double> values) {
   if (values.empty()) return 0;
   const double at = 0.95 * static_cast<double>(values.size() - 1);

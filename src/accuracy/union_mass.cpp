@@ -22,7 +22,7 @@ struct Moments {
   Vec3 first{};
   double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
 
-  /// A square column of side `edge` about (x, y).
+  /// Adds a square column of side `edge` about (x, y).
   void add(double x, double y, double edge, const Interval& z) {
     const double height = z.upper - z.lower, mass = edge * edge * height, middle = 0.5 * (z.lower + z.upper);
     const double spread = edge * edge / 12;
@@ -35,7 +35,7 @@ struct Moments {
     xz += mass * x * middle;
     yz += mass * y * middle;
   }
-  /// The union of intervals, at least one, with z from middle_z.
+  /// Adds the union of intervals, at least one, with z from middle_z.
   void add_union(double x, double y, double edge, double middle_z, std::vector<Interval>& column) {
     std::sort(column.begin(), column.end());
     Interval open = column.front();
@@ -60,7 +60,7 @@ UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
   const double side = box.is_empty() ? 0 : std::max(box.extent().x, box.extent().y);
   if (!(side > 0)) return result;
   const double edge = side / resolution;
-  // About the middle, so that what is far from the origin loses nothing.
+  // Moments are about the middle, so that spheres far from the origin lose no digits.
   const Vec3 middle = box.center();
   const auto columns_x = static_cast<int>(std::ceil(box.extent().x / edge)),
              columns_y = static_cast<int>(std::ceil(box.extent().y / edge));
@@ -105,7 +105,7 @@ ConvergedMass converged_union_mass(std::span<const Sphere> spheres, double toler
   for (int resolution = 2 * coarsest; resolution <= finest; resolution *= 2) {
     const UnionMass finer = union_mass(spheres, resolution);
     const auto share = [](double change, double of) { return of > 0 ? std::abs(change) / of : 0.0; };
-    // All entries against the largest: those off the diagonal may be 0.
+    // All entries are compared with the largest: those off the diagonal may be 0.
     double largest = 0;
     for (const std::size_t axis : {0, 3, 5}) largest = std::max(largest, finer.inertia[axis]);
     double change = share(finer.volume - result.solid.volume, finer.volume);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What every measure does with spheres before it starts: checks them, and puts a box around them.
+// First step of every measure: it checks the spheres, and puts a box around them.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ inline void require_usable(std::span<const Sphere> spheres, const char* measure)
                                   " has a number beyond 1e30: scale mesh and spheres down");
 }
 
-/// The same, and at least one sphere.
+/// Like require_usable(), and there must be at least one sphere.
 inline void require_some_usable(std::span<const Sphere> spheres, const char* measure) {
   if (spheres.empty()) throw std::invalid_argument(std::string(measure) + ": there are no spheres");
   require_usable(spheres, measure);

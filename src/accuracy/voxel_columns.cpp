@@ -14,17 +14,17 @@
 namespace morula::detail {
 namespace {
 
-// Rows (lattice lines of equal y) that a thing meets: [begin, end), clamped to the lattice.
+// Rows (lattice lines of equal y) that a sphere or facet meets: [begin, end), clamped to the lattice.
 struct Rows {
   int begin, end;
 };
 
-// Whole numbers in [lower, upper], or in [lower, upper) where a caller passes ceilings, as array indices.
+// Whole numbers in [lower, upper], or in [lower, upper) if a caller passes ceilings, for array indices.
 int clamped(double index, int count) {
   return static_cast<int>(std::clamp(index, 0.0, static_cast<double>(count)));
 }
 
-// Which things meet which strip, as offsets and items, ascending in each strip.
+// Lists of the items that meet each strip, as offsets and items, ascending in each strip.
 class StripLists {
  public:
   template <class RowsOf>
@@ -53,7 +53,7 @@ class StripLists {
   std::vector<std::uint32_t> items_;
 };
 
-// Bits [begin, end) of a column.
+// Sets bits [begin, end) of a column.
 void set_bits(std::span<std::uint64_t> words, int begin, int end) {
   if (begin >= end) return;
   const auto first = static_cast<std::size_t>(begin) / 64, last = static_cast<std::size_t>(end - 1) / 64;
@@ -80,15 +80,15 @@ std::size_t count_bits(std::span<const std::uint64_t> words, int begin, int end)
   return sum;
 }
 
-// Where the surface changes the winding number of a column: voxels z and above see `change` more.
+// A change of the winding number of a column at the surface: it applies to voxels z and above.
 struct Crossing {
-  std::uint32_t column;  // in the strip
+  std::uint32_t column;  // index in the strip
   std::int32_t z;
   std::int32_t change;
 };
 
-// The part of the lattice that spheres reach. Bits are kept for this part only: spheres that are small beside the
-// object make a fine lattice that is nearly empty.
+// The part of the lattice that spheres reach. Bits are kept for this part only: spheres that are small compared with
+// the object make a fine lattice that is nearly empty.
 struct Window {
   int x_begin, x_end, z_begin, z_end;
 
@@ -107,12 +107,12 @@ Window window_of(std::span<const Sphere> balls, const VoxelLattice& lattice) {
   return {begin(0), std::max(begin(0), end(0)), begin(2), std::max(begin(2), end(2))};
 }
 
-/// The caps of an open surface in lattice coordinates, and where they matter.
+/// The caps of an open surface in lattice coordinates, and the part of the lattice that they affect.
 class CapField {
  public:
   CapField(const MeshView& caps, double sign) : bvh_(caps), sign_(sign) {
-    // A surface of area A at distance d is seen under a solid angle of A / d² at most; below π, a quarter of a turn, it
-    // leaves a whole number on its side of every threshold. A little more, for rounding.
+    // A surface of area A at distance d has a solid angle of A / d² at most; below π, a quarter of a turn, it leaves a
+    // whole number on its side of every threshold. The factor above 1 is for rounding.
     squared_reach_ = 1.01 * surface_area(caps) / std::numbers::pi;
   }
 
@@ -127,9 +127,9 @@ class CapField {
     const int begin = clamped(std::floor(box.lower.z - reach), count);
     return {begin, std::max(begin, clamped(std::ceil(box.upper.z + reach) + 1, count))};
   }
-  /// Of the open surface, given that of the closed one.
+  /// Winding number of the open surface, from that of the closed one.
   double winding(std::int32_t closed, int x, int y, int z) const {
-    constexpr double accuracy = 4;  // 0.005 of a turn
+    constexpr double accuracy = 4;  // error below 0.005 of a turn
     const Vec3 center{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     return sign_ * (closed - bvh_.winding_number(center, accuracy));
   }
@@ -146,7 +146,7 @@ class StripCounter {
   StripCounter(const VoxelLattice& lattice, const Window& window, int row_begin, int row_end)
       : lattice_(lattice), window_(window), row_begin_(row_begin), row_end_(row_end) {}
 
-  // center and radius in lattice coordinates.
+  // center, radius: in lattice coordinates.
   void add_sphere(const Vec3& center, double radius) {
     if (bits_.empty()) bits_.resize(static_cast<std::size_t>(row_end_ - row_begin_) * window_.words_per_row());
     const int begin = std::max(row_begin_, clamped(std::ceil(center.y - radius), lattice_.count[1]));
@@ -213,7 +213,7 @@ class StripCounter {
         const auto [near_begin, near_end] = caps.near_part(x, y, lattice_.count[2]);
         std::int32_t winding = 0;
         int z = 0;
-        // From one crossing to the next the closed surface's winding number stays.
+        // The closed surface's winding number is constant from one crossing to the next.
         while (true) {
           const bool crosses = next < crossings_.size() && crossings_[next].column == at;
           const int end = crosses ? crossings_[next].z : lattice_.count[2];
@@ -260,7 +260,7 @@ class StripCounter {
     return static_cast<std::size_t>(y - row_begin_) * static_cast<std::size_t>(lattice_.count[0]) +
            static_cast<std::size_t>(x);
   }
-  // x in the window.
+  // x: in the window.
   std::span<std::uint64_t> column(int x, int y) {
     return std::span(bits_).subspan(static_cast<std::size_t>(y - row_begin_) * window_.words_per_row() +
                                         static_cast<std::size_t>(x - window_.x_begin) * window_.words_per_column(),
@@ -272,7 +272,8 @@ class StripCounter {
                       std::min(z_end, window_.z_end) - window_.z_begin);
   }
 
-  // By column, then by z: dealt to the columns first, because nearly all of them hold two or four.
+  // Sorts by column, then by z. Crossings are first assigned to the columns, because nearly all columns hold two or
+  // four.
   void sort_crossings() {
     std::vector<std::uint32_t> next(column_count() + 1, 0);
     for (const Crossing& c : crossings_) ++next[c.column + 1];
@@ -293,12 +294,13 @@ class StripCounter {
   const VoxelLattice& lattice_;
   const Window& window_;
   int row_begin_, row_end_;
-  std::vector<std::uint64_t> bits_;  // of the union in the window, 64 voxels of a column to a word; or nothing at all
+  std::vector<std::uint64_t>
+      bits_;  // bits of the union in the window, 64 voxels of a column to a word; or nothing at all
   std::vector<Crossing> crossings_;
 };
 
-// Rows of a strip: enough columns to be worth a chunk, no more than 4 MiB of bits whatever the resolution (a single row
-// of the longest lattice takes 8 MiB).
+// Number of rows of a strip: enough columns to be worth a chunk, no more than 4 MiB of bits whatever the resolution (a
+// single row of the longest lattice takes 8 MiB).
 int strip_height(const Window& window) {
   constexpr std::size_t most_words = std::size_t{1} << 19;
   constexpr std::size_t tallest = 8;
@@ -306,7 +308,7 @@ int strip_height(const Window& window) {
       std::clamp<std::size_t>(most_words / std::max<std::size_t>(1, window.words_per_row()), 1, tallest));
 }
 
-/// Counts all strips of a lattice. facets: those of the surface that columns cross.
+/// Counts all strips of a lattice. facets: facets of the surface that columns cross.
 template <class Counts, class Count>
 std::vector<Counts> count_strips(const VoxelLattice& lattice, const MeshView& mesh, bool with_facets,
                                  std::span<const Sphere> spheres, Workers& workers, const Count& count) {

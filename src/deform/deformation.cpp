@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Stretch, twist and bend after [barr1984]. Bits are promised: own sine, cosine and power, no library ones.
+// Stretch, twist and bend after [barr1984]. Equal bits on all machines are promised: sine, cosine and power are our
+// own, not the library's.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -33,7 +34,7 @@ std::string axis_name(int axis) {
   return std::string(1, "xyz"[axis]);
 }
 
-// Not a number is in no range.
+// NaN is in no range.
 void require(const std::string& what, double value, double lowest, double highest) {
   if (value >= lowest && value <= highest) return;
   throw std::invalid_argument(what + " " + format_number(value) + " is not in " + format_number(lowest) + "…" +
@@ -88,7 +89,7 @@ void require_in_range(const Deformation& deformation) {
 constexpr double pi = std::numbers::pi;
 constexpr double radians_per_degree = pi / 180;
 
-// What deformations know of the rest mesh.
+// Measures of the rest mesh that deformations use.
 struct Rest {
   MeshView mesh;
   Box box;
@@ -108,7 +109,7 @@ struct Axes {
         third((along + 2) % 3) {}
 };
 
-// Unused vertices may hold anything; what is not finite stays as it is.
+// Unused vertices may have any values; values that are not finite stay unchanged.
 template <class Move>
 void move_each(std::vector<Vec3>& positions, Move&& move) {
   detail::AskNowAndThen ask_now_and_then(4096);
@@ -147,7 +148,7 @@ void apply(const Stretch& stretch, const Rest& rest, double t, std::vector<Vec3>
   });
 }
 
-// About the line through `center` along axes.along.
+// Rotates p about the line through `center` along axes.along.
 void turn(Vec3& p, const Axes& axes, const Vec3& center, const SinCos& angle) {
   const double v = p[axes.across] - center[axes.across], w = p[axes.third] - center[axes.third];
   p[axes.across] = center[axes.across] + (angle.cos * v - angle.sin * w);
@@ -181,8 +182,8 @@ double curvature(const Bend& bend, const Axes& axes, const Rest& rest, double t)
   return t * bend.degrees * radians_per_degree / extent_along(axes, rest, bend);
 }
 
-// The bend maps a point at v across the axis to distance 1/k − v from the center of the arc: beyond it, space has
-// turned inside out.
+// The bend maps a point at v across the axis to distance 1/k − v from the center of the arc: beyond it, space would be
+// inverted.
 void require_no_fold(const Bend& bend, const Rest& rest, double t, const std::vector<Vec3>& positions) {
   const Axes axes(bend.axis, rest);
   const double k = curvature(bend, axes, rest, t);
@@ -194,7 +195,7 @@ void require_no_fold(const Bend& bend, const Rest& rest, double t, const std::ve
     }
   if (std::abs(k) * reach < 1) return;
   const double limit = extent_along(axes, rest, bend) / reach / radians_per_degree;
-  // To three decimals, downwards and strictly below the limit, so that the angle named does work.
+  // Rounded to three decimals, downwards and strictly below the limit, so that the named angle works.
   const double works = (std::ceil(limit * 1000) - 1) / 1000;
   throw std::invalid_argument("bend of " + format_number(t * bend.degrees) + " degrees along " + axis_name(axes.along) +
                               ": the body reaches " + format_number(reach) +
@@ -288,7 +289,8 @@ std::vector<Vec3> deform(const MeshView& rest_mesh, const Deformations& deformat
   require_usable_scale(rest_mesh);
   const Rest rest(rest_mesh);
 
-  // What cannot reach its full amount fails on the first frame of a motion, not halfway. Twists and bends can fail.
+  // A deformation that cannot reach its full amount fails on the first frame of a motion, not halfway. Twists and bends
+  // can fail.
   std::size_t checked = t < 1 ? deformations.size() : 0;
   while (checked > 0 && !std::holds_alternative<Twist>(deformations[checked - 1]) &&
          !std::holds_alternative<Bend>(deformations[checked - 1]))

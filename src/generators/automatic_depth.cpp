@@ -11,10 +11,9 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// How many patches a tree of so many leaves is likely to have. Leaves share the surface out evenly, and a row of
-// spheres along a slender body has diameters that add up to its length: so wide is a leaf's part at least. A facet
-// falls into as many patches as it is parts long, times as many as it is parts high, and into no more than there are
-// leaves.
+// Estimates how many patches a tree of so many leaves has. Leaves share the surface evenly, and a row of spheres along
+// a slender body has diameters that add up to its length: that gives the least width of a leaf's part. A facet falls
+// into as many patches as it is parts long, times as many as it is parts high, and into no more than there are leaves.
 class ExpectedPatches {
  public:
   explicit ExpectedPatches(const MeshView& mesh) : diagonal_(bounding_box(mesh).diagonal()) {
@@ -35,9 +34,9 @@ class ExpectedPatches {
       patches += std::min(leaves, (1 + longest / width) * (1 + height / width));
     return patches;
   }
-  /// Of as many equilateral facets, on a surface that is not slender.
+  /// The estimate for as many equilateral facets, on a surface that is not slender.
   double of_equilateral_facets(double leaves) const {
-    constexpr double edge = 1.5196713713031853, height = 1.3160740129524924;  // of a facet of area 1
+    constexpr double edge = 1.5196713713031853, height = 1.3160740129524924;  // edge and height of a facet of area 1
     const auto facets = static_cast<double>(extents_.size());
     const double per_width = std::sqrt(leaves / facets);
     return facets * std::min(leaves, (1 + edge * per_width) * (1 + height * per_width));
@@ -64,7 +63,7 @@ int automatic_depth(std::size_t facet_count, int branching) {
 
 int automatic_depth(const MeshView& mesh, int branching) {
   const StandardFloats standard;
-  // What is expected and what comes out differ by a half: patches measured are to stay below three times as many.
+  // Estimated and real numbers differ by a half: real patches are to stay below three times as many.
   // mutant automatic-depth-by-number: `2` -> `20`
   constexpr double most_times = 2;
   int depth = automatic_depth(mesh.facet_count(), branching);

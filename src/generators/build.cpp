@@ -70,7 +70,7 @@ const Entry& entry(Method method) {
   throw std::invalid_argument("build: unknown method");
 }
 
-// What a method does not use must not be set: it would be believed to have an effect.
+// Rejects options that the method does not use: users would expect an effect.
 void require_used(const BuildOptions& options) {
   const std::string method(name(options.method));
   const bool any_list = options.method == Method::combined;
@@ -110,8 +110,8 @@ void require_numbers(const BuildOptions& options) {
     throw std::invalid_argument("build: the time limit is not a number of at least 0");
 }
 
-// A level that is asked for has its parts, also where they are as large as the whole: parts of a ball that move apart
-// need to be parts.
+// A requested level keeps its parts, also if they are as large as the whole: parts of a ball that move apart have to be
+// parts.
 void remove_useless_divisions(const BuildOptions& options, CoveredTree& model) {
   if (options.spheres || options.max_protrusion) return;
   const std::size_t leaves = remove_equal_children(model, !options.depth);
@@ -123,7 +123,7 @@ void remove_useless_divisions(const BuildOptions& options, CoveredTree& model) {
       (model.tree.node_count() == 1 ? "; a given depth keeps the parts for bodies that deform" : ""));
 }
 
-// So that no method returns a tree that does not cover.
+// Wraps regions, so that no method returns a tree without cover.
 void wrap(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   const LevelGrowth growth = wrap_regions(mesh, model, workers);
   if (growth.grown == 0) return;

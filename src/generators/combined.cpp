@@ -25,8 +25,8 @@ void append(Proposals& all, Proposals more) {
   std::move(more.begin(), more.end(), std::back_inserter(all));
 }
 
-// Quick fits for the methods that are quick themselves; thorough ones, after a first tree has told where small spheres
-// will be needed, for those that take their time anyway.
+// Quick fits for the methods that are quick themselves; thorough ones for slow methods, which estimate from a draft
+// tree where small spheres will be needed.
 constexpr ReduceSettings quick{
     .fit = {.spacing = 0.15, .cell = 0.25, .cells_per_radius = 4, .balance = 0, .exact_rounds = 2},
     .changes = {4, 4, 4},

@@ -9,7 +9,7 @@
 
 namespace morula::detail {
 
-/// The generators: what divides a node, with whatever they need to know about the mesh.
+/// The generators. A generator divides nodes, with whatever its divisions need to have of the mesh.
 CoveredTree build_octree(const MeshView& mesh, const BuildRun& run, Workers& workers);
 CoveredTree build_grid(const MeshView& mesh, const BuildRun& run, Workers& workers);
 CoveredTree build_hubbard(const MeshView& mesh, const BuildRun& run, Workers& workers);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Octree [liu1988, hubbard1993]: a cube is halved on each axis, and cells that the surface enters become children. Each
-// sphere is then the smallest around what its cell holds, which the circumspheres of the literature are not.
+// sphere is then the smallest around its cell's content; the circumspheres of the literature are larger.
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +40,8 @@ std::vector<Box> sub_cells(const Box& cell) {
 }
 
 // Cells of one size in a lattice have equal circumspheres, and the power diagram of equal spheres is the lattice: the
-// common partition cuts exactly along the cell walls. A hair larger, so that rounding leaves no corner of a cell
-// outside.
+// common partition cuts exactly along the cell walls. The sphere is a hair larger, so that rounding leaves no corner of
+// a cell outside.
 Sphere circumsphere(const Box& cell) {
   return {cell.center(), 0.5 * (1 + 1e-9) * cell.diagonal()};
 }
@@ -53,10 +53,10 @@ class OctreeDivider {
 
   Division operator()(const BuildNode& node) const {
     std::vector<BuildNode> cells = occupied(node);
-    // A cell whose content lies in one sub-cell stands for that one: chains of single children waste levels.
+    // A cell whose content lies in one sub-cell is replaced by that one: chains of single children waste levels.
     constexpr int most_halvings = 60;
     for (int i = 0; i < most_halvings && cells.size() == 1; ++i) cells = occupied(cells[0]);
-    // More children than eight allow: look one or two halvings deeper, then join what belongs together.
+    // More children than eight allow: look one or two halvings deeper, then join close cells.
     for (int i = 0; i < 2 && cells.size() > 1 && 2 * cells.size() <= branching_; ++i) {
       std::vector<BuildNode> finer;
       for (const BuildNode& cell : cells)
@@ -114,7 +114,7 @@ CoveredTree build_octree(const MeshView& mesh, const BuildRun& run, Workers& wor
   const Box cube{box.center() - Vec3{half, half, half}, box.center() + Vec3{half, half, half}};
   const OctreeDivider divide(mesh, run);
   if (is_worst_first(run)) return top_down(mesh, run, {.divide = divide, .root_cell = cube}, workers);
-  // Some four cells to the radius of a leaf, as far as memory allows.
+  // About four cells to the radius of a leaf, within the memory limit.
   double surface = 0, parts = 8;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
   for (int level = 1; level < run.depth; ++level) parts = std::min(4096.0, 8 * parts);

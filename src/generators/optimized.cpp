@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Method optimized: the balls of each node are sought, from several starts, where they take in least empty space
+// Method optimized: the balls of each node are sought, from several starts, where they cover least empty space
 // together.
 //
 //   starts   one ball over the region, split until there are enough; then what the paper's reducers propose
 //   seeds    inscribed balls that need to grow least, spread over the region
 //   changes  walls nudged, balls moved from where they are missed least to where they help most; kept when they help
 //   exact    the region divided by power, each ball fitted to exactly what it owns
-//   exchange nodes of a level hand parts to each other across parents
+//   exchange nodes of a level pass parts to each other across parents
 //
-// A first, fast tree tells where the surface will need small spheres: since all nodes get equally many children, the
+// A draft tree estimates where the surface will need small spheres: since all nodes get equally many children, the
 // upper levels give each child an equal share of that demand, as far as their own fit allows.
 
 #include <algorithm>
@@ -35,20 +35,20 @@ namespace {
 
 constexpr std::size_t enough_seeds = 200;  // balls to choose seeds from, for one node
 
-// How much work goes where; levels of children 1, 2, and all below.
+// Amount of work per step; for levels of children 1, 2, and all below.
 struct Effort {
   NodeFit::Settings fit;
-  double first_cell;  // of the grid for splitting, in parts of the region
+  double first_cell;  // cell width of the grid for splitting, in parts of the region
   int sweeps;
   bool inscribed;                // seeds and sweeps by inscribed balls
-  std::size_t medial_samples;    // 0: no seeds
-  std::array<int, 3> starts;     // tries from the beginning, the best is kept
-  std::array<int, 3> proposals;  // of the paper's reducers, swept and kept where that is better
+  std::size_t medial_samples;    // number of medial samples; 0: no seeds
+  std::array<int, 3> starts;     // tries from the beginning; the best is kept
+  std::array<int, 3> proposals;  // proposals of the paper's reducers; swept, and kept if better
   std::array<int, 3> changes;
-  std::array<float, 2> balance;  // on levels 1 and 2
+  std::array<float, 2> balance;  // weights on levels 1 and 2
   int exchanges;                 // rounds per level
   enum class Slabs { unseen, seen, seen_finely };
-  Slabs slabs;                     // of tubes
+  Slabs slabs;                     // treatment of a tube's slabs
   bool begins_with_seeds = false;  // the first start is inscribed balls, not one ball that is split
 };
 constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3, .balance = 0, .exact_rounds = 1},
@@ -62,14 +62,14 @@ constexpr Effort fast{.fit = {.spacing = 0.2, .cell = 0.3, .cells_per_radius = 3
                       .balance = {0, 0},
                       .exchanges = 0,
                       .slabs = Effort::Slabs::unseen};
-// A coarser grid finds about the same splits, and a sweep repairs little of what they missed.
+// A coarser grid finds about the same splits, and a sweep repairs few of the splits that they missed.
 constexpr Effort draft = [] {
   Effort effort = fast;
   effort.first_cell = 0.6;
   effort.sweeps = 0;
   return effort;
 }();
-// The smaller sets that a flat set grows from, of efforts that only split: a set that begins with seeds takes no
+// The smaller sets that a flat set grows from, for efforts that only split. A set that begins with seeds takes no
 // longer, and is 0.8 to 0.9 times as loose; on rings, 0.3 times.
 constexpr Effort from_seeds(Effort effort) {
   effort.begins_with_seeds = true;
@@ -117,7 +117,7 @@ constexpr std::array further_starts{Reduction::spawn, Reduction::expand, Reducti
 
 class OptimizedDivider {
  public:
-  // balls: of the whole object. demand: none in the first tree.
+  // balls: inscribed balls of the whole object. demand: none in the draft tree.
   OptimizedDivider(const FitInput& input, const BuildRun& run, const Effort& effort, const std::vector<Sphere>& balls,
                    Demand demand, Workers& workers)
       : input_(input), run_(run), effort_(effort), balls_(balls), demand_(std::move(demand)), workers_(workers) {}
@@ -130,7 +130,7 @@ class OptimizedDivider {
     for (BuildNode& n : nodes) n.seed = seeds.next();
     const RegionPoints points =
         region_points(input_, node, static_cast<std::size_t>(run_.branching), effort_.fit.spacing);
-    // Only the tightest is kept: at the root each start holds all facets. Of equals the first.
+    // Only the tightest is kept: at the root each start holds all facets. The first of equals is kept.
     NodeFit::Exact tightest;
     std::size_t tightest_start = starts;
     std::mutex choosing;
@@ -153,12 +153,12 @@ class OptimizedDivider {
  private:
   static constexpr std::size_t few_children = 8;
 
-  // What is tried for a node is tried for all its children: many of them share what few would have.
+  // A node's tries are shared among its children: many children share the tries that few would have.
   std::size_t shared_among_children(int tries) const {
     const auto children = std::max(few_children, static_cast<std::size_t>(run_.branching));
     return (few_children * static_cast<std::size_t>(tries) + children - 1) / children;
   }
-  // At the root, where changes are many, fewer children than a few need fewer; not less than 8, what `fast` has.
+  // At the root, whose changes are many, fewer children than a few need fewer; not less than 8, the number of `fast`.
   std::size_t changes_on(std::size_t level) const {
     const std::size_t changes = shared_among_children(effort_.changes[level]);
     const auto children = static_cast<std::size_t>(run_.branching);
@@ -175,7 +175,7 @@ class OptimizedDivider {
     for (const Sphere& s : spheres) squares += squared_distance(s.center, middle);
     return squares < much_nearer * much_nearer * mean_radius * mean_radius * static_cast<double>(spheres.size());
   }
-  // Those of a ball or a shell are so, too, but centers on a tube's axis are in one line.
+  // The balls of a ball or a shell lie side by side also, but centers on a tube's axis are in one line.
   static bool are_in_line(std::span<const Sphere> spheres) {
     constexpr double much_nearer = 0.1;
     const Vec3 middle = middle_of(spheres);
@@ -197,7 +197,7 @@ class OptimizedDivider {
 
   static constexpr NodeFit::Settings::SlabCell narrow{0.15, 16}, upper{0.25, 6}, lower{0.4, 6};
 
-  // Balls to begin with: of splitting, then, for further starts, of the paper's reducers.
+  // The first balls: by splitting; for further starts, by the paper's reducers.
   std::vector<Sphere> first_spheres(const BuildNode& node, const RegionPoints& points, std::size_t start) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     if (start > 0) {
@@ -239,7 +239,7 @@ class OptimizedDivider {
       children.try_spheres(proposed_spheres(node, further_starts[k % further_starts.size()]), settling_sweeps);
     if (effort_.inscribed) {
       constexpr int inscribed_sweeps = 2;
-      // Centers on a tube's axis are where they are to be already: what counts is how far they are apart.
+      // Centers on a tube's axis have their final place already: only their distances count.
       if (!balls_.empty() && !fine_slabs) {
         const GroupPoints few = some_of(fit.points());
         const std::vector<GroupBall> candidates = touching(node, fit, few);
@@ -252,12 +252,13 @@ class OptimizedDivider {
     constexpr int move_every = 5;
     children.try_changes(static_cast<int>(changes_on(level)), move_every);
     NodeFit::Exact exact = fit.exact(wants_cost);
-    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+    // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart have to be
+    // parts.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));
     return exact;
   }
 
-  // Of one of the paper's reducers; none when it has no proposal.
+  // The proposal of one of the paper's reducers; none if it has none.
   std::vector<Sphere> proposed_spheres(const BuildNode& node, Reduction kind) const {
     const RegionSamples samples = region_samples(input_.mesh, node.region, input_.shape.orientation(), node.seed);
     const Proposals proposals =
@@ -266,7 +267,7 @@ class OptimizedDivider {
     return proposals.front().reducer == no_proposal ? std::vector<Sphere>{} : proposals.front().spheres;
   }
 
-  // None on a mesh without an inside.
+  // Seeds for a node; none on a mesh without an inside.
   std::vector<GroupBall> seeds_for(const BuildNode& node, const NodeFit& fit, Dilation dilation) const {
     const GroupPoints few = some_of(fit.points());
     return medial_seeds(touching(node, fit, few), few, static_cast<std::size_t>(run_.branching), dilation);
@@ -322,19 +323,20 @@ std::vector<Sphere> medial_set(const MeshView& mesh, const ObjectShape& shape, s
   return shrunken_balls(shape.distance(), points, normals, BallSharing::on_round_parts, workers);
 }
 
-// No more than the nodes that are divided last can look at. The same for flat sets and trees of one level, however many
-// their children: a set goes through smaller ones as they would be on their own, and is never looser than such a tree.
+// The number of samples is limited by the search at the nodes that are divided last. It is the same for flat sets and
+// trees of one level, however many their children: a set goes through the smaller ones as if they were requested, and
+// is never looser than such a tree.
 std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
   constexpr std::size_t least = 8 * enough_seeds;
   if (is_flat_set(run)) return std::min(effort.medial_samples, least);
-  if (is_worst_first(run)) return effort.medial_samples;  // it grows as deep as it must
+  if (is_worst_first(run)) return effort.medial_samples;  // the tree's depth has no limit
   std::size_t nodes = 1;
   for (int level = 1; level < run.depth && nodes < effort.medial_samples; ++level)
     nodes *= static_cast<std::size_t>(run.branching);
   return std::min(effort.medial_samples, std::max(least, nodes * enough_seeds));
 }
 
-// What one mesh's tree is made from. Borrowed.
+// Inputs of one mesh's tree. Borrowed.
 struct OptimizedInput {
   const FitInput& fit;
   const Effort& effort;
@@ -373,7 +375,7 @@ CoveredTree flat_tree(const OptimizedInput& input, const BuildRun& run) {
   return flat_set(fit, fine, run, by, input.workers);
 }
 
-// Worst leaf first, as deep as it must.
+// Worst leaf first, without a limit of depth.
 CoveredTree grown_tree(const OptimizedInput& input, const BuildRun& run) {
   return top_down(input.fit.mesh, run,
                   {.divide = OptimizedDivider(input.fit, run, input.effort, input.balls, {}, input.workers),

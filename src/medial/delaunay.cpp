@@ -78,7 +78,7 @@ bool Delaunay::wait_for_space(const LatticePoint& p) {
       if (orientation(corner(0), corner(1), corner(2), p) == 0) return true;
       break;
     default:
-      break;  // it differs from those before it, and no more is asked of the first two
+      break;  // the point differs from all earlier ones, and the first two need nothing else
   }
   simplex_.push_back(point);
   if (simplex_.size() == 4) start(point);
@@ -114,7 +114,7 @@ void Delaunay::start(std::uint32_t apex) {
   for (std::uint32_t point = 0; point < points_.size(); ++point) {
     if (std::find(v.begin(), v.end(), point) == v.end()) insert_in_space(point);
   }
-  // Many insertions in one: nothing was there before.
+  // Many insertions in one: no slot was filled earlier.
   free_.insert(free_.end(), cavity_.begin(), cavity_.end());
   cavity_.clear();
   created_.clear();
@@ -161,7 +161,7 @@ std::uint32_t Delaunay::walk_start(const LatticePoint& p) const {
 
 /// A tetrahedron that contains p, or a ghost that p is strictly outside of. A step from T to N lowers p's power, or
 /// leaves it where both have one sphere; and as ties are broken by the order of insertion, which is a perturbation of
-/// the points' heights on the paraboloid, the walk cannot come back to where it was.
+/// the points' heights on the paraboloid, the walk cannot return to an earlier place.
 std::uint32_t Delaunay::locate(const LatticePoint& p) const {
   std::uint32_t slot = walk_start(p);
   std::uint32_t from = no_point;
@@ -193,7 +193,8 @@ bool Delaunay::in_conflict(std::uint32_t slot, const LatticePoint& p) const {
 
 void Delaunay::find_cavity(std::uint32_t first, const LatticePoint& p) {
   stamp_ += 2;
-  free_.insert(free_.end(), cavity_.begin(), cavity_.end());  // not before, so that no slot is both freed and filled
+  free_.insert(free_.end(), cavity_.begin(),
+               cavity_.end());  // only after the fill, so that no slot is both freed and filled
   cavity_.assign(1, first);
   border_.clear();
   mark_[first] = stamp_;
@@ -214,7 +215,7 @@ void Delaunay::find_cavity(std::uint32_t first, const LatticePoint& p) {
 }
 
 /// One tetrahedron from each facet of the border to the point: the one inside the cavity with its corner replaced,
-/// which keeps orientations and leaves ghosts ghosts.
+/// which keeps orientations, and ghosts stay ghosts.
 void Delaunay::fill_cavity(std::uint32_t point) {
   created_.clear();
   for (const Side& side : border_) {
@@ -251,8 +252,8 @@ Delaunay::Side Delaunay::around_edge(Side from, std::uint32_t& pivot) const {
     const Tetrahedron& here = tetrahedra_[from.tetrahedron];
     const std::uint32_t next = here.neighbors[from.facet];
     if (mark_[next] != stamp_) return from;
-    // next has the edge, the corner `pivot` of here, and one more corner: we leave across from the former, and the
-    // latter is the next pivot.
+    // next has the edge, the corner `pivot` of here, and one more corner: the walk leaves across from the former, and
+    // the latter is the next pivot.
     const Tetrahedron& there = tetrahedra_[next];
     const std::uint32_t leave = index_in(there.vertices, here.vertices[pivot]);
     pivot = index_in(there.neighbors, from.tetrahedron);

@@ -4,10 +4,10 @@
 //
 // Coordinates are integers up to 2²⁰, so an orientation is an exact sum of products below 2⁶³, and an in-sphere test
 // one below 2¹⁰⁶. "In conflict" means strictly inside the circumsphere. With exact signs that alone is enough for any
-// input, lattices and cospherical points too: where a tetrahedron T is in conflict and its neighbor N is not, the new
+// input, also for lattices and cospherical points: if a tetrahedron T is in conflict and its neighbor N is not, the new
 // point is strictly on T's side of their facet. (On the facet's plane the two circumspheres have the same circle, and
-// beyond it N's sphere contains what T's does; either way N would be in conflict as well.) So no new tetrahedron is
-// flat or turned over, and no point but a duplicate is ever refused.
+// beyond it N's sphere contains every point that T's contains; either way N would be in conflict as well.) So no new
+// tetrahedron is flat or inverted, and no point except a duplicate is ever rejected.
 #pragma once
 
 #include <array>
@@ -25,22 +25,22 @@ class Delaunay {
   static constexpr std::uint32_t no_point = 0xffffffffu;
 
   /// Outward facets of the hull have ghosts behind them: tetrahedra whose vertices[3] is no_point. So every facet has
-  /// two sides, and what lies outside needs no case of its own.
+  /// two sides, and the outside needs no case of its own.
   struct Tetrahedron {
     std::array<std::uint32_t, 4>
-        vertices;  ///< positively oriented; of a ghost when a point outside stands for no_point
+        vertices;  ///< positively oriented; in a ghost, with a point outside in the place of no_point
     std::array<std::uint32_t, 4> neighbors;  ///< slots; neighbors[k] is across from vertices[k]
   };
 
-  /// False, and nothing changed, for a duplicate. Coordinates in [0, lattice_size]. Until four points are not in one
-  /// plane there are no tetrahedra, and the points wait. Cost: 4 to 13 µs a point.
+  /// Inserts a point. Returns false for a duplicate, and nothing changes. Coordinates in [0, lattice_size]. Until four
+  /// points are not in one plane there are no tetrahedra, and the points wait. Cost: 4 to 13 µs a point.
   bool insert(const LatticePoint& p);
 
   const std::vector<LatticePoint>& points() const { return points_; }
   const std::vector<Tetrahedron>& slots() const { return tetrahedra_; }
   bool is_alive(std::uint32_t slot) const { return tetrahedra_[slot].vertices[0] != no_point; }
   bool is_ghost(std::uint32_t slot) const { return tetrahedra_[slot].vertices[3] == no_point; }
-  /// Slots that the last successful insert freed, and those it filled: no slot is in both. Ghosts included.
+  /// Slots that the last successful insert freed, and slots that it filled: no slot is in both. Ghosts are included.
   const std::vector<std::uint32_t>& removed() const { return cavity_; }
   const std::vector<std::uint32_t>& created() const { return created_; }
 
@@ -51,7 +51,7 @@ class Delaunay {
  private:
   struct Side {
     std::uint32_t tetrahedron;
-    std::uint32_t facet;  // across from this corner
+    std::uint32_t facet;  // facet across from this corner
   };
   bool wait_for_space(const LatticePoint& p);
   void start(std::uint32_t apex);
@@ -71,9 +71,9 @@ class Delaunay {
   std::vector<std::uint32_t> at_point_;  // a finite tetrahedron at each point
   std::vector<std::uint32_t> cavity_, created_;
 
-  // What one insertion needs to know of a slot.
-  std::vector<std::uint32_t> mark_;                         // stamp_: in conflict; stamp_ + 1: looked at, and not
-  std::vector<std::array<std::uint32_t, 4>> replacements_;  // of a slot in the cavity: what was built on its facets
+  // Marks of one insertion, per slot.
+  std::vector<std::uint32_t> mark_;  // stamp_: in conflict; stamp_ + 1: tested, and not in conflict
+  std::vector<std::array<std::uint32_t, 4>> replacements_;  // tetrahedra built on the facets of each slot in the cavity
   std::vector<Side> border_;
   std::uint32_t stamp_ = 0;
 };

@@ -15,11 +15,11 @@ namespace morula {
 
 namespace {
 
-// The points of a lattice over the box of some balls, and which of them chosen balls contain.
+// The points of a lattice over the box of some balls, with a flag of the points in chosen balls.
 class FilledLattice {
  public:
   explicit FilledLattice(std::span<const Sphere> balls) {
-    constexpr int points = 40;  // along the longest side: what tells how much a ball adds
+    constexpr int points = 40;  // lattice points along the longest side: the gain of a ball is measured by them
     for (const Sphere& ball : balls) {
       box_.add(ball.center - Vec3{ball.radius, ball.radius, ball.radius});
       box_.add(ball.center + Vec3{ball.radius, ball.radius, ball.radius});
@@ -32,7 +32,7 @@ class FilledLattice {
     filled_.resize(sides_[0] * sides_[1] * sides_[2], 0);
   }
 
-  // False for balls that are no larger than what coordinates can tell, or not finite: there is no lattice of those.
+  // False for balls that are no larger than the rounding of coordinates, or not finite: these have no lattice.
   bool tells_balls_apart() const { return edge_ > 0 && std::isfinite(edge_); }
   // Points in the ball that no chosen one contains.
   std::size_t gain(const Sphere& ball) const {
@@ -110,7 +110,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
     ask_now_and_then();
     gains[i] = lattice.gain(balls[i]);
   }
-  // Gains only fall, so one that was computed before is a bound: the heap's top is computed again until it stays.
+  // Gains only fall, so an older gain is a bound: the heap's top is computed again until it stays.
   std::vector<std::size_t> heap(balls.size());
   for (std::size_t i = 0; i < heap.size(); ++i) heap[i] = i;
   const auto later = [&](std::size_t a, std::size_t b) {
@@ -131,7 +131,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
       continue;
     }
     heap.pop_back();
-    // Nothing is left to add; but a body too thin for the lattice still gets its largest ball.
+    // No gain is left; but a body too thin for the lattice still gets its largest ball.
     if (now == 0 && !chosen.empty()) break;
     chosen.push_back(balls[i]);
     lattice.fill(balls[i]);

@@ -73,14 +73,14 @@ class CenterTree {
     const auto right = [&] { search(middle + 1, end, ball, count, found); };
     off < 0 ? left() : right();
     consider(order_[middle], ball, count, found);
-    // What is exactly as far may have a lower index.
+    // A center that is exactly as far may have a lower index.
     if (found.size() == count && off * off > found.back().first) return;
     off < 0 ? right() : left();
   }
 
   const std::vector<Sphere>& balls_;
   std::vector<std::uint32_t> order_;
-  std::vector<int> axis_;  // of the division at the middle of a range
+  std::vector<int> axis_;  // axis of the division at the middle of a range
 };
 
 // Fills neighbor_begin and neighbors from pairs of balls, given in one direction or both and any number of times.

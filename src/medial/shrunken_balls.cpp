@@ -12,16 +12,17 @@ namespace morula::detail {
 namespace {
 
 // Round bodies are made of facets, and no ball that is tangent to one of them off its middle has room: where facets
-// meet at 15°, strict balls have half the radius of the body that is meant. So a ball is done when surface is less than
+// meet at 15°, strict balls have half the radius of the round body. So a ball is finished when surface is less than
 // this share of its radius inside; then it makes room for that surface, and touches near its point instead of at it.
 constexpr double almost = 0.1;
 constexpr int most_rooms = 3;           // steps that make room
 constexpr double enough_room = 1e-3;    // share of the radius: less is not worth a step
-constexpr double nothing = 1e-9;        // share of the radius that is taken for rounding
-constexpr double smallest_ball = 1e-9;  // of the diagonal: smaller ones are on their way to nothing, on an edge
+constexpr double nothing = 1e-9;        // share of the radius that counts as rounding
+constexpr double smallest_ball = 1e-9;  // share of the diagonal: smaller balls shrink towards nothing, on an edge
 constexpr int most_steps = 50;
 
-/// Away from the nearest surface, as long as the ball grows: half of what p is farther than that.
+/// Moves the center away from the nearest surface, as long as the ball grows: by half of the amount by which p is
+/// farther than that surface.
 Sphere made_room(const SignedDistance& shape, const Vec3& p, Vec3 center, SignedDistance::Result at) {
   for (int step = 0; step < most_rooms; ++step) {
     const double gap = distance(center, p) + at.distance;
@@ -47,14 +48,14 @@ std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const V
     if (!q) {
       const SignedDistance::Result at = shape.at(center, radius);
       if (at.distance < 0) return made_room(shape, p, center, at);
-      // Outside, through something thin; or the normal points inwards, and there is nothing to touch.
+      // The center is outside, through a thin part; or the normal points inwards, and no ball touches.
       if (!(at.distance < radius * (1.0 - nothing))) return {};
       q = at.closest;
     }
     const Vec3 from_q_to_p = p - q->point;
     const double rise = dot(n, from_q_to_p);
     const double next = squared_length(from_q_to_p) / (2.0 * rise);
-    // Smaller, in real numbers; not where p itself is off the surface by rounding and nearest.
+    // The ball gets smaller, in real numbers; but not if p itself is off the surface by rounding and nearest.
     if (!(rise > 0) || !(next < radius) || next < smallest_ball * diagonal) return {};
     radius = next;
   }
@@ -62,21 +63,21 @@ std::optional<Sphere> shrink(const SignedDistance& shape, const Vec3& p, const V
 }
 
 bool touches(const Sphere& ball, const Vec3& p, const Vec3& n) {
-  constexpr double far = 0.003;       // of the radius
+  constexpr double far = 0.003;       // share of the radius
   constexpr double same_way = 0.998;  // cosine
   const Vec3 from_center = p - ball.center;
   const double away = length(from_center);
   return std::abs(away - ball.radius) <= far * ball.radius && dot(from_center, n) >= same_way * away;
 }
 
-/// The volume of the box that unit vectors span: near 0 where they lie in one plane.
+/// The volume of the box that unit vectors span: near 0 if they lie in one plane.
 double spread(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::abs(dot(a, cross(b, c)));
 }
 
 /// A ball that the last point touches as it touches another one, all three from different sides: this part of the body
 /// is round. Points around a tube see its axis from one plane, and wide balls are touched, nearly, by all points near
-/// the one that they were found at. balls: of the points before the last.
+/// the one that they were found at. balls: of all points except the last.
 const Sphere* known_at(std::span<const std::optional<Sphere>> balls, std::span<const Vec3> points,
                        std::span<const Vec3> normals) {
   // mutant shared-balls-of-tubes: `0.1` -> `0`

@@ -15,8 +15,8 @@ namespace morula::detail {
 
 namespace {
 
-/// Balls that hold no surface in their inside, which lies on one side of it therefore: closed surfaces wind round all
-/// of its points equally often. The allowance is for rounding.
+/// Balls without surface in their inside, which therefore lies on one side of the surface: closed surfaces wind round
+/// all of its points equally often. The allowance is for rounding.
 class EmptyBalls {
  public:
   explicit EmptyBalls(double largest_coordinate) : rounding_(1e-12 * largest_coordinate) {}
@@ -61,25 +61,25 @@ struct VoronoiBalls::Data {
         cell(max_norm(box_.extent()) / Delaunay::lattice_size),
         empty(std::max(largest_coordinate(box_), largest_coordinate(shape_.bvh().bounding_box()))) {
     assert(!box_.is_empty() && is_finite(box_.extent()));
-    if (!(cell > 0)) cell = 1;  // one point has any lattice
+    if (!(cell > 0)) cell = 1;  // any lattice suits a single point
   }
 
   bool add(const Vec3& sample);
   void finish();
   void fill(std::uint32_t slot);
 
-  // What is known of a ball's center.
+  // Cached properties of a ball's center.
   struct Known {
     static constexpr std::int8_t unknown = 2;
     std::int8_t side = unknown;
-    bool asked = false;  // the rest is known
+    bool asked = false;  // `closest` is computed
     Closest closest;
   };
   bool is_far(std::uint32_t slot) const {
     const double reach = box.diagonal();
     return !(squared_distance(box, balls[slot].ball.center) <= reach * reach);
   }
-  // within: surface is known to be no farther from the center.
+  // within: a distance from the center within which surface is proven to be.
   const Closest& ask(std::uint32_t slot, double within = std::numeric_limits<double>::infinity());
   int side(std::uint32_t slot);
 
@@ -89,13 +89,13 @@ struct VoronoiBalls::Data {
   Delaunay delaunay;
   std::vector<Vec3> samples;
   std::vector<VoronoiBall> balls;
-  std::vector<Known> known;  // of balls
+  std::vector<Known> known;  // properties of the balls' centers
   EmptyBalls empty;
   std::vector<std::uint32_t> removed, created;
-  bool changed = false;  // by the call that is under way
+  bool changed = false;  // changed by the current call
 };
 
-/// Frees balls; `created` collects slots, to be looked at when all samples are in.
+/// Frees balls; `created` collects slots, which are read when all samples are in.
 bool VoronoiBalls::Data::add(const Vec3& sample) {
   if (!is_finite(sample)) return false;
   LatticePoint point;
@@ -141,13 +141,13 @@ void VoronoiBalls::Data::fill(std::uint32_t slot) {
     ball.neighbors[k] = no_ball;
     if (delaunay.is_ghost(neighbor)) continue;
     ball.neighbors[k] = neighbor;
-    // A ball that stays can only get neighbors that are new, so this keeps both sides up to date.
+    // A ball that stays can only get new neighbors, so this keeps both sides up to date.
     const std::array<std::uint32_t, 4>& back = delaunay.slots()[neighbor].neighbors;
     const auto side = static_cast<std::size_t>(std::find(back.begin(), back.end(), slot) - back.begin());
     balls[neighbor].neighbors[side] = slot;
   }
-  // Everything from the lattice points, not from the samples: four samples of a plane can be off it by rounding on the
-  // lattice, and then have a sphere there, but none of their own.
+  // All values come from the lattice points, not from the samples: four samples of a plane can be off it by rounding on
+  // the lattice, and then have a sphere there, but none of their own.
   const Vec3 offset = delaunay.circumcenter_offset(slot) * cell;
   const LatticePoint& corner = delaunay.points()[t.vertices[0]];
   const Vec3 first = box.lower + cell * Vec3(corner[0], corner[1], corner[2]);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Balls about the vertices of the Voronoi diagram of samples that are inserted one by one: Hubbard's medial balls
-// [hubbard1996] and, kept up to date sample by sample, those of the adaptive medial axis [bradshaw2004].
+// [hubbard1996] and, kept up to date sample by sample, the balls of the adaptive medial axis [bradshaw2004].
 #pragma once
 
 #include <array>
@@ -30,38 +30,39 @@ struct VoronoiBall {
 /// is exact: cospherical and grid-like samples need no special case. (Several balls may then be one and the same.)
 /// Until four samples are not in one plane there are no balls; the sample that ends this brings those of all samples.
 ///
-/// What is asked about a ball's center is found out when it is first asked, and remembered while the ball is alive.
+/// Properties of a ball's center are computed on first use, and kept while the ball is alive.
 class VoronoiBalls {
  public:
   /// Samples must lie in the box. shape: borrowed.
   VoronoiBalls(const Box& box, const SignedDistance& shape);
   ~VoronoiBalls();
 
-  /// False, and nothing changed, when the sample coincides with an earlier one on the lattice or is not finite.
+  /// Inserts a sample. Returns false, and nothing changes, if the sample coincides with an earlier one on the lattice
+  /// or is not finite.
   bool insert(const Vec3& sample);
-  /// Many at once: the number inserted.
+  /// Inserts many samples at once; returns the number inserted.
   std::size_t insert(std::span<const Vec3> samples);
 
-  const std::vector<Vec3>& samples() const;       ///< those inserted
-  const std::vector<VoronoiBall>& balls() const;  ///< slots; look at alive
-  /// Slots that the last successful insert freed, and those it filled. After an insert of many a slot can be in both:
-  /// freed by one sample, filled by another.
+  const std::vector<Vec3>& samples() const;       ///< the inserted samples
+  const std::vector<VoronoiBall>& balls() const;  ///< slots; valid if alive
+  /// Slots that the last successful insert freed, and slots that it filled. After an insert of many a slot can be in
+  /// both: freed by one sample, filled by another.
   const std::vector<std::uint32_t>& removed() const;
   const std::vector<std::uint32_t>& created() const;
 
-  // Of the centers of balls that are alive:
+  // Properties of the centers of balls that are alive:
 
-  /// Whether it is farther from the box than the box's diagonal: too far for any other question.
+  /// Whether it is farther from the box than the box's diagonal: too far for the other properties.
   bool is_far(std::uint32_t slot) const;
   struct Closest {
-    double distance;  ///< signed, to the object; negative inside. Infinite where the center is far
-    Vec3 point;       ///< of the surface, at that distance; none where the center is far
+    double distance;  ///< signed, to the object; negative inside; infinite if the center is far
+    Vec3 point;       ///< point of the surface, at that distance; none if the center is far
   };
   const Closest& closest(std::uint32_t slot) const;
   double distance(std::uint32_t slot) const { return closest(slot).distance; }
-  /// Its sign: −1 inside, 0 on the surface, 1 outside. Mostly known without asking for the distance.
+  /// Sign of the distance: −1 inside, 0 on the surface, 1 outside. It mostly needs no distance query.
   int side(std::uint32_t slot) const;
-  /// Nothing where the surface is farther than `most` from the center, which takes less time to tell.
+  /// Nothing if the surface is farther than `most` from the center; that case takes less time.
   std::optional<Closest> closest_within(std::uint32_t slot, double most) const;
 
  private:

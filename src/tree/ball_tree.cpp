@@ -16,7 +16,7 @@ namespace morula {
 namespace detail {
 namespace {
 
-/// Some of the balls, by number.
+/// A part of the balls, by number.
 using Part = std::span<std::uint32_t>;
 
 Sphere sphere_around(std::span<const Sphere> balls, Part part) {

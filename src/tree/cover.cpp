@@ -22,14 +22,14 @@ struct Piece {
   bool leftover;
 };
 
-// The pieces of a run of facets, in facet order.
+// The patches of a run of facets, in facet order.
 struct Pieces {
   std::vector<Piece> pieces;
   std::vector<std::uint32_t> corner_begin{0};
   std::vector<Barycentric> corners;
 };
 
-// Cuts facets by the power diagram of all leaves; a piece that sticks out of its owner goes whole to the leaf that
+// Cuts facets by the power diagram of all leaves; a patch that sticks out of its owner goes undivided to the leaf that
 // contains it after the least growth.
 Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves,
                      std::size_t begin, std::size_t end) {
@@ -58,8 +58,8 @@ Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::spa
   return result;
 }
 
-// The tree without leaves that own nothing and without inner nodes that lost all their leaves. kept: old node of each
-// new one.
+// The tree without leaves that own nothing and without inner nodes that lost all their leaves. kept: old number of each
+// new node.
 SphereTree without_empty(const SphereTree& tree, std::span<const Region> regions, std::vector<std::uint32_t>& kept) {
   std::vector<char> owns(tree.node_count());
   for (std::size_t i = tree.node_count(); i-- > 0;) {
@@ -103,8 +103,8 @@ Sphere grown_to_contain(const Sphere& sphere, std::span<const Vec3> points, doub
   return moved.radius < same_center.radius ? moved : same_center;
 }
 
-// What each leaf owns, an empty region for inner nodes. All leaves share the surface in one power partition. leftover:
-// pieces that had to go to another leaf are added to it.
+// The region of each leaf, and an empty region for inner nodes. All leaves share the surface in one power partition.
+// leftover: the number of patches that had to go to another leaf is added to it.
 std::vector<Region> regions_by_power(const MeshView& mesh, const SphereTree& tree, std::size_t& leftover,
                                      Workers& workers) {
   std::vector<std::uint32_t> leaf_nodes;
@@ -134,7 +134,7 @@ std::vector<Region> regions_by_power(const MeshView& mesh, const SphereTree& tre
   return regions;
 }
 
-// Spheres that do not contain their regions.
+// Grows spheres that do not contain their regions.
 void grow_spheres(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   const double pad_coordinate = largest_coordinate(mesh);
   parallel_for(workers, model.tree.node_count(), 1, [&](std::size_t i, std::size_t) {
@@ -148,7 +148,7 @@ void grow_spheres(const MeshView& mesh, CoveredTree& model, Workers& workers) {
   });
 }
 
-// tree: as it was given; kept: its node of each that is left.
+// tree: the given one; kept: its number of each remaining node.
 void complete_report(const MeshView& mesh, const SphereTree& tree, std::span<const std::uint32_t> kept,
                      CoveredTree& model) {
   BuildReport& report = model.report;
@@ -172,14 +172,15 @@ void complete_report(const MeshView& mesh, const SphereTree& tree, std::span<con
     report.early_leaves += model.tree.is_leaf(i) && i < model.tree.level_begin[model.tree.level_count() - 1];
 }
 
-// |p − c| − r where squares vanish or overflow: in units of the largest number involved, which changes no digit. What
-// is not comparable is far outside.
+// |p − c| − r for squares that vanish or overflow: in units of the largest number involved, which changes no digit.
+// Values that are not comparable are far outside.
 double excess_at_any_scale(const Sphere& sphere, const Vec3& p) {
   Vec3 difference = p - sphere.center;
   double radius = sphere.radius;
   int halvings = 0;
   if (!is_finite(difference)) {
-    // By halves no difference of finite numbers overflows; the digit that a denormal loses is nothing beside the other.
+    // Halves prevent overflow of a difference of finite numbers; the digit that a denormal loses is negligible compared
+    // with the other.
     difference = p * 0.5 - sphere.center * 0.5;
     radius *= 0.5;
     halvings = 1;
@@ -192,18 +193,18 @@ double excess_at_any_scale(const Sphere& sphere, const Vec3& p) {
   const auto scaled = [&](double x) { return std::ldexp(x, -exponent); };
   const double excess = length(Vec3{scaled(difference.x), scaled(difference.y), scaled(difference.z)}) - scaled(radius);
   const double unscaled = std::ldexp(excess, exponent + halvings);
-  // Outside is outside, by however little.
+  // A point outside stays outside, by however little.
   return excess > 0 && unscaled == 0 ? std::numeric_limits<double>::denorm_min() : unscaled;
 }
 
-// What underflow can have moved a corner by: each product of a cut point by half of the least double per coordinate, at
-// most 3/2 √3 of it in all. Vertices are as they are given.
+// Largest distance by which underflow can have moved a corner: each product of a cut point by half of the least double
+// per coordinate, at most 3/2 √3 of it in all. Vertices are exact.
 double underflow_of(const Cover& cover, std::uint32_t corner, const PositionView& positions) {
   if (corner < cover.vertex_count) return 0;
   double largest = 0;
   for (const std::uint32_t v : cover.cut_points[corner - cover.vertex_count].vertex)
     largest = std::max(largest, max_norm(positions[v]));
-  // Larger coordinates have products that are normal numbers, or too small beside them to matter.
+  // Larger coordinates have products that are normal numbers, or too small relative to them to matter.
   return largest > 0 && largest < 0x1p-960 ? 3 * std::numeric_limits<double>::denorm_min() : 0;
 }
 
@@ -263,7 +264,7 @@ Certificate certify(const Cover& cover, const PositionView& positions, std::span
   for (std::size_t i = 0; i < points.size(); ++i)
     points[i] = corner_position(cover, static_cast<std::uint32_t>(i), positions);
 
-  // Where the largest square is above this, those that vanished are no digits of it.
+  // If the largest square is above this, vanished squares are no digits of it.
   constexpr double smallest_safe_square = 0x1p-900;
   std::vector<double> excess(spheres.size());
   parallel_for(workers, spheres.size(), 1, [&](std::size_t i, std::size_t) {

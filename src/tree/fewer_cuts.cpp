@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the center of
-// node n to a corner that n owned before. A leaf takes over patches of a facet only where every corner that it takes
-// has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
-//   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): what is
-//               compared is what certify() computes, by the same expression, so where the tree's spheres were certified
-//               they are; and a rule that measures what nodes own finds no larger radius about the same center at rest.
-//               Nodes whose squares vanish or overflow, which certify() looks at in another way, take nothing.
+// Proof that no guarantee changes. Let reach(n) be the largest squared distance, as computed in double, from the center
+// of node n to a corner that n owned in the given cover. A leaf takes over patches of a facet only if every corner
+// that it takes has a computed squared distance of at most reach(n) for n = the leaf and all nodes above it. So
+//   reaches     after any number of such moves the largest squared distance of every node is at most reach(n): the
+//               compared distances are those that certify() computes, by the same expression, so certified spheres stay
+//               certified; and a rule that measures owned corners finds no larger radius about the same center at rest.
+//               Nodes whose squares vanish or overflow, for which certify() has another test, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
-//               one: the facet itself. Or patches of one facet and one owner become their convex hull, where it has no
+//               one: the facet itself. Or patches of one facet and one owner become their convex hull, if it has no
 //               more area than they have (joined_pieces.hpp): its corners are some of theirs, so the first line holds
 //               for these too.
-//   regions     are made anew, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
+//   regions     are made again, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
 //               gives its last patch away.
 #include <algorithm>
 #include <limits>
@@ -30,12 +30,12 @@ using namespace detail;
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-// In place of a patch's owner: it is part of another patch of its owner now.
+// Marks an owner: the patch has become a part of another patch of its owner.
 constexpr std::uint32_t part_of_another = none - 1;
-// As in certify(): squares above it have lost no digit.
+// The limit of certify(): squares above it have lost no digit.
 constexpr double smallest_safe_square = 0x1p-900;
 
-// Patches of one facet, and what they are about to become.
+// Patches of one facet and one owner, and their future.
 struct Share {
   std::uint32_t leaf;
   double area = 0;
@@ -62,14 +62,14 @@ class Sharing {
   MeshView mesh_;
   const SphereTree& tree_;
   const Cover& cover_;
-  std::vector<Vec3> places_;  // of all corners
+  std::vector<Vec3> places_;  // positions of all corners
   std::vector<double> reach_;
-  std::vector<std::uint32_t> owner_;         // leaf of each patch; none: it is part of a whole facet now
-  std::vector<std::uint32_t> whole_owner_;   // of each facet; none: it is as it was
-  std::vector<std::uint32_t> patch_counts_;  // of each leaf
-  std::vector<Share> shares_;                // of one facet, the largest first
-  // Of patches that others have become part of: which corners [begin, end) they have now.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  // of each patch; empty: it is as it was
+  std::vector<std::uint32_t> owner_;         // leaf of each patch; none: it has become part of a whole facet
+  std::vector<std::uint32_t> whole_owner_;   // leaf of each facet that is whole; none: it is unchanged
+  std::vector<std::uint32_t> patch_counts_;  // number of patches of each leaf
+  std::vector<Share> shares_;                // shares of one facet, the largest first
+  // Corners [begin, end) of patches that other patches have become part of.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  // range of each patch; empty: it is unchanged
   std::vector<std::uint32_t> joined_corners_;
   PieceJoiner joiner_;
   std::vector<Barycentric> polygon_;
@@ -100,7 +100,7 @@ Sharing::Sharing(const MeshView& mesh, const CoveredTree& model, Workers& worker
   }
 }
 
-// Facet after facet, in order: the answer cannot depend on chunks.
+// Facets are processed in order: the result cannot depend on chunks.
 Cover Sharing::with_fewer_cuts() && {
   std::vector<std::uint32_t> begin(mesh_.facet_count() + 1), patches(cover_.patch_count());
   for (const std::uint32_t f : cover_.patch_facet) ++begin[f + 1];
@@ -151,7 +151,7 @@ bool Sharing::takes_whole(std::uint32_t facet) {
   return false;
 }
 
-// The smallest is the first to go, to the largest that contains it.
+// The smallest share is the first to go, to the largest that contains it.
 void Sharing::join_shares() {
   for (std::size_t k = shares_.size(); k-- > 1;) {
     Share& giver = shares_[k];
@@ -172,7 +172,7 @@ void Sharing::join_shares() {
   }
 }
 
-// Patches of one facet and one leaf become one where their union is convex.
+// Joins patches of one facet and one leaf if their union is convex.
 void Sharing::join_patches(std::uint32_t facet, Share& share) {
   if (share.patches.size() < 2) return;
   joiner_.clear();
@@ -226,7 +226,8 @@ double Sharing::area_of(std::uint32_t patch) const {
   return length(sum);
 }
 
-// Patches in the order that they had, a whole facet where the first of its owner's was; what came from elsewhere last.
+// Patches in their former order, a whole facet in the place of its owner's first patch; patches from other leaves come
+// last.
 std::vector<std::vector<std::uint32_t>> Sharing::patches_of_leaves() const {
   std::vector<std::vector<std::uint32_t>> patches_of(tree_.node_count());
   std::vector<std::uint8_t> placed(mesh_.facet_count());
@@ -287,7 +288,7 @@ Cover Sharing::assembled() const {
     result.region_end[node] = static_cast<std::uint32_t>(result.patch_count());
   };
   visit(visit, 0);
-  // A tree is kept for long.
+  // A tree is kept for long, so it keeps no spare memory.
   result.cut_points.shrink_to_fit();
   result.patch_facet.shrink_to_fit();
   result.corner_begin.shrink_to_fit();

@@ -11,15 +11,15 @@
 namespace morula::detail {
 namespace {
 
-// Twice what a facet has is 1. Where a cut ends at another, its end lies beside that one by a rounding of its
-// coordinates, and the areas of pieces are rounded sums: both far below this share, which is far below what a user of
-// areas can see.
+// Areas are doubled, so that a facet has 1. If a cut ends at another, its end is off that one by a rounding of its
+// coordinates, and the areas of patches are rounded sums: both far below this share, which is far below the precision
+// that users of areas need.
 // mutant joined-pieces-area: `48` -> `20`
 constexpr double rounding_of_area = 0x1p-48;
-// Pieces that touch have boxes that touch, but for the same rounding.
+// Patches that touch have boxes that touch, up to the same rounding.
 constexpr double rounding_of_corner = 0x1p-50;
 
-// b1 and b2 are coordinates of the facet's plane: b0 is what is left of 1.
+// b1 and b2 are coordinates of the facet's plane: b0 is the remainder to 1.
 constexpr Projection without_b0{1, 2};
 
 Vec3 as_vector(const Barycentric& b) {
@@ -73,7 +73,7 @@ void PieceJoiner::add(std::span<const Barycentric> corners) {
 
 std::span<const PieceJoiner::Polygon> PieceJoiner::join() {
   if (polygons_.size() < 2 || join_all()) return polygons_;
-  // What has grown is tried again with all others.
+  // A polygon that has grown is tried again with all others.
   for (bool again = true; again;) {
     again = false;
     for (std::size_t first = 0; first < polygons_.size(); ++first)
@@ -115,9 +115,9 @@ void PieceJoiner::take_corners(const Polygon& polygon) {
   points_.insert(points_.end(), polygon.corners.begin(), polygon.corners.end());
 }
 
-// The convex hull of points_, counter-clockwise from the least (b1, b2), of equal points the one added first: a chain
-// below and one above [andrew1979]. Signs are exact, so no point is left outside. Returns twice its area; infinity
-// where all points are on one line, which is no polygon.
+// The convex hull of points_, counter-clockwise from the least (b1, b2), with the point added first among equals: a
+// chain below and one above [andrew1979]. Signs are exact, so no point is left outside. Returns twice its area;
+// infinity if all points are on one line, which is no polygon.
 double PieceJoiner::take_hull() {
   const auto coordinates = [&](std::uint32_t i) { return std::pair(corners_[i][1], corners_[i][2]); };
   std::sort(points_.begin(), points_.end(), [&](std::uint32_t i, std::uint32_t j) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Convex pieces of one facet as fewer: what keeps a needle from falling into more pieces at every cut.
+// Convex patches of one facet as fewer: so a needle does not fall into more patches at every cut.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace morula::detail {
 
-/// Joins pieces of one facet where their union is convex. Reuse it to avoid allocation.
+/// Joins convex patches of one facet if their union is convex. Reuse the object to avoid allocation.
 class PieceJoiner {
  public:
-  /// A convex polygon, by the numbers of its corners: those of all pieces, in the order in which they were added.
+  /// A convex polygon, by the numbers of its corners: those of all patches, in the order in which they were added.
   struct Polygon {
     std::vector<std::uint32_t> corners;
     double area;                                          // in barycentric coordinates
@@ -21,15 +21,15 @@ class PieceJoiner {
   };
 
   void clear();
-  /// corners: of a convex polygon, counter-clockwise.
+  /// corners: corners of a convex polygon, counter-clockwise.
   void add(std::span<const Barycentric> corners);
   std::size_t size() const { return polygons_.size(); }
 
-  /// As few polygons as pairwise joining leaves, and none more than were added. A joined polygon is the convex hull of
-  /// its pieces, exactly, and its corners are corners of theirs: it owns no corner that was not owned, and a sphere
-  /// that contains the pieces contains it. It has as much area as they have, but for rounding, so nothing is covered
-  /// twice. Pieces that are joined with none keep their corners as they were.
-  /// Cost: quadratic in the number of pieces.
+  /// Returns as few polygons as pairwise joining leaves, and no more than were added. A joined polygon is the convex
+  /// hull of its patches, exactly, and its corners are corners of theirs: it owns no corner that was not owned, and a
+  /// sphere that contains the patches contains it. Its area is the sum of theirs, up to rounding, so nothing is covered
+  /// twice. Patches that are joined with none keep their corners unchanged.
+  /// Cost: quadratic in the number of patches.
   std::span<const Polygon> join();
 
  private:

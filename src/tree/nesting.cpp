@@ -21,9 +21,9 @@ bool is_ball(const Sphere& s) {
   return is_finite(s.center) && std::isfinite(s.radius) && s.radius >= 0;
 }
 
-// Its radius exceeds the largest |c - c'| + r' of the children by more than its computation can lose: a length and a
-// sum are right to 2^-50, or to the least double. Beside that it has the pad of rounded_up_radius, of coordinates that
-// bound all below it: certify() finds corners that a child contains inside.
+// Its radius exceeds the largest |c - c'| + r' of the children by more than the rounding of its computation: a length
+// and a sum are right to 2^-50, or to the least double. In addition it has the pad of rounded_up_radius, of coordinates
+// that bound all below it: certify() finds corners that a child contains inside.
 Sphere around(const Vec3& center, std::span<const Sphere> children) {
   const double reach = farthest_reach(center, children);
   constexpr double least_doubles = 4 * std::numeric_limits<double>::denorm_min();
@@ -61,7 +61,7 @@ Nesting certify_nesting(const SphereTree& tree, std::span<const Sphere> spheres,
     const bool inside = comparable && encloses(outer, inner);
     double excess = comparable ? scaled_length(inner.center - outer.center) + (inner.radius - outer.radius)
                                : std::numeric_limits<double>::infinity();
-    // Rounding must not tell another story than the exact answer.
+    // The rounded excess must not contradict the exact test.
     if (inside) excess = std::min(excess, 0.0);
     if (!inside) {
       excess = std::max(excess, std::numeric_limits<double>::denorm_min());

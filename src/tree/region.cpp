@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-// For a table of this run: no file holds it, so a few multiplications will do.
+// A hash for a table of this run: no file contains it, so a few multiplications suffice.
 std::uint64_t hash_of(const CutPoint& c) {
   std::uint64_t hash = 0;
   const auto add = [&](std::uint64_t number) {
@@ -24,7 +24,7 @@ std::uint64_t hash_of(const CutPoint& c) {
   return hash;
 }
 
-// Gives every distinct corner a number, in the order of first use. A table of places with open addressing: cut points
+// Gives every distinct corner a number, in the order of first use. The table of places uses open addressing: cut points
 // are many, and lie in `points_` already.
 class CornerNumbers {
  public:
@@ -64,7 +64,7 @@ class CornerNumbers {
 
   std::size_t vertex_count_;
   std::vector<CutPoint> points_;
-  std::vector<std::uint32_t> places_;  // a power of two of them
+  std::vector<std::uint32_t> places_;  // their number is a power of two
 };
 
 }  // namespace
@@ -91,7 +91,7 @@ void corner_positions(const MeshView& mesh, const Region& region, std::vector<Ve
 std::vector<Vec3> some_corner_positions(const MeshView& mesh, const Region& region, std::size_t most) {
   const std::size_t step = 1 + region.corner_count() / most;
   std::vector<Vec3> points;
-  std::size_t before = 0, next = 0;  // corners of the polygons before this one; the next to be taken
+  std::size_t before = 0, next = 0;  // corners of earlier polygons; the next to be taken
   for (std::size_t k = 0; k < region.size(); ++k) {
     const auto polygon = region.polygon(k);
     for (; next < before + polygon.size(); next += step)

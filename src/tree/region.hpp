@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Regions while they are being made: convex polygons with barycentric corners, before cut points get their numbers.
+// Regions during a build: convex polygons with barycentric corners, before cut points get their numbers.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace morula::detail {
 
-// Whole facets, which most are on fine meshes, take 8 bytes each.
+// Whole facets take 8 bytes each; on fine meshes most facets are whole.
 class Region {
  public:
   std::vector<std::uint32_t> facet;  // one per polygon
@@ -25,7 +25,7 @@ class Region {
     return std::span(cut_corners_).subspan(cut_begin_[k], cut_corner_count(k));
   }
   std::size_t corner_count() const { return cut_corners_.size() + whole_count_ * whole_facet.size(); }
-  /// Corners of a polygon that is cut; none of a whole facet.
+  /// Corners of a polygon that is cut; 0 for a whole facet.
   std::size_t cut_corner_count(std::size_t k) const { return cut_begin_[k + 1] - cut_begin_[k]; }
   void reserve(std::size_t polygons, std::size_t cut_corners) {
     facet.reserve(polygons);
@@ -43,11 +43,11 @@ class Region {
     cut_corners_.insert(cut_corners_.end(), polygon.begin(), polygon.end());
     cut_begin_.push_back(static_cast<std::uint32_t>(cut_corners_.size()));
   }
-  /// Polygon k of another region.
+  /// Adds polygon k of another region.
   void add(const Region& other, std::size_t k) { add(other.facet[k], other.polygon(k)); }
 
  private:
-  // Polygon k has corners [cut_begin_[k], cut_begin_[k + 1]); none when it is whole.
+  // Polygon k has corners [cut_begin_[k], cut_begin_[k + 1]); none if it is whole.
   std::vector<std::uint32_t> cut_begin_{0};
   std::vector<Barycentric> cut_corners_;
   std::size_t whole_count_ = 0;
@@ -60,7 +60,7 @@ inline FacetGeometry facet_geometry(const MeshView& mesh, std::uint32_t facet) {
   return {mesh.corners(facet), mesh.facets[facet]};
 }
 
-/// visit(position) for every corner of a polygon, in order.
+/// Calls visit(position) for every corner of a polygon, in order.
 template <class Visit>
 void each_corner(const MeshView& mesh, const Region& region, std::size_t k, const Visit& visit) {
   const Triangle t = mesh.corners(region.facet[k]);
@@ -70,7 +70,7 @@ void each_corner(const MeshView& mesh, const Region& region, std::size_t k, cons
     for (const Barycentric& b : region.polygon(k)) visit(at_barycentric(t, b));
 }
 
-/// The area of one polygon and of those before it, triangle by triangle.
+/// The area of one polygon added to `before`, triangle by triangle.
 inline double area_with(double before, const MeshView& mesh, const Region& region, std::size_t k) {
   const Triangle t = mesh.corners(region.facet[k]);
   if (region.is_whole(k)) return before + area(t);
@@ -81,17 +81,18 @@ inline double area_with(double before, const MeshView& mesh, const Region& regio
   return before;
 }
 
-/// Positions of all corners, polygon by polygon; most that whole facets share come once.
+/// Positions of all corners, polygon by polygon; most corners that whole facets share occur once.
 void corner_positions(const MeshView& mesh, const Region& region, std::vector<Vec3>& points);
 
-/// Every n-th of all corners with repetitions, polygon by polygon; n is 1, or more where they are `most` or more.
+/// Every n-th of all corners with repetitions, polygon by polygon; n is 1, or more if they are `most` or more.
 std::vector<Vec3> some_corner_positions(const MeshView& mesh, const Region& region, std::size_t most);
 
-/// Where a corner of a cover is on a facet; nothing when it lies elsewhere. facet: of three different vertices.
+/// Barycentric position of a cover's corner on a facet; nothing if it lies elsewhere. facet: of three different
+/// vertices.
 std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet, std::uint32_t corner);
 
-/// Numbers the cut points (equal ones once) and lines the regions up in the order of the leaves, depth first.
-/// regions: one per node; those of inner nodes are ignored.
+/// Numbers the cut points (equal ones once) and stores the regions in the order of the leaves, depth first. regions:
+/// one per node; those of inner nodes are ignored.
 Cover assemble_cover(const MeshView& mesh, const SphereTree& tree, std::vector<Region> regions);
 
 }  // namespace morula::detail

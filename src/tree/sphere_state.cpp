@@ -71,7 +71,7 @@ PosedSpheres::PosedSpheres(const SphereState& pose) : state_(State::make()) {
   s.show(pose.frame, pose.origin);
 }
 
-// Who asks the pose may keep it for longer: it is not to look like one that stands still.
+// Callers may keep the state for longer: it must not look like one at rest.
 void PosedSpheres::end() noexcept {
   // mutant spheres-assigned-to: `if (state_) state_->pose.current = false, state_->pose.ended = true` -> ``
   if (state_) state_->pose.current = false, state_->pose.ended = true;

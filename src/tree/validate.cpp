@@ -12,8 +12,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
-// The first broken promise of the patches, in words; empty when all hold. Nothing is read that the check before it has
-// not shown to be there.
+// The first broken promise of the patches, as text; empty when all hold. Each check reads only entries that earlier
+// checks have shown to exist.
 std::string fault_of_patches(const Cover& c) {
   // mutant validate-corner-front: `| c.corner_begin.front() != 0 ||` -> `|`
   if (c.corner_begin.size() != c.patch_count() + 1 || c.corner_begin.front() != 0 ||
@@ -21,7 +21,7 @@ std::string fault_of_patches(const Cover& c) {
       c.corner_begin.back() != c.corners.size())
     return "corner_begin does not span the corners of all patches";
   for (std::size_t p = 0; p < c.patch_count(); ++p) {
-    // Not begin + 3, which goes around at the end of 32 bits.
+    // The sum begin + 3 would wrap around at the end of 32 bits.
     // mutant validate-three-corners: `|| c.corner_begin[p + 1] - c.corner_begin[p] < 3` -> ``
     // mutant validate-corner-order: `< c.corner_begin[p] || c.corner_begin[p + 1] -` -> `-`
     if (c.corner_begin[p + 1] < c.corner_begin[p] || c.corner_begin[p + 1] - c.corner_begin[p] < 3)
@@ -93,7 +93,7 @@ double barycentric_area(const Barycentric& a, const Barycentric& b, const Baryce
 // mutant validate-areas: `12` -> `4`
 constexpr double area_rounding = 1e-12;
 
-// Convex, counter-clockwise polygons inside the facet whose areas add up to the whole: they tile it.
+// Checks for convex, counter-clockwise polygons inside the facet whose areas add up to the whole: they tile it.
 void check_tiling(const MeshView& mesh, const Cover& cover, std::vector<std::string>& faults) {
   std::vector<double> share(mesh.facet_count());
   std::vector<std::uint32_t> patches(mesh.facet_count());
@@ -103,7 +103,7 @@ void check_tiling(const MeshView& mesh, const Cover& cover, std::vector<std::str
     const Facet& facet = mesh.facets[f];
     ++patches[f];
     if (facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0]) {
-      // A segment or a point: it must be one patch, uncut.
+      // A segment or a point has to be one patch, uncut.
       // mutant validate-flat-facet: `std::equal ... ? 1 : 0` -> `1`
       share[f] = std::equal(facet.begin(), facet.end(), cover.patch(p).begin(), cover.patch(p).end()) ? 1 : 0;
       continue;
@@ -168,7 +168,7 @@ static std::vector<std::string> faults_at_rest(const MeshView& mesh, const Cover
   return faults;
 }
 
-// The first fault of a known pose, in words; empty where there is none.
+// The first fault of a known pose, as text; empty if there is none.
 static std::string fault_of_pose(const MeshView& mesh, const KnownPose& pose) {
   if (!pose.model) return "it has no tree";
   if (!pose.model->poses.empty()) return "its tree carries poses of its own";

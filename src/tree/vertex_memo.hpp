@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What has been found out about vertices of a mesh, for a while.
+// Cached values of a mesh's vertices.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 
 namespace morula::detail {
 
-/// Facets that follow one another share most of their vertices: what was found out about one a moment ago is kept. Of
-/// vertices that fall together the last is kept, so a value may be made anew, but never for another vertex.
+/// Consecutive facets share most of their vertices, so values of recent vertices are kept. The last of vertices with a
+/// common entry is kept, so a value may be made again, but it is never that of another vertex.
 template <class Value>
 class VertexMemo {
  public:
-  /// facets: about how many will be asked for; few need little room.
+  /// facets: estimated number of requested facets; few need little room.
   explicit VertexMemo(std::size_t facets) : entries_(std::bit_ceil(std::clamp<std::size_t>(facets, 64, 65536))) {}
 
-  /// make: called when the vertex is not known, or no longer.
+  /// make: called if the vertex has no entry.
   template <class Make>
   const Value& of(std::uint32_t vertex, const Make& make) {
     Entry& entry = entries_[vertex & (entries_.size() - 1)];
@@ -35,14 +35,14 @@ class VertexMemo {
     std::uint32_t vertex = no_vertex;
     Value value{};
   };
-  std::vector<Entry> entries_;  // a power of two of them
+  std::vector<Entry> entries_;  // their number is a power of two
 };
 
-/// Tells a vertex that comes for the first time from most of those that have come before.
+/// Separates new vertices from seen ones: it recognizes most vertices that have come already.
 class SeenVertices {
  public:
   explicit SeenVertices(std::size_t facets) : seen_(facets) {}
-  /// False only for a vertex that has come before.
+  /// False only for a vertex that has come already.
   bool is_new(std::uint32_t vertex) {
     bool first = false;
     seen_.of(vertex, [&] { return first = true; });

@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why inner spheres may need it. A sphere is fitted to the corners that its node owns at that time. Later the node's
-// polygons are cut for its children, and go from child to child. The weights of a new cut point are rounded, so the
-// point is off the segment that it cuts by up to 5 u A per coordinate, where u = 2^-53 and A is the largest
-// |coordinate|. That adds up from cut to cut, and a body whose size is a few thousand u A is no longer convex at that
-// scale: a new point can be farther from the center than both ends of its segment. The pad of the sphere, 32 u A, holds
-// for a few cuts only.
+// Reason why inner spheres may need growth. A sphere is fitted to the corners that its node owns at that time. Later
+// the node's polygons are cut for its children, and go from child to child. The weights of a new cut point are rounded,
+// so the point is off the segment that it cuts by up to 5 u A per coordinate, where u = 2^-53 and A is the largest
+// |coordinate|. That adds up from cut to cut, and a body whose size is a few thousand u A is not convex at that scale
+// any more: a new point can be farther from the center than both ends of its segment. The pad of the sphere, 32 u A,
+// holds for a few cuts only.
 //
-// Why d (1 + 8 u) + 8 u C <= r proves it, with d the computed distance of the farthest corner and C the largest of A
-// and the center's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up to 1:
-// it is off by at most 3 u A. Its difference to the center adds u |x - c|. So the vector is off by at most sqrt(3) 3 u
-// A + u d, and squares, sums and root add 2.5 u d. The true distance is at most d (1 + 4 u) + 5.2 u C, and computing
-// the left side costs less than the 4 u d + 2.8 u C that remain.
+// Proof that d (1 + 8 u) + 8 u C <= r suffices, with d the computed distance of the farthest corner and C the largest
+// of A and the center's |coordinates|. A coordinate of a cut point is a sum of three products with weights that add up
+// to 1: it is off by at most 3 u A. Its difference to the center adds u |x - c|. So the vector is off by at most
+// sqrt(3) 3 u A + u d, and squares, sums and root add 2.5 u d. The true distance is at most d (1 + 4 u) + 5.2 u C, and
+// computing the left side costs less than the 4 u d + 2.8 u C that remain.
 //
-// Why spheres of rounded_up_radius, D (1 + 32 u) + 32 u C, stay as they are. D was measured at the same corners, by the
-// same products in another order at most: d is at most D (1 + 8 u) + 10.4 u C, so the left side is at most
+// Proof that spheres of rounded_up_radius, D (1 + 32 u) + 32 u C, stay unchanged. D was measured at the same corners,
+// by the same products in another order at most: d is at most D (1 + 8 u) + 10.4 u C, so the left side is at most
 // D (1 + 17 u) + 18.5 u C.
 #include "tree/wrapping.hpp"
 
@@ -30,7 +30,7 @@ namespace {
 double farthest_distance_to(const Vec3& center, std::span<const std::uint32_t> corners, std::span<const Vec3> places) {
   double largest = 0;
   for (const std::uint32_t c : corners) largest = std::max(largest, squared_distance(center, places[c]));
-  // As in certify(): squares above it have lost no digit.
+  // The limit of certify(): squares above it have lost no digit.
   if (largest > 0x1p-900) return std::sqrt(largest);
   double farthest = 0;
   for (const std::uint32_t c : corners) farthest = std::max(farthest, scaled_length(places[c] - center));

@@ -22,7 +22,7 @@ Body::Body(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, Updat
   state_ = State::made(mesh, std::move(model), std::move(options), workers);
 }
 
-// Colliders keep the state for longer: it is not to look like a body that stands still.
+// Colliders keep the state for longer: it must not look like a body at rest.
 void Body::end() noexcept {
   // mutant body-assigned-to: `if (state_) state_->posed.current = false, state_->posed.ended = true` -> ``
   if (state_) state_->posed.current = false, state_->posed.ended = true;

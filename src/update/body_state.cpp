@@ -34,13 +34,13 @@ UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* 
   return status;
 }
 
-// The one engine of such a body.
+// Such a body has one engine.
 void Body::State::fit_leaves(Workers& workers) {
   static_cast<ExactRule&>(engines[0]).fit_leaves(depth_first_leaves(model->tree), local.points(), spheres, workers);
 }
 
-// Nodes that look at no other sphere first, then level by level upwards those that read their children. Radii are
-// raised last: what the rules make of their children is the rules' own.
+// Nodes that read no other sphere come first, then, level by level upwards, nodes that read their children. Radii are
+// raised last: rules compute with unraised radii of children.
 void Body::State::write_spheres(const RuleFrame& frame, Workers& workers) noexcept {
   for (const auto& engine : engines) engine->update(frame, spheres.size(), spheres, workers);
   write_levels(frame, workers);
@@ -57,7 +57,7 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   CornerWalk& walk = raising->walk;
   walk.measure(local.points(), spheres, workers);
   const SphereTree& tree = model->tree;
-  // Children come behind their parents: those of a wrapped node have been raised before it.
+  // Children come behind their parents: children of a wrapped node have been raised before it.
   for (std::size_t k = walk.nodes().size(); k-- > 0;) {
     const std::uint32_t node = walk.nodes()[k];
     Spheref& sphere = spheres[node];
@@ -72,7 +72,7 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
   }
 }
 
-// Of a body none of whose levels asks for anything else, the answer is ok.
+// The status is ok if all levels follow positions alone.
 static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
   switch (asked_for) {
     case RuleTraits::Follows::modes:
@@ -186,7 +186,7 @@ bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
 UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept {
   if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
-  followed = false;  // a partial update cannot start from spheres that are not there
+  followed = false;  // a partial update cannot start from missing spheres
   if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
   engines[0].update({.origin = at.origin, .points = local.points(), .rounding = at.rounding}, nodes, spheres, workers);
   origin = at.origin;
@@ -212,7 +212,7 @@ UpdateStatus Body::State::counted_lazily(UpdateStatus status, std::size_t nodes)
 }
 
 std::size_t Body::State::refresh_children(std::uint32_t node) noexcept {
-  // The points are lost when an update was refused since.
+  // The points are lost if an update was rejected since.
   if (lazy.is_complete() || !posed.current || model->tree.is_leaf(node)) return 0;
   std::size_t brought = 0;
   ModalPose pose;

@@ -21,7 +21,7 @@ namespace detail {
 struct BodyPlan;
 
 /// The frame of the last lazy update, which nodes reach one by one: Body::update_lazily begins it, refresh_children
-/// adds to it, and it is complete when all are reached or a good update has moved all at once.
+/// adds to it, and it is complete when all nodes are reached or a good update has moved all at once.
 class LazyFrame {
  public:
   LazyFrame() = default;
@@ -29,82 +29,82 @@ class LazyFrame {
 
   bool is_complete() const noexcept { return unreached_ == 0; }
   bool has(std::uint32_t node) const noexcept { return is_complete() || reached_[node] != 0; }
-  /// With the first `nodes` nodes.
+  /// Begins with the first `nodes` nodes.
   void begin(std::size_t nodes) noexcept {
     unreached_ = reached_.size() - nodes;
     std::fill(reached_.begin(), reached_.end(), std::uint8_t{0});
     std::fill_n(reached_.begin(), nodes, std::uint8_t{1});
   }
-  /// One that it does not have yet.
+  /// Adds a node that is not reached yet.
   void add(std::uint32_t node) noexcept {
     reached_[node] = 1;
     --unreached_;
   }
   void complete() noexcept { unreached_ = 0; }
 
-  /// Of a lazy update by modes, one for each.
+  /// Keeps the coordinates of a lazy update by modes, one for each mode.
   void keep(std::span<const double> coordinates) noexcept {
     std::copy(coordinates.begin(), coordinates.end(), coordinates_.begin());
   }
   std::span<const double> coordinates() const noexcept { return coordinates_; }
 
  private:
-  std::vector<std::uint8_t> reached_;  // of an incomplete frame: one flag per node
+  std::vector<std::uint8_t> reached_;  // flags of an incomplete frame, one per node
   std::size_t unreached_ = 0;
   std::vector<double> coordinates_;
 };
 
 }  // namespace detail
 
-// made() fills the members from the first to the last; `work` and `posed` gather what each of its steps adds.
+// made() fills the members from the first to the last; `work` and `posed` gather the additions of each of its steps.
 struct Body::State {
-  // What moves the body besides positions: made() settles what it follows, bind() makes the rest.
+  // Inputs that move the body besides positions: made() decides which the body follows, bind() makes the rest.
   struct Models {
-    RuleTraits::Follows follows{};              // what some level asks for; positions where none asks for anything else
-    std::optional<detail::ModalPoser> modal{};  // of a body with modes
-    std::optional<detail::SkinPoser> skin{};    // of a body with a skin
-    // Empty unless some level needs vertices as well; each update by modes or bones writes the moved ones.
+    RuleTraits::Follows follows{};  // the input that the levels follow; positions if no level follows another one
+    std::optional<detail::ModalPoser> modal{};  // poser of a body with modes
+    std::optional<detail::SkinPoser> skin{};    // poser of a body with a skin
+    // Empty unless a level needs vertices as well; each update by modes or bones writes the moved ones.
     std::vector<Vec3> rest_positions{}, moved_positions{};
   };
-  // Of a conservative body, its nodes whose rules do not cover by themselves: raise_at_rest() makes it.
+  // The nodes of a conservative body whose rules do not cover by themselves: raise_at_rest() makes it.
   struct Raising {
     detail::CornerWalk walk;
-    std::vector<std::uint8_t> wraps;  // per node of the tree, 1 where it has the rule `wrapped`
+    std::vector<std::uint8_t> wraps;  // flag of each node of the tree, 1 if it has the rule `wrapped`
   };
 
   std::shared_ptr<const CoveredTree> model;
   UpdateOptions options;
   detail::LocalPoints local;  // each update by positions moves them
-  Vec3 origin{};              // of the spheres; each good update writes both
+  Vec3 origin{};              // origin of the spheres; each good update writes origin and rounding
   Models models{};
-  std::vector<Spheref> spheres{};  // the tree's until bind()
-  detail::EngineList engines{};    // bind() makes them of all of the above, and lets them write spheres and report
+  std::vector<Spheref> spheres{};  // spheres of the tree until bind()
+  detail::EngineList engines{};    // bind() makes them from all of the above, and lets them write spheres and report
   BindReport report{};
   std::optional<Raising> raising{};
   detail::LazyFrame lazy{};
   bool followed = true;  // all spheres are those of the points: the last update was good, and not lazy
-  UpdateStatus work{};   // of a good update: the same every time
-  SphereState posed{};   // what queries read; counted() writes frame and current, show() the spheres
+  UpdateStatus work{};   // work of a good update: the same every time
+  SphereState posed{};   // state that queries read; counted() writes frame and current, show() the spheres
 
-  // At rest; throws like Body's constructors.
+  // Makes the state at rest; throws like Body's constructors.
   static std::shared_ptr<State> made(const MeshView& mesh, std::shared_ptr<const CoveredTree> model,
                                      UpdateOptions options, Workers& workers);
 
-  // Each moves the spheres, or says why not; what they return is to be counted.
+  // Each follow() moves the spheres, or returns the reason why it did not; counted() must count the result.
   UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
   UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
 
-  // Of a body that follows `exact` on all levels, at the pose that it was made for.
+  // Fits the leaves of a body that follows `exact` on all levels, at the pose that it was made for.
   void fit_leaves(Workers& workers);
 
-  // After every change: what queries see. positions: of an update that was given some.
+  // Updates the sphere state that queries read, after every change. positions: of an update by positions.
   UpdateStatus shown(const UpdateStatus& status, const PositionView* positions = nullptr) noexcept;
   void show() noexcept;
 
-  // The same for the first `nodes` nodes, whole levels, of bodies that can be lazy with these.
+  // Counterparts of lazy updates: the first `nodes` nodes, whole levels, of bodies that can be lazy with `wanted`.
   bool is_lazy(RuleTraits::Follows wanted) const noexcept;
   UpdateStatus follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept;
   UpdateStatus follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept;
@@ -112,11 +112,11 @@ struct Body::State {
   std::size_t nodes_to_level(std::size_t level) const noexcept;
   std::size_t refresh_children(std::uint32_t node) noexcept;
 
-  // Takes the largest of a rule's own radius and what the node owns.
+  // Raises each radius to the larger of the rule's own and the one that the node's region needs.
   void raise(const detail::Rounding& rounding, Workers& workers) noexcept;
 
  private:
-  // Of a new one, in this order.
+  // Steps of made(), in this order.
   void bind(const detail::BodyPlan& plan, const detail::LocalPoints::Frame& rest, Workers& workers);
   void raise_at_rest(const detail::BodyPlan& plan, const detail::Rounding& rounding, Workers& workers);
   void note_promises(const detail::BodyPlan& plan);
@@ -124,7 +124,7 @@ struct Body::State {
   UpdateStatus refused_positions(const PositionView& positions) const noexcept;
   UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
   UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;
-  // To positions, which move_positions has to form where some level needs them.
+  // Moves the spheres to positions, which move_positions has to compute if a level needs them.
   template <class MovePositions>
   UpdateStatus follow_model(detail::RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;
   void write_spheres(const detail::RuleFrame& frame, Workers& workers) noexcept;

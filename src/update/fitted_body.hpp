@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bodies by the rule `exact` whose leaves are fitted in every frame (LeafFits); otherwise as any.
+// Bodies by the rule `exact` whose leaves are fitted in every frame (LeafFits); all else is as in Body.
 #pragma once
 
 #include <morula/update/body.hpp>

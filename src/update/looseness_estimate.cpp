@@ -23,12 +23,13 @@ bool touch(const Spheref& a, const Spheref& b) {
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
-// Of the angle of facing_cosine.
+// Sine of the angle of facing_cosine.
 constexpr float facing_sine = 0.5f * std::numbers::sqrt3_v<float>;
 
-// May a direction of one cone face one of the other?
+// Whether a direction of one cone may face one of the other.
 bool may_face(const BlockBound& a, const BlockBound& b) {
-  // Both half angles together, 0…2π; then what they leave of 60 degrees. No arccosine: it differs between libraries.
+  // Cosine and sine of both half angles together, 0…2π; then of the rest up to 60 degrees. No arccosine: it differs
+  // between libraries.
   const float cosine = a.cosine * b.cosine - a.sine * b.sine, sine = a.sine * b.cosine + a.cosine * b.sine;
   if (cosine <= facing_cosine || sine < 0) return true;
   return dot(a.axis, b.axis) <= facing_cosine * cosine + facing_sine * sine;
@@ -41,19 +42,20 @@ float focal_distance(float a, float b) {
   return divisor > 0 ? 2 / divisor : std::numeric_limits<float>::infinity();
 }
 
-// Spheres that rays are raised over at a time.
+// Most spheres that rays are raised over at a time.
 constexpr std::size_t most_spheres = 512;
 
 constexpr std::size_t most_levels = max_depth + 1;
 
-// Nanoseconds, about, of what an estimate does: only how they compare matters, for that is how steps share it.
+// Approximate nanoseconds per item of an estimate's tasks: only their ratios matter, because steps share the tasks by
+// them.
 constexpr double facet_cost = 3, sphere_cost = 1.7, facing_cost = 2.5, block_cost = 80;
-// Of a sample, in each step that moves it.
+// Cost of a sample, in each step that moves it.
 constexpr std::array<double, SurfaceSamples::move_steps / 2> move_cost{8, 8, 8, 4, 4, 21, 21, 4};
 
 }  // namespace
 
-// What is known about a ray at this pose: how near it comes to facing surface within `length`.
+// The reciprocal distance at which a ray comes nearest to facing surface within `length`, at this pose.
 struct Outlook {
   float length = 0;
   float nearness = 0;
@@ -70,21 +72,22 @@ Subject subject_of(const Body& body) noexcept {
   return {&body.rest_tree(), body.spheres(), body.origin()};
 }
 
-// Blocks that one task looks out from.
+// Blocks whose rays one task searches.
 constexpr std::size_t blocks_per_look = 2;
-// A group at one level and to one side: rays are raised over the spheres, then its blocks look out along them.
+// Tasks of a group at one level and to one side: rays are raised over the spheres, then the rays of its blocks are
+// searched.
 constexpr std::size_t tasks_per_side = 1 + group_size / blocks_per_look;
 
 // An estimate in steps: its tasks come in a fixed order, and each step gets as many as make up its share of the cost.
-// What a task costs was counted at the estimate before: a body moves little from one to the next.
+// The cost of a task was counted in the last estimate: a body moves little from one to the next.
 struct Course {
   std::vector<Vec3> positions;
   std::vector<Spheref> spheres;
   Subject subject;
-  std::size_t step = 0, steps = 0;  // equal: nothing is under way
+  std::size_t step = 0, steps = 0;  // equal: no estimate is in progress
   std::size_t task = 0;
-  double cost = 0, whole_cost = 0;  // of the tasks done, and of all, as expected
-  std::vector<double> expected;     // of each task
+  double cost = 0, whole_cost = 0;  // expected cost of the finished tasks, and of all
+  std::vector<double> expected;     // expected cost of each task
 };
 
 struct LoosenessEstimator::State {
@@ -103,10 +106,10 @@ struct LoosenessEstimator::State {
   std::vector<SampleBlock::Lanes> height;       // per block
   std::array<std::vector<Outlook>, 2> outlook;  // outward and inward, per sample
   std::vector<std::uint32_t> facing;            // blocks that may face the present one
-  RaySphereList facing_places;                  // of these
-  RaySphereList spheres;                        // that rays are being raised over
+  RaySphereList facing_places;                  // places of these blocks
+  RaySphereList spheres;                        // spheres that rays are being raised over
   Course course{};
-  double work = 0;                                           // of the task under way
+  double work = 0;                                           // work of the current task
   std::array<std::array<double, most_levels>, 2> outside{};  // volume per level, outward and inward: of a course
 
   struct Blocks {
@@ -116,7 +119,7 @@ struct LoosenessEstimator::State {
   Blocks some_blocks(std::size_t begin, std::size_t count) const noexcept {
     return {std::min(begin, height.size()), std::min(begin + count, height.size())};
   }
-  // Of the levels below the root of the present course.
+  // Number of levels below the root of the present course.
   std::size_t level_count() const noexcept { return std::min(most_levels, course.subject.tree->level_count()) - 1; }
   std::size_t per_level() const noexcept { return (samples.has_volume() ? 1 : 2) * tasks_per_side; }
   std::size_t task_count() const noexcept {
@@ -158,7 +161,7 @@ void LoosenessEstimator::State::raise_over_spheres(float side, Blocks blocks) no
   spheres.clear();
 }
 
-// The spheres of level set j: those of level j and the leaves above it.
+// Raises rays over the spheres of level set j: the spheres of level j and of the leaves above it.
 void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::size_t level, float side,
                                                  Blocks blocks) noexcept {
   for (std::size_t b = blocks.begin; b < blocks.end; ++b) height[b].fill(0);
@@ -176,7 +179,7 @@ void LoosenessEstimator::State::raise_over_level(const Subject& subject, std::si
   raise_over_spheres(side, blocks);
 }
 
-// Rays end at focal points: neighboring ones meet there, and beyond each would count what is the other's.
+// Rays end at focal points: neighboring ones meet there, and beyond it each would count the other's volume.
 SampleBlock::Lanes LoosenessEstimator::State::ray_lengths(std::size_t b, float side) const noexcept {
   const SampleBlock& block = samples.blocks()[b];
   SampleBlock::Lanes lengths;
@@ -185,7 +188,7 @@ SampleBlock::Lanes LoosenessEstimator::State::ray_lengths(std::size_t b, float s
   return lengths;
 }
 
-// Whatever is nearer to a point of a ray than its start lies within twice the ray's length of the start.
+// Points that are nearer to a point of a ray than its start lie within twice the ray's length of the start.
 FacingBlocks LoosenessEstimator::State::blocks_facing(std::size_t block, float longest) noexcept {
   const std::vector<BlockBound>& bounds = samples.bounds();
   const Spheref reached{bounds[block].places.center, bounds[block].places.radius + 2 * longest};
@@ -200,8 +203,8 @@ FacingBlocks LoosenessEstimator::State::blocks_facing(std::size_t block, float l
   return {samples.blocks().data(), facing.data(), facing_places.columns()};
 }
 
-// Brings the outlook of the block's rays up to their heights. Levels are done from the coarse to the fine ones, whose
-// rays are mostly shorter: they find everything known.
+// Extends the outlook of the block's rays to their heights. Levels are processed from the coarse to the fine ones,
+// whose rays are mostly shorter: their outlook is mostly computed already.
 void LoosenessEstimator::State::look_out(std::size_t b, float side, const SampleBlock::Lanes& lengths) noexcept {
   float longest = 0;
   for (std::size_t i = 0; i < block_size; ++i)
@@ -232,8 +235,8 @@ double LoosenessEstimator::State::volume_over(std::size_t b, float side,
   return volume;
 }
 
-// Of the rays as they have been raised. Adds to `volume`, block after block: the same sum whether all come at once or a
-// few at a time.
+// Volume of the rays as they have been raised. Adds to `volume`, block after block: the same sum whether all come at
+// once or a few at a time.
 double LoosenessEstimator::State::look_out_from(Blocks blocks, float side, double volume) noexcept {
   for (std::size_t b = blocks.begin; b < blocks.end; ++b) {
     const SampleBlock::Lanes lengths = ray_lengths(b, side);
@@ -271,7 +274,7 @@ double LoosenessEstimator::State::level(const Subject& subject, std::size_t leve
   return looseness_at(subject, level, outward, inward);
 }
 
-// Before one was run.
+// Estimated cost of a task that has not run yet.
 double LoosenessEstimator::State::first_guess(std::size_t task) const noexcept {
   if (task < move_cost.size()) return move_cost[task] * static_cast<double>(samples.count());
   if (task < SurfaceSamples::move_steps)
@@ -279,8 +282,8 @@ double LoosenessEstimator::State::first_guess(std::size_t task) const noexcept {
   return 20 * block_cost;
 }
 
-// First the samples are moved, step by step. Then each group of their blocks is looked out from, at every level and to
-// both sides where it counts.
+// First the samples are moved, step by step. Then the rays of each group's blocks are searched, at every level and to
+// both sides where these count.
 void LoosenessEstimator::State::run(std::size_t task) noexcept {
   if (task < SurfaceSamples::move_steps) return samples.move(course.positions, task, task + 1);
   std::size_t k = task - SurfaceSamples::move_steps;
@@ -354,7 +357,7 @@ bool LoosenessEstimator::step(std::span<double> looseness) noexcept {
   if (c.step == c.steps) return false;
   const bool last = ++c.step == c.steps;
   const double until = c.whole_cost * static_cast<double>(c.step) / static_cast<double>(c.steps);
-  // A task that is half due is done.
+  // A task that is due by a half is run.
   for (; c.task < s.task_count() && (last || c.cost + c.expected[c.task] / 2 < until); ++c.task) {
     c.cost += c.expected[c.task];
     s.run(c.task);

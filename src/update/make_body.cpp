@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// How a body's state is made: check, rules, points, models, engines.
+// Steps that make a body's state: check, rules, points, models, engines.
 #include <algorithm>
 #include <cassert>
 #include <stdexcept>
@@ -31,7 +31,7 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   return rules;
 }
 
-// What moves a body with these rules; throws where it is not there.
+// The input that a body with these rules follows; throws if it is missing.
 RuleTraits::Follows followed_by(std::span<const Rule> rules, const UpdateOptions& options) {
   const Rule* first = nullptr;
   for (const Rule& rule : rules) {
@@ -50,7 +50,7 @@ RuleTraits::Follows followed_by(std::span<const Rule> rules, const UpdateOptions
   return first == nullptr ? RuleTraits::Follows::positions : traits(*first).follows;
 }
 
-// What each node follows. A leaf has no children to read.
+// The rule of each node. A leaf has no children to read.
 std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> rule_of_level) {
   std::vector<Rule> rules;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
@@ -61,21 +61,21 @@ std::vector<Rule> rules_of_nodes(const SphereTree& tree, std::span<const Rule> r
   return rules;
 }
 
-// Of every level, and of every node.
+// Rules of every level, and of every node.
 TreeRules rules_of_tree(const SphereTree& tree, const UpdateOptions& options) {
   TreeRules rules{.of_level = rules_of_levels(options, tree.level_count())};
   rules.of_node = rules_of_nodes(tree, rules.of_level);
   return rules;
 }
 
-// Nodes whose radii are raised to what they own.
+// Flags of the nodes whose radii are raised to contain their regions.
 std::vector<std::uint8_t> raised_nodes(std::span<const Rule> rule_of_node) {
   std::vector<std::uint8_t> flags;
   for (const Rule rule : rule_of_node) flags.push_back(covers_alone(rule) ? 0 : 1);
   return flags;
 }
 
-// One flag per leaf of the order: does it or a node above it look at the corners that it owns?
+// One flag per leaf of the order: whether it or a node above it tests the corners that it owns.
 std::vector<std::uint8_t> leaves_measured(const SphereTree& tree, const LeafOrder& order,
                                           std::span<const Rule> rule_of_node, bool conservative) {
   std::vector<std::uint8_t> flags;
@@ -101,7 +101,7 @@ void bind_engines(const Binding& binding, EngineList& engines) {
   }
 }
 
-// Of the tree and of how much each node owns. The spheres tell trees apart; what they own follows from those and the
+// Hash of the tree and of how much each node owns. The spheres separate trees; their regions follow from those and the
 // mesh.
 std::uint64_t cover_id_of(const CoveredTree& model) {
   Hasher hash;
@@ -114,7 +114,7 @@ std::uint64_t cover_id_of(const CoveredTree& model) {
 
 }  // namespace
 
-// What the rules ask for and what nodes own, settled before anything is bound.
+// Plan of a body: rules and owned points, computed before anything is bound.
 struct detail::BodyPlan {
   BodyPlan(const MeshView& mesh_, const CoveredTree& model, const UpdateOptions& options)
       : mesh(mesh_),
@@ -166,10 +166,10 @@ std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared
   return state;
 }
 
-// The models of modes and bones, then the engines, which read them.
+// Binds the models of modes and bones, then the engines, which read them.
 void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Workers& workers) {
   const MeshView& mesh = plan.mesh;
-  // Nobody else looks for facets: other bodies may be smaller than what an index of facets takes.
+  // Only links search facets, so the index is made for them alone: other bodies may be smaller than their index.
   std::optional<TriangleBvh> bvh;
   if (plan.reads_links) bvh.emplace(mesh, workers);
   if (!options.modes.empty()) {
@@ -211,14 +211,14 @@ void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, 
   raise(rounding, workers);
 }
 
-// What the spheres promise, and what a good update does.
+// Writes the spheres' promises, and the work of a good update.
 void Body::State::note_promises(const BodyPlan& plan) {
   const SphereTree& tree = model->tree;
   lazy = LazyFrame(tree.node_count(), options.modes.mode_count);
   posed.cover_id = cover_id_of(*model);
   posed.covers = options.conservative || std::all_of(plan.rules.of_level.begin(), plan.rules.of_level.end(),
                                                      [](Rule rule) { return traits(rule).covers; });
-  // A node of one that reads children contains their spheres; raised radii see to that, too.
+  // A node whose rule reads children contains their spheres; raised radii keep that true.
   posed.nested = true;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
     posed.nested = posed.nested && (tree.is_leaf(node) || plan.rules.of_node[node] == Rule::wrapped);

@@ -16,7 +16,7 @@ void move_by_modes(const Modes& modes, std::span<const Vec3> rest, std::span<con
   const Uninterrupted whole;
   assert(rest.size() == modes.vertex_count && positions.size() == modes.vertex_count);
   assert(coordinates.size() == modes.mode_count);
-  // So few that their positions stay in the nearest cache while mode after mode is added.
+  // Few enough vertices that their positions stay in the nearest cache while mode after mode is added.
   constexpr std::size_t vertices_per_chunk = 1024;
   parallel_for(workers, positions.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::copy(rest.begin() + static_cast<std::ptrdiff_t>(begin), rest.begin() + static_cast<std::ptrdiff_t>(end),

@@ -25,7 +25,7 @@ Box box_along_x(std::span<const Vec3> rest) {
   return box;
 }
 
-// From 0 to 1 over the frames; one frame alone is the first.
+// Share from 0 to 1 over the frames; one frame alone is the first.
 double share_of(std::size_t frame, std::size_t frame_count) {
   return frame_count < 2 ? 0.0 : static_cast<double>(frame) / static_cast<double>(frame_count - 1);
 }

@@ -9,8 +9,8 @@
 namespace morula::detail {
 namespace {
 
-// The square root of what a leaf takes in, by area. A part that needs κ / n with n spheres and one that needs λ / m do
-// best together when n to m is as √κ to √λ: roots are what is shared out evenly.
+// The square root of a leaf's outside volume, by area. A part with the outside volume κ / n under n spheres and one
+// with λ / m do best together if n to m is as √κ to √λ: so roots are shared evenly.
 std::vector<float> leaf_demands(const FitInput& input, const CoveredTree& model, std::span<const std::uint32_t> leaves,
                                 Workers& workers) {
   std::vector<float> demands(leaves.size());

@@ -19,9 +19,9 @@
 namespace morula::detail {
 namespace {
 
-// Inside with the room of a sphere that is fitted to them. Corners are computed in another order when the cover is
-// proven: that moves them by roundings of their coordinates, which are more than any share of the radius where a body
-// is far away. The share keeps corners on the sphere itself, which its own region has, from being taken for inside.
+// Whether the corners are inside with the rounding margin of a sphere that is fitted to them. The proof of the cover
+// computes corners in another order, which moves them by roundings of their coordinates; if a body is far away, these
+// are more than any share of the radius. The share excludes corners on the sphere itself, which its own region has.
 bool contains(const Sphere& sphere, std::span<const Vec3> corners, double pad) {
   constexpr double share = 1e-9;
   const double farthest = farthest_distance(sphere.center, corners);
@@ -30,12 +30,12 @@ bool contains(const Sphere& sphere, std::span<const Vec3> corners, double pad) {
          rounded_up_radius(farthest, std::max(pad, max_norm(sphere.center))) <= sphere.radius;
 }
 
-// Where the ball around the points takes in least of the space: a compass search from its middle or, where that is
-// better, from `start`. radius: of the ball about the middle.
+// The center of least outside volume about the points: a compass search from their middle or, if that is better, from
+// `start`. radius: of the ball about the middle.
 Vec3f best_center(const FreeSpace& space, const GroupPoints& points, const Vec3f& start, float radius) {
-  // On a tube a center that is 2 % of a radius off the axis costs more than all else that a thin slab takes in.
+  // On a tube a center that is 2 % of a radius off the axis costs more than the rest of a thin slab's outside volume.
   constexpr float first_step = 0.06F, last_step = 0.005F;
-  // Of two balls without free space the smaller is better.
+  // The smaller of two balls without free space is better.
   constexpr float whole_volume_share = 1e-4F;
   constexpr float infinity = std::numeric_limits<float>::infinity();
   struct Trial {
@@ -62,10 +62,11 @@ bool may_have_less_power(const Sphere& other, const Sphere& own, const Box& box)
   return least <= rounding;
 }
 
-// What one node gives to whom, itself included. Most polygons go as they are: they are named, not copied.
+// The parts that one node gives to each receiver, itself included. Most polygons go unchanged: gifts name them instead
+// of copies.
 struct Gifts {
   struct Gift {
-    std::uint32_t polygon;  // of the node's region; counted on from there, of the pieces
+    std::uint32_t polygon;  // index in the node's region; higher numbers index the cut parts
     std::uint32_t to;
   };
   std::vector<Gift> gifts;
@@ -77,7 +78,7 @@ struct Gifts {
     add_polygon(who, region.size() + pieces.size());
     pieces.add(region.facet[of_polygon], piece);
   }
-  // visit(receiver, region, polygon of that region)
+  // Calls visit(receiver, region, polygon of that region).
   template <class Visit>
   void each(const Region& region, const Visit& visit) const {
     for (const auto& [polygon, to] : gifts) {
@@ -90,10 +91,10 @@ struct Gifts {
 // Spheres that may take something from another.
 class NearBalls {
  public:
-  // facets: about how many will be asked for.
+  // facets: estimated number of queried facets.
   NearBalls(std::span<const std::uint32_t> near, std::span<const Sphere> spheres, const Sphere& own, std::size_t facets)
       : own_(own), at_vertices_(facets) {
-    // Those that fill up the last register have more power than any.
+    // Padding of the last register has more power than any ball.
     const std::size_t count = (near.size() + ball_columns_step - 1) / ball_columns_step * ball_columns_step;
     for (std::vector<double>* column : {&x_, &y_, &z_}) column->resize(count, 0);
     square_.resize(count, -std::numeric_limits<double>::infinity());
@@ -104,8 +105,8 @@ class NearBalls {
     }
   }
 
-  // A bit for each, of those with less power than `own` at one of a facet's vertices: differences of powers are affine,
-  // so no other has less at any of its points. Each vertex is asked once for most of its facets.
+  // One bit for each ball with less power than `own` at one of a facet's vertices: differences of powers are affine, so
+  // no other ball has less at any of its points. Each vertex is computed once for most of its facets.
   std::span<const std::uint64_t> with_less_power(const MeshView& mesh, std::uint32_t facet) {
     if (bits_.size() > most_words) return at_points(mesh.corners(facet));
     Words all{};
@@ -154,7 +155,7 @@ class Exchange {
     });
   }
 
-  // Asks for the boxes that look() or refit() has left.
+  // Needs the boxes that look() or refit() has left.
   void trade(Workers& workers) {
     std::vector<Sphere> spheres;
     for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
@@ -175,8 +176,8 @@ class Exchange {
   }
 
  private:
-  // On fine meshes regions are much of what a build holds, so they get exactly the room that they need, and what has
-  // been handed over goes at once.
+  // On fine meshes regions are a large part of a build's memory, so they get exactly the room that they need, and given
+  // parts are freed at once.
   void hand_over(std::vector<Gifts>& gifts) {
     std::vector<std::size_t> polygons(nodes_.size(), 0), cut_corners(nodes_.size(), 0);
     for (std::size_t i = 0; i < nodes_.size(); ++i)
@@ -249,7 +250,7 @@ class Exchange {
                         cut.polygon(piece));
       }
     }
-    // A place that is given up is lost for the level: who would give everything keeps everything.
+    // A node that becomes empty is lost for the level: a node that would give everything keeps everything.
     if (std::ranges::find(gifts.gifts, from, &Gifts::Gift::to) != gifts.gifts.end()) return gifts;
     gifts = {};
     for (std::size_t k = 0; k < own.region.size(); ++k) gifts.add_polygon(from, k);
@@ -266,7 +267,7 @@ class Exchange {
     const BuildNode& node = nodes_[i];
     const double radius = farthest_distance(node.sphere.center, corners);
     if (!(radius > 0)) return node.sphere;
-    // Nodes of a level overlap, on a tube by nearly all they have: what counts is the space that no other has.
+    // Nodes of a level overlap, on a tube by nearly all of their space: only the space of one node alone counts.
     constexpr double room = 1.3, lines_per_radius = 4;
     const Sphere around{node.sphere.center, room * radius};
     std::vector<Sphere> others;

@@ -21,14 +21,14 @@
 namespace morula::detail {
 namespace {
 
-// A size that a set goes through on the way to its own.
+// An intermediate size of a growing set.
 struct Rung {
   std::size_t size;
-  bool at_once;        // sought as it would be on its own
+  bool at_once;        // sought as if it were the requested size
   bool other = false;  // sought by the other start
 };
 
-// 12, 16, 24, 48, 96 …: at 32 and more, what else powers of two find is not worth its time.
+// Sizes 12, 16, 24, 48, 96 …: at 32 and more, further gains of powers of two are not worth their time.
 bool is_other_start(std::size_t size) {
   // mutant flat-set-other-start: `2 * few_spheres ||` -> `0 &&`
   return size == 2 * few_spheres || (size >= least_other_start && size % 3 == 0 && std::has_single_bit(size / 3));
@@ -51,10 +51,10 @@ std::vector<Rung> rungs_up_to(std::size_t spheres, bool has_other_start) {
   return rungs;
 }
 
-// How far a set has grown: what is known of its leaves while they stay as they are.
+// State of a growing set: cached measures of its leaves, valid while these stay unchanged.
 struct Growth {
-  std::vector<double> gain;  // per leaf: what it takes in by itself
-  std::vector<int> tried;    // parts that it was divided into in vain; 1: none
+  std::vector<double> gain;  // outside volume per leaf, by itself
+  std::vector<int> tried;    // per leaf: number of parts that it was divided into in vain; 1: none
   int parts = 2, failures = 0;
 };
 
@@ -102,7 +102,7 @@ class FlatSet {
   }
 
  private:
-  // The tightest set of the rung's size or fewer: the one so far, grown, or one that is sought.
+  // The tightest set of the rung's size or fewer: the best so far, that set grown, or one that is sought.
   void climb(Set& best, const Rung& rung) {
     std::optional<Set> at_once;
     if (rung.at_once) at_once = sought_at_once(rung.size);
@@ -121,7 +121,7 @@ class FlatSet {
     if (other.outside < best.outside) best = std::move(other);
   }
 
-  // As it would be on its own, so that larger sets cannot be looser.
+  // Seeks the set as if its size were requested, so that larger sets cannot be looser.
   Set sought_at_once(std::size_t size) {
     Set set = sought(by_.one_level(size));
     if (by_.improve && size == static_cast<std::size_t>(run_.branching)) first_level_ = set.leaves;
@@ -156,7 +156,7 @@ class FlatSet {
   void improve(Set& set) {
     if (!by_.improve || set.leaves.size() < 2) return;
     std::vector<BuildNode> improved = set.leaves;
-    // Children of one node: they may hand parts to all others.
+    // Children of one node: exchange may move parts among all of them.
     for (BuildNode& leaf : improved) leaf.parent = 0;
     by_.improve(improved);
     if (const double now = outside(improved); now < set.outside) {
@@ -166,7 +166,7 @@ class FlatSet {
     }
   }
 
-  // Spheres that sit side by side like slabs: their centers are much nearer than their surfaces are.
+  // Whether spheres lie side by side like slabs: their centers are much nearer than their surfaces are.
   static bool is_slender(const Set& set) {
     constexpr double much_nearer = 0.5;
     if (set.leaves.size() < 2) return false;
@@ -182,10 +182,10 @@ class FlatSet {
     return *middle < much_nearer;
   }
 
-  // The leaves of a tree of as many levels as the number of spheres allows; nothing where that is one level, or where
-  // they are too many.
+  // The leaves of a tree of as many levels as the number of spheres allows; nothing if that is one level, or if they
+  // are too many.
   std::optional<Set> last_level(std::size_t most) {
-    // Trees seldom use all their places: one that could have a few leaves too many may have few enough.
+    // Trees seldom use all their places: a tree that could have a few leaves too many may have few enough.
     const std::size_t about = most + most / 4;
     int depth = 0;
     for (std::size_t leaves = 1; leaves <= about / static_cast<std::size_t>(run_.branching); ++depth)
@@ -195,11 +195,11 @@ class FlatSet {
     return tree_.leaves.size() > most ? std::nullopt : std::optional(tree_);
   }
 
-  // Its first level is the set of so many that is at hand, with parts that have changed hands.
+  // Its first level is the available set of so many, with exchanged parts.
   Set leaves_of_tree(int depth) {
     Set set;
     const Divider divide = by_.levels(depth);
-    std::vector<BuildNode> finished;  // cannot be divided further
+    std::vector<BuildNode> finished;  // leaves that cannot be divided further
     const bool is_begun = first_level_.size() > 1;
     set.leaves = is_begun ? first_level_ : std::vector{root_};
     for (int level = is_begun ? 1 : 0; level < depth; ++level) {
@@ -208,7 +208,7 @@ class FlatSet {
         if (!run_.stop.stop_requested()) divisions[i] = children_of(set.leaves[i], divide, too_small_);
       };
       if (set.leaves.size() == 1)
-        divide_one(0);  // it has the workers to itself
+        divide_one(0);  // the only task, so it has the workers to itself
       else
         workers_.run(set.leaves.size(), divide_one);
       run_.throw_if_stopped();
@@ -229,14 +229,15 @@ class FlatSet {
     return set;
   }
 
-  // Places that are left go to the spheres that take in most, as long as the union gets smaller. Which sphere is
-  // divided next does not depend on `most`: of two sets that grow from the same one, the larger goes through the
-  // smaller, so it is never looser. A division that did not help a set still does not when the set may grow further.
+  // Places that are left go to the spheres of largest outside volume, as long as the union gets smaller. The choice of
+  // the next sphere does not depend on `most`: if two sets grow from the same one, the larger goes through the smaller,
+  // so it is never looser. A division that did not help a set still does not when the set may grow further.
   void grow(Set& set, std::size_t most) {
     if (set.leaves.size() >= most) return;
     Growth& known = set.growth;
     if (!by_.grows || known.gain.size() != set.leaves.size()) known = growth_of(set);
-    // Halves first. Where they do not help, quarters may: of a plate, two spheres take in as much as one.
+    // Halves are tried first. If they do not help, quarters may: the outside volume of two spheres of a plate is as
+    // large as that of one.
     constexpr int most_failures = 3;
     while (set.leaves.size() + static_cast<std::size_t>(known.parts) <= most + 1 && !run_.out_of_time()) {
       run_.throw_if_stopped();
@@ -260,7 +261,7 @@ class FlatSet {
     return growth;
   }
 
-  // The leaf to divide next; as many as there are: none.
+  // The leaf to divide next; their number if there is none.
   static std::size_t worst_of(const Growth& known) {
     std::size_t worst = known.gain.size();
     for (std::size_t i = 0; i < known.gain.size(); ++i)
@@ -270,7 +271,7 @@ class FlatSet {
     return worst;
   }
 
-  // Whether the parts of a leaf, in its place, take in less.
+  // Whether the parts of a leaf, in its place, have less outside volume.
   bool divide(Set& set, std::size_t at, const Divider& divider) {
     Division parts = children_of(set.leaves[at], divider, too_small_);
     if (parts.children.size() < 2) return false;
@@ -294,8 +295,8 @@ class FlatSet {
     return true;
   }
 
-  // Leaves [begin, end) of `order` in groups of equal size, as many as a node may have children, cut across where they
-  // reach farthest.
+  // Leaves [begin, end) of `order` in groups of equal size, as many as a node may have children, cut across their
+  // longest axis.
   std::vector<std::size_t> cut(const std::vector<BuildNode>& leaves, std::vector<std::uint32_t>& order,
                                std::size_t begin, std::size_t end) const {
     const auto parts = static_cast<std::size_t>(run_.branching);
@@ -305,7 +306,7 @@ class FlatSet {
         ends.push_back(to);
         return;
       }
-      // Nobody goes without: where there are fewer leaves than parts, shares are rounded to none.
+      // Every group gets a part: if there are fewer leaves than parts, shares are rounded to none.
       const std::size_t left = into / 2,
                         middle = from + std::clamp<std::size_t>((to - from) * left / into, 1, to - from - 1);
       std::vector<Vec3> centers;
@@ -401,7 +402,7 @@ class FlatSet {
   Divider halve_, quarter_;
   double too_small_;
   BuildNode root_;
-  std::vector<BuildNode> first_level_;  // of trees; none where parts do not change hands
+  std::vector<BuildNode> first_level_;  // first level of trees; empty if parts are not exchanged
   Set tree_;                            // leaves of a tree of tree_depth_ levels
   int tree_depth_ = 0;
   BuildReport report_;

@@ -15,14 +15,14 @@
 namespace morula::detail {
 namespace {
 
-constexpr double rounding = 1e-9;  // far above that of anything here, in parts of a length
+constexpr double rounding = 1e-9;  // relative to a length; far above the rounding of all computations here
 constexpr std::size_t facets_per_box = 16;
 
 Box box_of(const Triangle& t) {
   return {min(min(t[0], t[1]), t[2]), max(max(t[0], t[1]), t[2])};
 }
 
-// Leaves, their spheres and the facets of their parts, with a box around every few of these.
+// Leaves, their spheres and the facets of their parts, with a box around every few of these facets.
 class Parts {
  public:
   Parts(const MeshView& mesh, std::span<const BuildNode> leaves) : mesh_(mesh), leaves_(leaves), boxes_(leaves.size()) {
@@ -36,9 +36,10 @@ class Parts {
     }
   }
 
-  // The nearest point of the surface is in some leaf's part, and that in its sphere: spheres that are farther away than
-  // surface which is known do not have it, nor do facets whose boxes are. The least of what is computed for facets is
-  // that of the nearest, so it is the same as by the index.
+  // Distance to the surface. The nearest point of the surface is in some leaf's part, and the part in the leaf's
+  // sphere: spheres farther away than the nearest surface so far cannot contain it, nor can facets whose boxes are
+  // farther away. The least of the distances computed for facets is that of the nearest, so it is the same as by the
+  // index.
   double distance_to_surface(std::size_t own) const {
     const Vec3& p = leaves_[own].sphere.center;
     double least = std::numeric_limits<double>::infinity();
@@ -59,9 +60,10 @@ class Parts {
     return std::sqrt(least);
   }
 
-  // How often the surface goes around p: what is passed from there up an axis, out less in. A facet that is passed has
-  // its part there in a sphere that the way meets. Where p is farther from the surface than rounding reaches, it does
-  // not matter on which side of an edge the way passes: every facet with that edge, its corners taken from p, agrees.
+  // Winding number of the surface around p: the facets crossed outward on the way up an axis, less those crossed
+  // inward. A crossed facet has its part there in a sphere that the way meets. If p is farther from the surface than
+  // rounding reaches, it does not matter on which side of an edge the way passes: every facet with that edge, its
+  // corners computed relative to p, agrees.
   int winding_number(const Vec3& p, double slack) const {
     constexpr LineLattice up{0, 1, 2, 0.0, 1, 0, 1};
     std::vector<std::pair<std::uint32_t, int>> passed;

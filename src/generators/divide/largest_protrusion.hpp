@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Largest protrusion of a set's spheres, by the parts of the surface that they own: without an index of facets.
+// Largest protrusion of a set's spheres, computed from the parts of the surface that they own, without an index of
+// facets.
 #pragma once
 
 #include <span>
@@ -10,9 +11,9 @@
 
 namespace morula::detail {
 
-/// max of (r + φ(c))⁺ over the leaves, as SignedDistance::protrusion_bound has it. leaves: their regions are the whole
-/// surface, and each lies in its sphere. A shape that has an index is asked, and so is that of a mesh which is not
-/// closed, or of a center on the surface but for rounding. Cost: O(leaves · facets that spheres near by own).
+/// Returns max of (r + φ(c))⁺ over the leaves, with φ as in SignedDistance::protrusion_bound. leaves: their regions are
+/// the whole surface, and each lies in its sphere. The index of the shape computes φ if there is one, if the mesh is
+/// not closed, or if a center is on the surface up to rounding. Cost: O(leaves · facets that near spheres own).
 double largest_protrusion(const MeshView& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves);
 
 }  // namespace morula::detail

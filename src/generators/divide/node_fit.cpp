@@ -15,9 +15,9 @@
 namespace morula::detail {
 namespace {
 
-// Deep balls around shallow patches reach far: this much room about a region, in radii of its sphere.
+// Margin about a region, in radii of its sphere: deep balls around shallow patches reach far.
 constexpr double room = 1.5;
-// Of two samples nearer to each other than this share of their spacing one is enough.
+// One of two samples nearer to each other than this share of their spacing is enough.
 constexpr double thinning = 0.7;
 
 // One sample of each neighborhood: a set of cells, open addressing, insertion only.
@@ -104,7 +104,7 @@ FitInput fit_input(const MeshView& mesh, const ObjectShape& shape, const ObjectL
 int lattice_cells(const MeshView& mesh, const ObjectShape& shape, int branching, int depth) {
   double surface = 0;
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) surface += area(mesh.corners(f));
-  // Deeper levels than this share the finest lattice: it is what memory allows.
+  // Deeper levels than this share the finest lattice: memory allows no finer one.
   constexpr double most_parts = 4096, fewest = 64, most = 512;
   double parts = branching;
   for (int level = 1; level < depth; ++level) parts = std::min(most_parts, parts * branching);
@@ -120,9 +120,9 @@ double area_of(const MeshView& mesh, const Region& region) {
 }
 
 RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing) {
-  // Regions without area, or next to none beside their sphere, still have a length.
-  // Slender regions, and those without area, still have a length. Spheres that cover it have diameters that add up to
-  // it, so half of that per child is no loss; parts as narrow as the area says would need cells by the million.
+  // Regions without area, or next to none compared with their sphere, still have a length. Spheres that cover a slender
+  // region have diameters that add up to its length, so half of that per child is no loss; parts as narrow as the area
+  // alone suggests would need millions of cells.
   const double least_width = std::max(0.02, 1 / static_cast<double>(most)) * node.sphere.radius;
   RegionPoints result;
   result.width = std::max(least_width, std::sqrt(area_of(input.mesh, node.region) / static_cast<double>(most)));
@@ -141,7 +141,7 @@ NodeFit::NodeFit(const FitInput& input, const BuildNode& node, const RegionPoint
   const double margin = room * node.sphere.radius;
   box.lower = box.lower - Vec3{margin, margin, margin};
   box.upper = box.upper + Vec3{margin, margin, margin};
-  // As wide as the children's parts and the balls to come allow; on thin bodies balls are narrower than parts, on tubes
+  // The children's parts and the future balls limit the width; on thin bodies balls are narrower than parts, on tubes
   // they are wider.
   constexpr double most_cells = 160;
   double of_balls = mean_radius / settings.cells_per_radius, of_parts = settings.cell;

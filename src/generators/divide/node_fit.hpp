@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The fit of one node's children: what every generator but octree ends in. Spheres are moved over samples of the node's
-// region to where they take in least empty space together, then made exact.
+// The fit of one node's children: the last step of every generator except octree. Spheres are moved over samples of the
+// node's region until they cover least empty space together; then they are made exact.
 #pragma once
 
 #include <functional>
@@ -12,12 +12,12 @@
 
 namespace morula::detail {
 
-/// What the fits of a build share. Borrowed by them.
+/// Inputs that the fits of a build share. Fits borrow them.
 struct FitInput {
   MeshView mesh;
   const ObjectShape& shape;
   const ObjectLines& lines;
-  double pad;  ///< largest coordinate, for rounding radii up
+  double pad;  ///< largest |coordinate|, for rounding radii up
 };
 FitInput fit_input(const MeshView& mesh, const ObjectShape& shape, const ObjectLines& lines);
 /// Cells along the longest side that ObjectLines needs for a build of this depth and branching.
@@ -28,30 +28,30 @@ using Demand = std::function<float(const Vec3&)>;
 
 /// Samples of a node's region, evenly spread, for any number of fits.
 struct RegionPoints {
-  double width = 0;  ///< of one child's part of the region, mesh units
-  Box box;           ///< of the region
+  double width = 0;  ///< width of one child's part of the region, mesh units
+  Box box;           ///< box of the region
   std::vector<Vec3> points;
 };
-/// most: children. spacing: of the samples, in widths of a child's part.
+/// most: greatest number of children. spacing: distance of samples, in widths of a child's part.
 RegionPoints region_points(const FitInput& input, const BuildNode& node, std::size_t most, double spacing);
 
 class NodeFit {
  public:
   struct Settings {
-    double spacing = 0.1;         ///< of samples, in widths of a child's part of the region
-    double cell = 0.2;            ///< narrowest grid cell, in the same
-    double cells_per_radius = 4;  ///< of the mean ball, where that is wider
-    /// Width of grid cells about balls on a tube, which are much wider than their slabs: lines of wider cells pass a
-    /// slab by on both sides.
+    double spacing = 0.1;         ///< distance of samples, in widths of a child's part of the region
+    double cell = 0.2;            ///< width of the narrowest grid cell, in widths of a child's part
+    double cells_per_radius = 4;  ///< cells per radius of the mean ball, if that cell is the wider one
+    /// Width of grid cells about balls on a tube. Such balls are much wider than their slabs, and lines of wider cells
+    /// miss a slab on both sides.
     struct SlabCell {
-      double widest = 0;            ///< in widths of a part; 0: as for other balls
-      double most_per_radius = 16;  ///< of the mean ball
+      double widest = 0;            ///< largest width, in widths of a part; 0: as for other balls
+      double most_per_radius = 16;  ///< most cells per radius of the mean ball
     };
     SlabCell slab_cell{};
-    float balance = 0;  ///< weight of demand that is shared out unevenly
+    float balance = 0;  ///< weight of unevenly shared demand
     int exact_rounds = 3;
   };
-  /// mean_radius: of the balls to come, mesh units; sets the width of the grid's cells.
+  /// mean_radius: estimate for the children's balls, mesh units; sets the width of the grid's cells.
   NodeFit(const FitInput& input, const BuildNode& node, const RegionPoints& samples, std::size_t most,
           double mean_radius, const Settings& settings, const Demand& demand = {});
 
@@ -65,14 +65,15 @@ class NodeFit {
     std::vector<Sphere> spheres;  // padded
     std::vector<Region> regions;  // none empty
     std::size_t leftover_patches = 0;
-    double cost = 0;  // outside volume, and what balance adds; mesh units; 0 where none is wanted
+    double cost = 0;  // outside volume, and the balance term; mesh units; 0 if no cost is requested
   };
-  /// The region divided exactly among the children's balls, each ball fitted again to what it owns; the best of some
-  /// rounds. The children are left with that result. wants_cost: it will be compared with others.
+  /// Divides the region exactly among the children's balls and fits each ball again to its own part; returns the best
+  /// of a few rounds. The children keep that result. wants_cost: the result will be compared with others.
   Exact exact(bool wants_cost = true) {
     return exact_from(children_->spheres(), settings_.exact_rounds, wants_cost, false);
   }
-  /// Once, from other spheres, each also tried at the node's own center: what one ball does as well as many.
+  /// Divides once, among other spheres, each of which is also tried at the node's own center: for nodes that one ball
+  /// fits as well as many.
   Exact divided_anyway(std::vector<Sphere> spheres);
 
  private:

@@ -13,7 +13,7 @@
 namespace morula::detail {
 namespace {
 
-// A division worked out ahead, its children judged.
+// A division computed ahead, with the scores of its children.
 struct Prepared {
   Division division;
   std::vector<Verdict> verdicts;
@@ -24,7 +24,7 @@ struct Grown {
   Verdict verdict;
   std::vector<std::uint32_t> children{};
   std::optional<Prepared> prepared{};
-  bool dead_end = false;  // cannot be divided
+  bool dead_end = false;  // the node cannot be divided
 };
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;  // two leaves, the children of one node
@@ -80,7 +80,7 @@ class Pruner {
         if (nodes_[children[i]].children.empty() && nodes_[children[j]].children.empty())
           pairs.push_back({common_radius(nodes_[children[i]].node.sphere, nodes_[children[j]].node.sphere),
                            {children[i], children[j]}});
-    // Fitting is what costs: only the closest pairs are tried, and what was tried before is remembered.
+    // Fits dominate the cost: only the closest pairs are tried, and tried pairs are remembered.
     constexpr std::size_t most_trials = 8;
     const std::size_t trials = std::min(most_trials, pairs.size());
     std::partial_sort(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(trials), pairs.end());
@@ -119,7 +119,7 @@ class Pruner {
       enqueue(parent);
       return;
     }
-    // The only child left: it stands for its parent, whose own sphere may be the better one.
+    // The only child left: it replaces its parent, whose own sphere may be the better one.
     children.clear();
     nodes_[kept].node.region = {};
     nodes_[parent].node.region = std::move(node.region);
@@ -141,15 +141,14 @@ class Pruner {
   std::set<std::pair<double, std::uint32_t>> queue_;  // the cheapest first
 };
 
-// Joins two sibling leaves after the other, those first that then take in least more, until at most `most` leaves are
-// left; a node whose children have become one is that leaf. nodes: the root first. Nodes that are joined away are no
-// longer among their parent's children.
+// Joins two sibling leaves after the other, cheapest first, until at most `most` leaves are left; a node whose children
+// have become one is that leaf. nodes: the root first. Joined nodes leave their parent's list of children.
 void prune(std::vector<Grown>& nodes, std::size_t most, const LeafScore& score, const BuildRun& run, Workers& workers) {
   Pruner(nodes, score)(most, run, workers);
 }
 
-// Grown to so many times the number of spheres asked for, then pruned: where the divisions gain most shows only when
-// there are more. Costs that share more time.
+// Leaves are grown to so many times the requested number of spheres, then pruned: only more spheres show where
+// divisions gain most. The cost is that share more time.
 constexpr double overshoot = 2;
 
 class BestFirst {
@@ -188,7 +187,7 @@ class BestFirst {
   }
 
  private:
-  // How many leaves are grown before any is joined to others.
+  // Number of leaves that are grown before any is joined to others.
   static std::size_t leaves_wanted(const BuildRun& run) {
     if (run.spheres == 0) return std::numeric_limits<std::size_t>::max();
     if (run.spheres == 1 || run.max_protrusion > 0) return run.spheres;
@@ -204,8 +203,8 @@ class BestFirst {
     nodes_.push_back({std::move(node), verdict});
   }
 
-  // Works out the divisions of the worst leaves that have none yet, several at a time. They are used strictly in order,
-  // so what is worked out ahead changes nothing; a few at the end are for nothing.
+  // Computes the divisions of the worst leaves that have none yet, several at a time. They are used strictly in order,
+  // so computing ahead changes no result; a few at the end are unused.
   bool divide_ahead() {
     std::size_t most = std::max<std::size_t>(16, 8 * std::size_t{workers_.thread_count()});
     if (run_.spheres > 0) {
@@ -322,7 +321,7 @@ class BestFirst {
     return model;
   }
 
-  /// Where both limits were given: the one that ended the division.
+  /// The limit that ended the division, if both were given.
   std::string which_limit(std::size_t sticking_out) const {
     const std::string length = short_number(run_.max_protrusion), most = std::to_string(run_.spheres);
     if (sticking_out == 0)

@@ -56,7 +56,7 @@ BuildRun BuildRun::one_level(std::size_t children) const {
 void BuildRun::tell(double share, int level, std::optional<double> seconds_left) const {
   if (!progress) return;
   const double of_all = from_ + share * (to_ - from_);
-  // What other passes take is known by their share alone.
+  // The share of other passes is the only estimate of their time.
   constexpr double enough_to_judge = 0.02;
   if (to_ < 1) {
     seconds_left.reset();
@@ -86,8 +86,8 @@ double TimeEstimate::wall(double seconds, double nodes) const {
 std::optional<double> TimeEstimate::seconds_left() const {
   if (levels_.empty() || levels_.back().done == 0) return std::nullopt;
   const Level& now = levels_.back();
-  // Before two levels are seen: a node costs as much as so many patches. Rather too much than too little, because the
-  // bar does not go back.
+  // Before two levels are measured: a node costs as much as so many patches. The estimate errs upwards, because the
+  // progress bar does not go back.
   constexpr double patches_per_node = 20000;
   double per_node = now.all_seconds() / (now.nodes + patches_ / patches_per_node);
   if (levels_.size() > 1) {

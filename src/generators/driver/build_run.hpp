@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A build while it runs: its options, its clock, whether to go on, and how far it is.
+// A build while it runs: its options, its clock, its stop token and its progress.
 #pragma once
 
 #include <chrono>
@@ -8,22 +8,23 @@
 
 namespace morula::detail {
 
-/// Copied freely: copies share the clock and the way progress is told.
+/// Copies are cheap: they share the clock and the progress callback.
 class BuildRun : public BuildOptions {
  public:
-  /// Starts the clock that the time limit is measured by. `progress` is made to never go back.
+  /// Starts the clock of the time limit. Reported progress never decreases.
   BuildRun(const BuildOptions& options, const MeshView& mesh);
 
-  /// Levels below the root: as asked for, or automatic; of a flat set the depth that its measures are chosen for.
+  /// Levels below the root: the requested or the automatic depth. A flat set has the depth that its measures are chosen
+  /// for.
   int depth;
-  /// Of a flat set, as asked for; 0: not asked for.
+  /// Requested spheres of a flat set; 0: not requested.
   std::size_t spheres;
   double max_protrusion;
-  /// Of the mesh, and its largest |coordinate|, which radii are padded by.
+  /// Box of the mesh; its largest |coordinate|, which radii are padded by.
   const Box& box() const { return box_; }
   double largest_coordinate() const { return morula::largest_coordinate(box_); }
 
-  /// Throws BuildStopped when the stop was requested. Between steps of a few ten milliseconds.
+  /// Throws BuildStopped when the stop was requested. Called between steps of a few ten milliseconds.
   void throw_if_stopped() const {
     if (stop.stop_requested()) throw BuildStopped();
   }
@@ -31,11 +32,11 @@ class BuildRun : public BuildOptions {
   /// Seconds since the build began.
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  /// For a generator that makes several trees: a run whose progress 0…1 is told as from…to of this one's.
+  /// For a generator that makes several trees: a run whose progress 0…1 is reported as from…to of this run's.
   BuildRun pass(double from, double to) const;
-  /// For one level of so many children instead of what was asked for.
+  /// For one level of `children` children instead of the requested tree.
   BuildRun one_level(std::size_t children) const;
-  /// On the calling thread only. seconds_left: of this pass.
+  /// Reports progress, on the calling thread only. seconds_left: of this pass.
   void tell(double share, int level, std::optional<double> seconds_left = {}) const;
 
  private:
@@ -47,16 +48,15 @@ class BuildRun : public BuildOptions {
 };
 
 /// Seconds that the rest of a level-by-level build takes. Dividing all nodes of a level costs A + B × nodes: every
-/// level goes over the whole surface once, and every node has a price of its own; the last two levels seen say how
-/// much.
+/// level processes the whole surface once, and every node has a price of its own. The last two levels give A and B.
 class TimeEstimate {
  public:
-  /// patches: of the whole surface.
+  /// patches: number of the whole surface.
   TimeEstimate(int depth, int branching, std::size_t patches, unsigned threads);
   void begin_level(std::size_t nodes);
-  /// More nodes of the level are divided. seconds: summed over the nodes.
+  /// Adds the division of more nodes of the level. seconds: summed over the nodes.
   void add(std::size_t nodes, std::size_t children, double seconds);
-  /// Nothing before the root is divided.
+  /// Empty before the root is divided.
   std::optional<double> seconds_left() const;
 
  private:

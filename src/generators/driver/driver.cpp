@@ -20,8 +20,8 @@ bool worth_keeping(const BuildNode& node, const Division& division) {
 }  // namespace
 
 double smallest_radius(const BuildRun& run) {
-  // A sphere about a point has a radius of 2^-48 of its coordinates: nothing that small is worth dividing, nor can it
-  // be.
+  // A sphere about a point has a radius of 2^-48 of its coordinates: a region that small is not worth dividing, nor can
+  // it be divided.
   constexpr double share_of_diagonal = 1e-9, share_of_coordinate = 0x1p-47;
   return std::max(share_of_diagonal * run.box().diagonal(), share_of_coordinate * run.largest_coordinate());
 }

@@ -10,19 +10,19 @@ namespace morula::detail {
 /// The node that owns the whole surface.
 BuildNode root_node(const MeshView& mesh, const BuildRun& run, const Box& cell);
 
-/// The node's children, with level and seed; none when a division would gain nothing.
+/// The node's children, with level and seed; none if a division would gain nothing.
 Division children_of(const BuildNode& node, const Divider& divide, double too_small);
-/// Regions with a smaller radius are points for all purposes.
+/// Regions with a smaller radius count as points.
 double smallest_radius(const BuildRun& run);
 
-/// All that is known before the first division.
+/// The report with everything that is computed before the first division.
 BuildReport new_report(const MeshView& mesh, const BuildRun& run);
 
-/// How often each reducer's proposal was taken, in the order of first use.
+/// How often each reducer's proposal was used, in the order of first use.
 class Winners {
  public:
   void add(const Division& division);
-  /// Nothing when there was no choice and no fallback.
+  /// Empty if there was no choice and no fallback.
   std::string note() const;
 
  private:

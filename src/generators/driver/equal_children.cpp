@@ -7,7 +7,7 @@
 namespace morula::detail {
 namespace {
 
-// Such a child takes in what the node takes in, to half a percent.
+// The outside volume of such a child is that of the node, to half a percent.
 bool is_equal(const Sphere& child, const Sphere& node) {
   constexpr double share = 0.001;
   // mutant equal-children-wherever-they-are: `node.radius && ... * node.radius` -> `node.radius`

@@ -47,7 +47,7 @@ BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere) {
 LeafScore::LeafScore(const MeshView& mesh, const SignedDistance& shape, const BuildRun& run)
     : mesh_(mesh), shape_(shape), max_protrusion_(run.max_protrusion), pad_(run.largest_coordinate()) {}
 
-// Outside volume is what looseness adds up, and dividing by it gave sets up to 17 % tighter than by the bound times r².
+// Looseness adds up outside volume, and dividing by it gave sets up to 17 % tighter than by the bound times r².
 Verdict LeafScore::operator()(const Sphere& sphere) const {
   const double bound = shape_.protrusion_bound(sphere);
   if (max_protrusion_ > 0) return {bound, bound};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Join: leaves judged, and children joined again where fewer are wanted than a generator made.
+// Join: scores of leaves, and children joined again if a generator made more than run.spheres.
 #pragma once
 
 #include "generators/driver/top_down.hpp"
@@ -8,34 +8,34 @@
 namespace morula::detail {
 
 struct Verdict {
-  double bound;  // of how far the sphere sticks out
-  double gain;   // what there is to gain by dividing the node; the greatest is divided first
+  double bound;  // bound of the sphere's protrusion
+  double gain;   // expected gain of dividing the node; the node with the greatest is divided first
 };
 
-/// What two siblings would be as one.
+/// The common node that two siblings would become.
 struct Join {
-  double cost;  // what is lost by it
+  double cost;  // outside volume or protrusion that joining adds
   Sphere sphere;
   Verdict verdict;
 };
 
-/// Smallest sphere around two, as far as its radius goes: which siblings are close.
+/// Radius of the smallest sphere around two; it shows which siblings are close.
 double common_radius(const Sphere& a, const Sphere& b);
-/// The siblings' regions and cells as one, with the sphere given.
+/// The siblings' regions and cells as one, with the given sphere.
 BuildNode joined(const BuildNode& a, const BuildNode& b, const Sphere& sphere);
 
 class LeafScore {
  public:
-  /// run.max_protrusion: 0 where only the number of spheres matters.
+  /// run.max_protrusion: 0 if only the number of spheres matters.
   LeafScore(const MeshView& mesh, const SignedDistance& shape, const BuildRun& run);
 
   Verdict operator()(const Sphere& sphere) const;
 
-  /// The cost is how much more the common sphere takes in than the two do, or, where protrusion is what matters, how
-  /// far it sticks out.
+  /// The cost is the outside volume of the common sphere minus that of the two, or its protrusion, if a greatest
+  /// protrusion is the aim.
   Join join(const BuildNode& a, const Verdict& of_a, const BuildNode& b, const Verdict& of_b) const;
-  /// Moves spheres that stick out by more than max_protrusion where they do not, if they can be, and joins siblings as
-  /// long as their common sphere does not either.
+  /// Moves spheres that stick out by more than max_protrusion to centers where they do not, if there are such centers.
+  /// Then it joins siblings as long as their common sphere does not stick out more either.
   void make_few(Division& division) const;
 
  private:

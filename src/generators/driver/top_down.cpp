@@ -19,7 +19,8 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-// A sphere around a child's region and inside its parent's: as far towards the child's own place as there is room.
+// A sphere around a child's region and inside its parent's: as near to the child's own center as the parent's sphere
+// allows.
 Sphere inside_parent(const MeshView& mesh, const BuildNode& child, const Sphere& parent, double pad) {
   std::vector<Vec3> corners;
   corner_positions(mesh, child.region, corners);
@@ -29,7 +30,7 @@ Sphere inside_parent(const MeshView& mesh, const BuildNode& child, const Sphere&
     const double radius = rounded_up_radius(farthest_distance(center, corners), std::max(pad, max_norm(center)));
     if (distance(center, parent.center) + radius <= parent.radius) return {center, radius};
   }
-  // No larger than the parent's, but for the rounding of points that the child's polygons have been cut at.
+  // No larger than the parent's, except for the rounding of points that the child's polygons have been cut at.
   return {parent.center,
           rounded_up_radius(farthest_distance(parent.center, corners), std::max(pad, max_norm(parent.center)))};
 }
@@ -43,15 +44,15 @@ double signed_area(std::span<const Barycentric> polygon) {
   return 0.5 * twice;
 }
 
-// Regions as one. A facet is whole again when its pieces have all of its area, but for rounding, and its three corners:
-// then nothing is owned that was not before. A piece that exchange took elsewhere is missing, however small: with a
-// corner of the facet in it, that corner need not lie in the node's sphere.
+// Regions as one. A facet is whole again when its patches have all of its area, up to rounding, and its three corners:
+// then nothing new is owned. A patch that exchange moved elsewhere is missing, however small: it may have a corner of
+// the facet, and that corner need not lie in the node's sphere.
 Region joined(std::span<const BuildNode> parts) {
   constexpr double whole = 0.5 * (1 - 1e-12);
   struct Pieces {
     double area = 0;
     std::size_t count = 0;
-    unsigned corners = 0;  // of the facet, a bit each
+    unsigned corners = 0;  // corners of the facet, a bit each
   };
   std::map<std::uint32_t, Pieces> pieces;
   for (const BuildNode& part : parts)
@@ -101,7 +102,7 @@ class Levels {
     difference_ = lines_->difference(of_above);
   }
 
-  // Which divisions are taken back.
+  // Flags of the divisions that are undone.
   std::vector<std::uint8_t> taken_back() {
     std::vector<std::uint8_t> gone(children_.size(), 0);
     std::vector<std::pair<double, std::uint32_t>> order;
@@ -125,7 +126,7 @@ class Levels {
     while (!not_looser()) {
       gains();
       if (order.empty()) break;
-      // Some at a time: what is left changes little by each.
+      // A few at a time: each changes little for the rest.
       const std::size_t some = 1 + order.size() / 8;
       for (std::size_t k = 0; k < std::min(some, order.size()) && !not_looser(); ++k) {
         const std::uint32_t i = order[k].second;
@@ -136,18 +137,18 @@ class Levels {
   }
 
  private:
-  // Of what the level takes in, if a node stood for its children.
+  // Change of the level's outside volume if a node replaced its children.
   double change(std::uint32_t node) {
     const std::array<std::uint32_t, 1> own{first_above_ + node};
     return lines_->change(own, children_[node]);
   }
-  // Nodes that are small beside the lattice's cells are not judged by a line or two.
+  // A line or two cannot measure nodes that are small compared with the lattice's cells.
   bool is_seen(std::uint32_t node) const {
     constexpr std::size_t enough = 24;
     return lines_->line_count(first_above_ + node) >= enough;
   }
-  // Of lines: a sixth of a usual new sphere's radius. On a tube a sphere's own slab is a fifth of its radius wide:
-  // lines twice as far apart leave out every second slab, and divisions were taken back that pay.
+  // Spacing of lines: a sixth of a usual new sphere's radius. On a tube a sphere's own slab is a fifth of its radius
+  // wide: lines twice as far apart miss every second slab, and useful divisions were undone.
   static double spacing(const std::vector<BuildNode>& next) {
     std::vector<double> radii;
     for (const BuildNode& child : next) radii.push_back(child.sphere.radius);
@@ -156,40 +157,40 @@ class Levels {
     // mutant slabs-judged: `6` -> `3`
     return *some / 6;
   }
-  // The error of both unions is that of what only one of them has.
+  // The error of both unions is the error of their difference.
   bool not_looser() const {
     constexpr double error = 0.02;
     return below_ <= above_ - error * difference_;
   }
 
   std::uint32_t first_above_;
-  std::vector<Numbers> children_;  // of each node above
+  std::vector<Numbers> children_;  // children of each node above
   std::unique_ptr<UnionLines> lines_;
   double above_ = 0, below_ = 0, difference_ = 0;
 };
 
-// Takes back what does not pay of a new level, then whatever is needed until the level, as a whole, is not looser than
-// the level above, as far as UnionLines can tell, and by more than their error.
+// Undoes the divisions of a new level that do not pay, then further ones until the level, as a whole, is not looser
+// than the level above, as UnionLines measures it, and by more than their error.
 //
 // settled: spheres of leaves on levels above. above: nodes of the level above that were divided, or tried to be. next:
-// the new level, after all exchange. On the last level a division is taken back by leaving its node a leaf, which owns
-// what its children owned; they are erased from `next`, and its region is put together again. On other levels, where
-// the places are needed below, and below the root, its children keep their regions and get spheres inside the node's
-// own. A level of which everything is taken back is the level above, or inside it: so there is always an end. pad: for
-// rounding radii up.
+// the new level, after all exchange. On the last level an undone division leaves its node a leaf, which owns the
+// regions of its children; they are erased from `next`, and its region is put together again. On other levels, whose
+// places are needed below, and below the root, its children keep their regions and get spheres inside the node's own. A
+// level without any division left is the level above, or inside it: so there is always an end. pad: for rounding radii
+// up.
 void keep_monotone(const MeshView& mesh, const ObjectLines& lines, double pad, std::span<const Sphere> settled,
                    std::vector<BuildNode>& above, std::vector<BuildNode>& next, bool last) {
   if (next.empty()) return;
   const std::vector<std::uint8_t> gone = Levels(lines, settled, above, next).taken_back();
   if (std::none_of(gone.begin(), gone.end(), [](std::uint8_t g) { return g != 0; })) return;
-  // A ball is as tight as its parts, but parts that move apart need to be parts: the root always stays divided.
+  // A ball is as tight as its parts, but parts that move apart have to be parts: the root always stays divided.
   if (!last || above[0].level == 0) {
     for (std::size_t k = 0; k < next.size(); ++k)
       if (const std::uint32_t parent = next[k].parent; gone[parent] != 0)
         next[k].sphere = inside_parent(mesh, next[k], above[parent].sphere, pad);
     return;
   }
-  // Children of one node stand together.
+  // Children of one node are adjacent.
   for (std::size_t begin = 0; begin < next.size();) {
     std::size_t end = begin;
     while (end < next.size() && next[end].parent == next[begin].parent) ++end;
@@ -200,10 +201,10 @@ void keep_monotone(const MeshView& mesh, const ObjectLines& lines, double pad, s
   std::erase_if(next, [&](const BuildNode& child) { return gone[child.parent] != 0; });
 }
 
-// One level's nodes and what became of them.
+// One level's nodes and their divisions.
 struct LevelDivision {
   std::vector<Division> divisions;
-  std::size_t undivided = 0;  // for want of time
+  std::size_t undivided = 0;  // nodes left undivided for lack of time
 };
 
 LevelDivision divide_nodes(const std::vector<BuildNode>& level, const BuildRun& run, const Divider& divide,
@@ -344,13 +345,13 @@ class LevelByLevel {
   const BuildRun& run_;
   const DriverInput& input_;
   Workers& workers_;
-  std::vector<BuildNode> level_;  // in work
+  std::vector<BuildNode> level_;  // nodes of the current level
   TimeEstimate estimate_;
-  double told_;  // when the level before was finished
+  double told_;  // when the last level was finished
   CoveredTree built_;
   Winners winners_;
-  std::vector<Sphere> settled_;   // of leaves above the level in work
-  std::vector<Region> finished_;  // one per node above the level in work; only leaves keep theirs
+  std::vector<Sphere> settled_;   // spheres of leaves above the current level
+  std::vector<Region> finished_;  // one per node above the current level; only leaves keep theirs
 };
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The driver that every generator goes through: each node's region is divided among children, level by level, or the
-// worst leaf first.
+// The driver of every generator: each node's region is divided among children, level by level, or the worst leaf first.
 #pragma once
 
 #include <functional>
@@ -19,42 +18,42 @@ struct BuildNode {
   Sphere sphere;                  // wraps the region, radius rounded up
   Box cell;                       // the part of space that an octree node stands for; empty otherwise
   int level = 0;                  // 0: the root
-  std::uint32_t parent{};         // its place among the nodes of the level above; known to level hooks
-  std::vector<Sphere> ancestors;  // spheres of the nodes above, the root's aside
-  std::uint64_t seed{};           // of this node's random choices, the same for any number of workers
+  std::uint32_t parent{};         // index among the nodes of the level above; valid in level hooks
+  std::vector<Sphere> ancestors;  // spheres of the nodes above, except the root's
+  std::uint64_t seed{};           // seed of this node's random choices, the same for any number of workers
 };
 
-/// What a generator did to one node.
+/// The result of one node's division.
 struct Division {
   std::vector<BuildNode> children;  // their regions divide the node's; empty: the node stays a leaf
   std::size_t leftover_patches = 0;
-  std::string_view reducer{};  // whose proposal it is; empty where there is no choice
+  std::string_view reducer{};  // name of the reducer with the best proposal; empty if there is no choice
 };
 /// The reducer's name on nodes that no reducer had a proposal for.
 inline constexpr std::string_view no_proposal = "none (halved)";
-/// Called for several nodes at the same time.
+/// A divider is called for several nodes at the same time.
 using Divider = std::function<Division(const BuildNode&)>;
-/// Called with all nodes of a new level before they join the tree. May change spheres and regions as long as each
-/// sphere, and each of its ancestors', contains the region and no region becomes empty.
+/// A level hook is called with all nodes of a new level before they join the tree. It may change spheres and regions as
+/// long as each sphere, and each of its ancestors', contains the region and no region becomes empty.
 using LevelHook = std::function<void(std::vector<BuildNode>&)>;
 
 class ObjectLines;
 
-/// What a generator has for the driver. Pointers are borrowed.
+/// A generator's input for the driver. Pointers are borrowed.
 struct DriverInput {
   Divider divide;            ///< returns at most run.branching children with non-empty regions
-  Box root_cell = {};        ///< of the root node
-  LevelHook new_level = {};  ///< level by level only
-  /// Of the mesh; null: made where it is needed.
+  Box root_cell = {};        ///< cell of the root node
+  LevelHook new_level = {};  ///< called level by level only
+  /// Signed distance of the mesh; null: it is made on first use.
   const SignedDistance* distance = nullptr;
-  /// Of the mesh. With lines no level is looser than the level above it.
+  /// Lines of the mesh. With lines no level is looser than the level above it.
   const ObjectLines* lines = nullptr;
-  /// Called when no level is divided any more, so that what only dividing needs is gone when the cover takes its
-  /// memory; not where the worst leaf is first.
+  /// Called after the last division of a level-by-level build, so that data for divisions are freed when the cover
+  /// takes its memory. It is not called if the worst leaf is divided first.
   std::function<void()> divided = {};
 };
 
-/// Whether the run asks for a number of spheres or a protrusion instead of a depth: then the worst leaf is divided
+/// Whether the options give a number of spheres or a protrusion instead of a depth: then the worst leaf is divided
 /// first.
 inline bool is_worst_first(const BuildRun& run) {
   return run.spheres > 0 || run.max_protrusion > 0;

@@ -49,8 +49,8 @@ double UnionVolume::outside(std::span<const Sphere> spheres) {
     make_room(local);
     last_.clear();
   }
-  // A line's chords are merged in the order of where they begin, whoever has them: where they are the same as before,
-  // so is what they leave.
+  // A line's chords are merged in the order of where they begin, whatever sphere they belong to: equal chords give
+  // equal results.
   std::vector<Sphere> changed;
   std::set_symmetric_difference(local.begin(), local.end(), last_.begin(), last_.end(), std::back_inserter(changed),
                                 comes_before);
@@ -95,7 +95,7 @@ bool UnionVolume::has_room(const std::vector<Sphere>& spheres) const {
   return true;
 }
 
-// No sphere has a chord beside the rows and lines that its box has numbers of: each line is half a cell from those
+// No sphere has a chord outside the rows and lines that its box has numbers of: each line is half a cell from those
 // ends.
 void UnionVolume::make_room(const std::vector<Sphere>& spheres) {
   const Box box = box_of(spheres);
@@ -123,7 +123,7 @@ void UnionVolume::each_in_row(int axis, int v, const Sphere& sphere, const Visit
   visit(number(middle - half), number(middle + half), in_row);
 }
 
-// The sphere's chords on those lines u of a row that are wanted.
+// Calls visit for the sphere's chords on the requested lines u of a row.
 template <class Wanted, class Visit>
 void UnionVolume::each_chord(int axis, int v, const Sphere& sphere, const Wanted& is_wanted, const Visit& visit) const {
   each_in_row(axis, v, sphere, [&](int first, int last, double in_row) {
@@ -138,8 +138,8 @@ void UnionVolume::each_chord(int axis, int v, const Sphere& sphere, const Wanted
   });
 }
 
-// Only rows that a changed sphere reaches, and only spheres that have a number of such a row and of a line beside it:
-// a changed sphere renews whole lines by their numbers, also one that lies just beside it.
+// Only rows that a changed sphere reaches, and only spheres that have a number of such a row and of a line next to it:
+// a changed sphere renews whole lines by their numbers, also a line that lies just outside the sphere.
 void UnionVolume::renew(int axis, std::span<const Sphere> changed) {
   if (changed.empty()) return;
   struct Numbers {
@@ -168,7 +168,7 @@ void UnionVolume::renew(int axis, std::span<const Sphere> changed) {
 void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, std::span<const Sphere> changed) {
   Axis& a = axes_[static_cast<std::size_t>(axis)];
   const auto row = static_cast<std::size_t>(v - a.v_begin), row_length = static_cast<std::size_t>(a.u_end - a.u_begin);
-  int begin = a.u_end - a.u_begin, end = 0;  // of the lines that change
+  int begin = a.u_end - a.u_begin, end = 0;  // range of the lines that change
   for (const Sphere& s : changed)
     each_in_row(axis, v, s, [&](int first_line, int last_line, double) {
       const int first = first_line - a.u_begin, last = last_line - a.u_begin;
@@ -203,7 +203,7 @@ void UnionVolume::renew_row(int axis, int v, std::span<const Sphere> spheres, st
     whole.outside += a.outside[row * row_length + static_cast<std::size_t>(u)];
 }
 
-// What merged chords have outside the object. crossings: enter, leave, enter, …
+// Length of merged chords outside the object. crossings: enter, leave, enter, …
 double UnionVolume::outside_of(std::span<Chord> chords, std::span<const ObjectLines::Crossing> crossings) {
   if (chords.size() > 1)
     std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.from < b.from; });

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Union volume: how much space a set of spheres takes in outside the object, overlaps once.
+// Union volume: the volume of a set of spheres outside the object, overlaps counted once.
 #pragma once
 
 #include <array>
@@ -12,21 +12,22 @@
 
 namespace morula::detail {
 
-/// Along lines of all three axes, on which the chords of all spheres are merged: exact along each line. Mesh units
-/// cubed. A set has the same bits whatever was asked about before. For one thread at a time.
+/// Integrates along lines of all three axes, on which the chords of all spheres are merged: exact along each line. Mesh
+/// units cubed. The result for a set has the same bits whatever sets were measured earlier. An object serves one thread
+/// at a time.
 class UnionVolume {
  public:
   explicit UnionVolume(const ObjectLines& lines);  ///< lines: borrowed
-  /// Cost: O(lines × spheres over each), for lines that meet a sphere which this set or the last one has alone.
+  /// Cost: O(lines × spheres over each), for lines that meet a sphere which only one of this set and the last one has.
   double outside(std::span<const Sphere> spheres);
-  /// Of one sphere by itself. What outside() remembers stays. Cost: O(lines over it).
+  /// Outside volume of one sphere by itself. The state of outside() stays. Cost: O(lines over it).
   double outside(const Sphere& sphere) const;
 
  private:
   struct Chord {
     double from, to;
   };
-  // Lines [begin, end) of a row that some sphere has met, and what is outside on them.
+  // Lines [begin, end) of a row that a sphere has met, and the outside volume on them.
   struct Row {
     int begin = 0, end = 0;
     double outside = 0;
@@ -51,7 +52,7 @@ class UnionVolume {
   int stride_, middle_;
   std::vector<Sphere> last_;  // in lattice coordinates, sorted
   std::array<Axis, 3> axes_;
-  // Of the lines of one row.
+  // Chords of the lines of one row.
   std::vector<Chord> chords_;  // room for one of each sphere on each line
   std::vector<std::uint32_t> chord_count_;
   std::vector<std::uint8_t> is_changed_;

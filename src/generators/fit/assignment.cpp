@@ -60,7 +60,7 @@ void PowerCells::update_all(const Changes& changes) {
   }
 }
 
-// Points of changed balls are decided among all balls; the other points are only offered the changed ones.
+// Points of changed balls are decided among all balls; the other points are only compared with the changed ones.
 void PowerCells::update_changed(const Changes& changes) {
   constexpr std::size_t block = 1024;
   std::array<float, block> x, y, z, least;

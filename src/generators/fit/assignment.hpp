@@ -26,15 +26,16 @@ class PowerCells {
   /// points: borrowed.
   PowerCells(const GroupPoints& points, std::size_t most);
 
-  /// squared_radii: one per ball; negative: the ball owns nothing. Of balls with equal power the first owns the point.
-  /// Returns false, with owners() without meaning, where no ball may own anything.
+  /// squared_radii: one per ball; negative: the ball owns nothing. The first of balls with equal power owns the point.
+  /// Returns false if no ball may own anything; owners() is meaningless then.
   bool update(std::span<const GroupBall> balls, std::span<const float> squared_radii);
   std::span<const std::uint32_t> owners() const { return owner_; }
 
  private:
   struct Power {
     Vec3f center;
-    float square = std::numeric_limits<float>::quiet_NaN();  // NaN: equal to nothing, so the ball counts as changed
+    float square = std::numeric_limits<float>::quiet_NaN();  // squared radius; NaN: equal to nothing, so the ball
+                                                             // counts as changed
   };
   struct Changes {
     std::vector<std::size_t> changed, members;  // balls that differ from the last update; balls that may own points
@@ -47,23 +48,23 @@ class PowerCells {
 
   const GroupPoints& points_;
   std::vector<Power> last_power_;  // per ball
-  std::vector<float> power_;       // per point, of its owner
+  std::vector<float> power_;       // power of the point's owner, per point
   std::vector<std::uint32_t> owner_;
 };
 
 /// Invariant: the number of points, their hash and their demand match the owners. Only set_owner() changes an owner.
 class Assignment {
  public:
-  /// points: borrowed. All belong to ball 0. most: balls, 256 at most.
+  /// points: borrowed. All belong to ball 0. most: number of balls, 256 at most.
   Assignment(const GroupPoints& points, std::size_t most);
 
   const GroupPoints& points() const { return points_; }
   const std::vector<std::uint8_t>& owners() const { return owner_; }
   std::size_t count(std::size_t ball) const { return count_[ball]; }
   bool is_used(std::size_t ball) const { return count_[ball] > 0; }
-  /// Of the set of the ball's points; 0 where it has none.
+  /// Hash of the set of the ball's points; 0 if it has none.
   std::uint64_t hash(std::size_t ball) const { return hash_[ball]; }
-  /// Sum per ball, in ascending order of points; zeros where points have no demand.
+  /// Sum of the demand of each ball's points, in ascending order of points; zeros if points have no demand.
   std::span<const float> demand();
 
   /// Calls visit(point) for the ball's points in ascending order.
@@ -81,7 +82,7 @@ class Assignment {
   void set_owner(std::size_t point, std::size_t ball);
   void set_owners(std::span<const std::uint8_t> owners);
   void set_all(std::size_t ball);
-  /// Points go to the ball of least power; see PowerCells::update. Owners stay where no ball may own anything.
+  /// Each point goes to the ball of least power; see PowerCells::update. Owners stay if no ball may own anything.
   void set_by_power(std::span<const GroupBall> balls, std::span<const float> squared_radii);
 
  private:
@@ -92,7 +93,8 @@ class Assignment {
   std::vector<std::uint32_t> count_;  // per ball, as are the next two
   std::vector<std::uint64_t> hash_;
   std::vector<float> demand_;
-  bool demand_is_stale_ = true;  // sums of floats depend on their order: they are taken again, not updated
+  bool demand_is_stale_ =
+      true;  // true: the sums are computed again, not updated, because sums of floats depend on their order
 };
 
 }  // namespace morula::detail

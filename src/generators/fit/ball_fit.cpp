@@ -13,7 +13,8 @@ namespace morula::detail {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// A little of a ball's whole volume joins its cost, so that of two balls without empty space the smaller is better.
+// A small share of a ball's whole volume joins its cost, so that the smaller of two balls without empty space is
+// better.
 constexpr float whole_volume_share = 0.001F;
 constexpr float unit_ball_volume = static_cast<float>(4.0 / 3.0 * std::numbers::pi);
 
@@ -51,7 +52,7 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   const float longest_step = first_step * smallest, of_steps = 2.02F;
   grid.prepare(middle, smallest + of_steps * longest_step, overlap_weight);
 
-  GroupBall about{middle, smallest, infinity};  // the best so far: what is asked next is a step from it
+  GroupBall about{middle, smallest, infinity};  // the best so far; the next evaluations are a step from it
   const auto evaluate = [&](const Vec3f& center, float enough) {
     const float radius = std::max(least_radius, farthest_from(points, center));
     if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinity};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball fit: one ball around the points it must contain, placed where it takes in least empty space.
+// Ball fit: one ball around the points that it must contain, with the center where it covers least empty space.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace morula::detail {
 /// Points of a region in grid coordinates.
 struct GroupPoints {
   std::vector<float> x, y, z;
-  std::vector<float> demand;  // what balance counts a point as; sums to 1
+  std::vector<float> demand;  // weight of a point in the balance term; sums to 1
 
   std::size_t size() const { return x.size(); }
   PointColumns columns() const { return {x.data(), y.data(), z.data(), x.size()}; }
@@ -33,10 +33,10 @@ struct GroupPoints {
   }
 };
 
-/// Distance of the farthest point; at least one.
+/// Distance of the farthest point; the points are at least one.
 float farthest_from(const GroupPoints& points, const Vec3f& center);
 
-/// A ball of a group; cost is its outside volume, what siblings have taken in counting little.
+/// A ball of a group. Its cost is its outside volume; volume that siblings cover already counts little.
 struct GroupBall {
   Vec3f center;
   float radius = 0;
@@ -49,9 +49,10 @@ inline float distance_between(const Vec3f& a, const Vec3f& b) {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-/// The ball around the points that takes in least, found by compass search from the smallest ball's center and
-/// `starts`. The ball itself must not be counted in the grid. taken: see OutsideGrid::prepare. first_step, last_step:
-/// shares of the smallest ball's radius. points: at least one. Cost: some thirty evaluations of the grid.
+/// Returns the ball around the points with the least outside volume, found by compass search from the smallest ball's
+/// center and `starts`. The ball itself must not be counted in the grid. overlap_weight: see OutsideGrid::prepare.
+/// first_step, last_step: shares of the smallest ball's radius. points: at least one. Cost: about thirty evaluations of
+/// the grid.
 GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight,
                    float first_step, float last_step = 0.02F);
 

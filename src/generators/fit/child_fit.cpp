@@ -48,7 +48,7 @@ void ChildFit::start_from(std::span<const Sphere> balls, bool fill_places) {
   start_from_grid(in_grid(balls));
 }
 
-// Negative: no ball.
+// Squared radii; negative: no ball.
 std::vector<float> ChildFit::squared_radii() const {
   std::vector<float> squares(max_balls(), -1);
   for (std::size_t b = 0; b < max_balls(); ++b)
@@ -86,12 +86,12 @@ void ChildFit::sweep_inscribed(float overlap_weight) {
 // Every unused place gets one half of a ball.
 void ChildFit::fill(float overlap_weight) {
   if (!fill_places_) return;
-  std::vector<std::uint8_t> rejected(max_balls(), 0);  // splitting it does not pay
+  std::vector<std::uint8_t> rejected(max_balls(), 0);  // splitting the ball does not pay
   for (std::size_t into = 0; into < max_balls(); ++into)
     if (!is_used(into) && !split_costliest(into, overlap_weight, rejected)) return;
 }
 
-// Returns false where no split pays.
+// Returns false if no split pays.
 bool ChildFit::split_costliest(std::size_t into, float overlap_weight, std::vector<std::uint8_t>& rejected) {
   constexpr float most_cost_factor = 1.5F;
   const std::span<const float> demand = state_.demand();
@@ -102,7 +102,7 @@ bool ChildFit::split_costliest(std::size_t into, float overlap_weight, std::vect
       if (from == max_balls() || split_priority(b, demand) > split_priority(from, demand)) from = b;
     }
     if (from == max_balls()) return false;
-    // Around a tube most balls are better whole, and would be tried after every change.
+    // Around a tube most balls are better whole, and would be tried again after every change.
     const std::uint64_t key = WholeBalls::key(balls()[from], state_.fit_inputs(from, overlap_weight));
     const bool is_tried = settings_.retries_splits || !better_whole_.contains(key);
     if (is_tried && state_.split(from, into, overlap_weight, most_cost_factor)) return true;
@@ -134,8 +134,8 @@ double ChildFit::objective() {
   return sum + settings_.balance * balance_scale_ * imbalance();
 }
 
-// growth_if_removed: by how much siblings would have to grow without each ball; filled where it is empty. Returns
-// max_balls() where no ball is used.
+// growth_if_removed: growth of the siblings if each ball were removed; filled if it is empty. Returns max_balls() if no
+// ball is used.
 std::size_t ChildFit::cheapest_to_remove(std::vector<float>& growth_if_removed) {
   if (growth_if_removed.empty()) {
     growth_if_removed.resize(max_balls());

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Child fit: the search for the children of one node, balls over points of its region, moved to where they take in
-// least empty space together.
+// Child fit: the search for the children of one node, balls over points of its region, moved until they cover least
+// empty space together.
 //
 //   ChildFit       the search: splits, sweeps, random changes; keeps a state or restores the one before
 //      |           draws random numbers, sums the objective
@@ -30,24 +30,23 @@ namespace morula::detail {
 class ChildFit {
  public:
   struct Settings {
-    // A ball pays this share of the empty space that siblings cover already: during splitting, and afterwards.
+    // Weight of empty space that siblings cover already, in a ball's cost: during splitting, and afterwards.
     float overlap_weight_while_splitting = 0.6F;
     float overlap_weight = 0.15F;
-    float child_width = 1;        // of a child's part of the surface, in cells
+    float child_width = 1;        // width of a child's part of the surface, in cells
     float balance = 0;            // weight of unequal demand among children
-    bool retries_splits = false;  // tries a rejected split again even where the ball has not changed
+    bool retries_splits = false;  // tries a rejected split again even if the ball has not changed
   };
-  /// grid, points, shape: borrowed. max_balls: the search makes at most so many. start: the node's own ball, mesh
-  /// coordinates.
+  /// grid, points, shape: borrowed. max_balls: greatest number of balls. start: the node's own ball, mesh coordinates.
   ChildFit(OutsideGrid& grid, const GroupPoints& points, const ObjectShape& shape, std::size_t max_balls,
            const Sphere& start, const Settings& settings, std::uint64_t seed);
 
-  /// One ball over all points, then split until there are as many as wanted or splitting does not pay.
+  /// Makes one ball over all points and splits balls until there are max_balls or splitting does not pay.
   void split_from_one();
-  /// Starts from these balls; each point goes to the ball of least power. fill_places holds until the next call: where
-  /// it is false, no sweep adds a ball.
+  /// Starts from these balls; each point goes to the ball of least power. fill_places holds until the next call: if it
+  /// is false, no sweep adds a ball.
   void start_from(std::span<const Sphere> balls, bool fill_places = true);
-  /// The same with balls of the grid; whether sweeps add balls stays as it was.
+  /// Starts from balls in grid coordinates; whether sweeps add balls stays unchanged.
   void start_from_grid(std::span<const GroupBall> balls);
   /// Assigns each point to the ball of least power, fits each ball to its points, and places unused balls by splitting.
   /// exclusive: gives each point that a sibling contains to that sibling first.
@@ -57,19 +56,19 @@ class ChildFit {
   /// Tries random changes and keeps those that lower the objective: every move_every-th relocates a ball, the others
   /// shift walls between balls.
   void try_changes(int count, int move_every);
-  /// Runs the sweeps, those by inscribed power first, and keeps the result only where the objective falls.
+  /// Runs the sweeps, those by inscribed power first, and keeps the result only if the objective falls.
   void try_inscribed(int inscribed_sweeps, int sweeps);
   void try_seeds(std::span<const GroupBall> seeds, int inscribed_sweeps, int sweeps);
   void try_spheres(std::span<const Sphere> balls, int sweeps);
 
-  /// Empty space in the union of the balls, plus the balance term. Sets balance_scale_ where it is negative.
+  /// Empty space in the union of the balls, plus the balance term. Sets balance_scale_ if it is negative.
   double objective();
   /// Fits a ball to other points, while the child nearest to the first start is lifted out of the grid.
   GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts);
   std::vector<Sphere> spheres() const;
 
  private:
-  /// Runs change(). Where the objective has not fallen, restores the state before it.
+  /// Runs change(). Restores the earlier state if the objective has not fallen.
   template <class Change>
   void keep_if_better(const Change& change);
   std::vector<GroupBall> in_grid(std::span<const Sphere> balls) const;
@@ -92,8 +91,8 @@ class ChildFit {
   Vec3f start_;
   Settings settings_;
   Random random_;
-  // The balance term is measured in this cost: a quarter of the first ball's during splitting, then that at the first
-  // objective(); negative: not known yet.
+  // Unit cost of the balance term: a quarter of the first ball's cost during splitting, then the cost at the first
+  // objective(); negative: not computed yet.
   double balance_scale_ = -1;
   bool fill_places_ = true;  // see start_from()
 };

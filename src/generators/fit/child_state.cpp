@@ -16,7 +16,7 @@ namespace morula::detail {
 bool FitCache::has_fit(std::size_t ball, const FitInputs& inputs, std::span<const GroupBall> balls) const {
   const Entry& own = entries_[ball];
   if (own.fitted == 0 || own.inputs != inputs) return false;
-  // The search looked at balls a little away from the one it found.
+  // The search evaluated balls a little away from the one it found.
   const float near = 1.3F * balls[ball].radius;
   const auto is_near = [&](const GroupBall& other) {
     return distance_between(other.center, balls[ball].center) < near + other.radius;
@@ -63,7 +63,7 @@ struct SplitPoints {
     mean = mean / static_cast<double>(points.size());
   }
 
-  // Two means that begin on both sides along an axis. side: per point, 0 or 1. Returns false where all are on one side.
+  // Two means that begin on both sides along an axis. side: per point, 0 or 1. Returns false if all are on one side.
   bool two_means(std::size_t axis, double least_deviation, std::vector<std::uint8_t>& side) const {
     double squares = 0;
     for (const Vec3& p : points) squares += dot(p - mean, axes[axis]) * dot(p - mean, axes[axis]);
@@ -165,8 +165,8 @@ void ChildState::give_what_others_contain(std::size_t ball) {
       near.push_back(j);
   }
   if (near.empty()) return;
-  // Siblings are numbered from 1 on: a point where none has a power below 0 stays with number 0, the ball itself, and
-  // so does one where a power is just 0.
+  // Siblings are numbered from 1 on: a point at which none has a power below 0 stays with number 0, the ball itself,
+  // and so does one where a power is just 0.
   std::vector<float> least(own_.size(), 0.0F);
   std::vector<std::uint32_t> owners(own_.size(), 0);
   for (std::size_t n = 0; n < near.size(); ++n) {
@@ -207,8 +207,8 @@ ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> me
     own_.clear();
     for (std::size_t i = 0; i < members.size(); ++i)
       if (side[i] == s) own_.push_back(assignment_.points()[members[i]]);
-    // The search starts from the old center as well: where the points are a shallow patch, only from there does it find
-    // balls that reach deep inside.
+    // The search starts from the old center as well: if the points are a shallow patch, it finds balls that reach deep
+    // inside only from there.
     return fit_ball(grid(), own_, {&before.center, 1}, overlap_weight, 0.25F, 0.03F);
   };
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -225,7 +225,7 @@ ChildState::Halves ChildState::cheapest_halves(std::span<const std::uint32_t> me
 
 void ChildState::remove(std::size_t ball) {
   const GroupBall before = balls_[ball];
-  std::vector<std::pair<std::size_t, std::size_t>> given;  // while the owners are gone over
+  std::vector<std::pair<std::size_t, std::size_t>> given;  // the owners are being read, so changes wait here
   radii_without(ball, [&](std::size_t i, std::size_t to) { given.emplace_back(i, to); });
   for (const auto& [point, to] : given) assignment_.set_owner(point, to);
   balls_.place(ball, {});
@@ -233,7 +233,7 @@ void ChildState::remove(std::size_t ball) {
 }
 
 // A ball that is far away has to grow by more for the nearest of the points than the best near ball does for the
-// farthest one, so it never grows least. These are the others.
+// farthest one, so it never grows least. The result is the other balls.
 std::vector<std::size_t> ChildState::neighbors_within_growth(std::size_t ball) const {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   const GroupPoints& points = assignment_.points();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Child state: the balls of a node's children, the points that each owns, and what is known about their fits. A ball
+// Child state: the balls of a node's children, the points that each owns, and the cached state of their fits. A ball
 // contains its points after recenter(); after assign_by_power() or remove() it may not, until the next one.
 #pragma once
 
@@ -14,25 +14,25 @@
 
 namespace morula::detail {
 
-/// What a fit depends on, besides siblings near by.
+/// Inputs that a fit depends on, besides siblings near by.
 struct FitInputs {
   std::uint64_t points_hash;
   float overlap_weight;
   bool operator==(const FitInputs&) const = default;
 };
 
-/// Invariant: has_fit(b) is true only where a fit to these inputs made ball b, and no sibling near it has changed
-/// since, as far as each sibling's last change tells. (A ball that is relocated changes twice, and its departure is
-/// forgotten: its old neighbors keep their fits, which contain their points all the same.) Every change of a ball goes
-/// through note_fit() or note_change(); only these two make an entry stale, by its time.
+/// Invariant: has_fit(b) is true only if a fit to these inputs made ball b, and no sibling near it has changed since,
+/// as far as each sibling's last change shows. (A ball that is relocated changes twice, and its departure is forgotten:
+/// its old neighbors keep their fits, which contain their points all the same.) Every change of a ball goes through
+/// note_fit() or note_change(); only these two make an entry stale, by its time.
 class FitCache {
  public:
   explicit FitCache(std::size_t most) : entries_(most) {}
 
   bool has_fit(std::size_t ball, const FitInputs& inputs, std::span<const GroupBall> balls) const;
-  /// The ball was `before`, and is now the fit `after`.
+  /// Records that the ball was `before` and is the fit `after`.
   void note_fit(std::size_t ball, const GroupBall& before, const GroupBall& after, const FitInputs& inputs);
-  /// The ball was `before`, and is now something else.
+  /// Records that the ball was `before` and has changed, by another step than a fit.
   void note_change(std::size_t ball, const GroupBall& before);
 
  private:
@@ -45,8 +45,8 @@ class FitCache {
   std::uint64_t clock_ = 0;
 };
 
-/// Balls that proved better whole than split, with their points and cost. Where siblings move, the cost changes: then
-/// the same ball is a new entry, and nothing here ever needs to be invalidated.
+/// Balls that proved better whole than split, with their points and cost. When siblings move, the cost changes: then
+/// the same ball is a new entry, and no entry ever needs to be invalidated.
 class WholeBalls {
  public:
   static std::uint64_t key(const GroupBall& b, const FitInputs& inputs);
@@ -57,7 +57,7 @@ class WholeBalls {
   std::unordered_set<std::uint64_t> keys_;
 };
 
-/// Balls, and the grid that counts the space they have. Invariant: the grid counts every ball with a radius, except
+/// Balls, and the grid that counts the space they cover. Invariant: the grid counts every ball with a radius, except
 /// lifted ones. A fit lifts its ball first: the grid must not count the ball that is sought.
 class PlacedBalls {
  public:
@@ -70,7 +70,7 @@ class PlacedBalls {
   operator std::span<const GroupBall>() const { return balls_; }
 
   void lift(std::size_t i);
-  /// Lifts the ball, if it is not, and places the other.
+  /// Lifts the ball, unless it is lifted already, and places the other.
   void place(std::size_t i, const GroupBall& ball);
 
  private:
@@ -111,7 +111,7 @@ class ChildState {
   void give_all_to_first() { assignment_.set_all(0); }
   /// Assigns each point to the ball of least power. A ball whose squared radius is negative gets none.
   void assign_by_power(std::span<const float> squared_radii) { assignment_.set_by_power(balls_, squared_radii); }
-  /// Gives each of the ball's points that a sibling contains to that sibling.
+  /// Reassigns each of the ball's points that a sibling contains to that sibling.
   void give_what_others_contain(std::size_t ball);
 
   /// Fits the ball to its points. Skips a ball that is fitted already. first_step: see fit_ball. A ball without points
@@ -120,20 +120,20 @@ class ChildState {
   /// A ball for other points, while the ball nearest to the first start is lifted. Changes nothing.
   GroupBall fit_to(const GroupPoints& points, std::span<const Vec3f> starts, float overlap_weight);
   /// Splits the ball's points in two along one of their principal axes and fits a ball to each part; `into`, an unused
-  /// ball, gets the second. Returns false and changes nothing where the two together cost at least max_cost_factor
-  /// times what the one costs.
+  /// ball, gets the second. Returns false and changes nothing if the two together cost at least max_cost_factor times
+  /// the cost of the one.
   bool split(std::size_t ball, std::size_t into, float overlap_weight, float max_cost_factor);
   /// Removes the ball and gives each of its points to the sibling that grows least by it. Siblings do not contain these
-  /// points until recenter(). The points stay where no sibling is in use.
+  /// points until recenter(). The points stay if no sibling is in use.
   void remove(std::size_t ball);
-  /// By how much siblings would grow in volume without the ball.
+  /// Growth in volume of the siblings if the ball were removed.
   float growth_without(std::size_t ball) const;
 
  private:
   struct Halves {
     GroupBall one, other;
-    std::vector<std::uint8_t> side;  // per point of the ball that was split; 1: the other's
-    float cost;                      // of both
+    std::vector<std::uint8_t> side;  // half of each point of the split ball; 1: the other half
+    float cost;                      // cost of both halves
   };
   Halves cheapest_halves(std::span<const std::uint32_t> members, const GroupBall& before, float overlap_weight,
                          float max_cost);
@@ -146,8 +146,8 @@ class ChildState {
   PlacedBalls balls_;
   Assignment assignment_;
   FitCache fits_;
-  GroupPoints own_;                       // scratch: points of the ball in work
-  std::vector<std::uint32_t> own_index_;  // their numbers
+  GroupPoints own_;                       // scratch: points of the current ball
+  std::vector<std::uint32_t> own_index_;  // numbers of own_'s points
 };
 
 }  // namespace morula::detail

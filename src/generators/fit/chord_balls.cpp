@@ -41,7 +41,7 @@ std::vector<T> some_of(const std::vector<T>& all, std::size_t most) {
 }  // namespace
 
 std::vector<Sphere> chord_balls(const MeshView& mesh, const ObjectLines& lines, std::size_t most, std::uint64_t seed) {
-  // As wide apart as gives enough chords.
+  // The widest spacing that gives enough chords.
   constexpr int widest = 16;
   std::vector<Sphere> chords;
   for (int stride = widest; stride >= 1 && chords.size() < 4 * most; stride /= 2) chords = chords_of(lines, stride);

@@ -13,12 +13,12 @@ namespace morula::detail {
 namespace {
 
 // Cells whose middle lies within `half` of `middle`: [begin, end). Positions are not far below zero, so truncation
-// serves as floor; balls that are proposed may reach far beyond the grid.
+// serves as floor; proposed balls may reach far beyond the grid.
 struct Middles {
   int begin, end;
 };
 
-/// What the others have to reproduce.
+/// The reference that the other kernels reproduce.
 namespace plain {
 
 Middles middles_within(float middle, float half, int count) {
@@ -36,7 +36,7 @@ float outside(const GridLines& lines, const LineBall& ball) {
     const float in_row = ball.radius * ball.radius - dv * dv;
     if (!(in_row > 0)) continue;
     const Middles row = middles_within(ball.across, std::sqrt(in_row), lines.across);
-    // Lines come by fours; those past the end have no chord.
+    // Lines come in fours; those past the end have no chord.
     const int end = row.begin + (row.end - row.begin + 3) / 4 * 4;
     for (int u = row.begin; u < end; ++u) {
       const GridStep* const line = lines.steps + (static_cast<std::size_t>(v) * static_cast<std::size_t>(lines.across) +

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The loops of generators that wide registers speed up: lines of OutsideGrid, who owns which point by power, what a
-// seed reaches, and what reducers ask of samples. One source, fit_kernels.inl, compiled for each kind of processor and
-// chosen at run time.
+// The loops of generators that wide registers speed up: lines of OutsideGrid, owners of points by power, reach of
+// seeds, and tests of reducers over samples. One source, fit_kernels.inl, is compiled for each kind of processor, and
+// the kind is chosen at run time.
 #pragma once
 
 #include <array>
@@ -35,17 +35,17 @@ struct LineBall {
   float along, across, row, radius;
 };
 
-/// Lines side by side whose steps are to be made.
+/// Lines side by side whose steps are to be computed.
 struct OpenLines {
-  const OutsideCell* cells;             // of the first; one float more than the last cell needed may be read
+  const OutsideCell* cells;             // cells of the first line; one float more than the last cell needed may be read
   std::size_t along;                    // cells of a line, and steps
-  const std::uint8_t* over;             // not 0 where balls have the cell
-  std::size_t over_across, over_along;  // apart, of a line and the next and of a cell and the next
+  const std::uint8_t* over;             // not 0 in cells that balls have
+  std::size_t over_across, over_along;  // distances in `over`: of a line and the next, and of a cell and the next
   GridStep* steps;
   std::size_t count;
 };
 
-/// Who has the least power at each point, so far.
+/// The ball with the least power at each point, so far.
 struct PowerOwners {
   float* power;
   std::uint32_t* owner;
@@ -56,7 +56,7 @@ struct BallColumns {
   const double* x;
   const double* y;
   const double* z;
-  const double* square;  // of the radius
+  const double* square;  // square of the radius
   std::size_t count;
 };
 inline constexpr std::size_t ball_columns_step = 8;
@@ -69,35 +69,36 @@ struct LatticeCells {
 };
 
 struct FitKernels {
-  /// Empty space that a ball takes in along all lines: four sums, over every fourth line of each row, row by row.
+  /// Outside volume of a ball along all lines: four sums, over every fourth line of each row, row by row.
   float (*outside)(const GridLines& lines, const LineBall& ball);
-  /// Steps of cells [begin, end) of some lines. `taken`: what counts of cells that balls have. go_on: sums begin with
-  /// that of the cell before the first, else with nothing.
+  /// Computes the steps of cells [begin, end) of several lines. overlap_weight: the weight of cells that balls have.
+  /// go_on: sums begin with that of the cell before the first, else with nothing.
   void (*make_steps)(const OpenLines& lines, std::size_t begin, std::size_t end, float overlap_weight, bool go_on);
   /// Ball `number`, squared radius `square`, takes the points where its power is less, or equal to that of a ball with
   /// a higher number.
   void (*offer)(const PointColumns& points, const Vec3f& center, float square, std::uint32_t number,
                 const PowerOwners& owners);
-  /// Bit i of words of 64: numbers[i] is at most `limit`. Bits from `count` on are none.
+  /// Bit i of words of 64: numbers[i] is at most `limit`. Bits from `count` on are 0.
   void (*at_most)(const float* numbers, std::size_t count, float limit, std::uint64_t* bits);
-  /// The same for doubles that are numbers.
+  /// Like at_most, for doubles that are not NaN.
   void (*at_most_in_double)(const double* numbers, std::size_t count, double limit, std::uint64_t* bits);
-  /// Of points from a center. Sums are in the order x, y, z.
+  /// Squared distances of points from a center. Sums are in the order x, y, z.
   void (*squared_distances_in_double)(const DoublePointColumns& points, const Vec3& center, double* squares);
-  /// The most that a point of the ball, going along its direction, travels before it leaves the ball; at least 0.
-  /// points: in the ball, to rounding. directions: as many unit vectors.
+  /// The greatest distance that a point of the ball, going along its direction, travels before it leaves the ball; at
+  /// least 0. points: in the ball, up to rounding. directions: as many unit vectors.
   double (*farthest_exit)(const DoublePointColumns& points, const DoublePointColumns& directions, const Sphere& ball);
   /// The number of the cell that each point lies in.
   void (*cell_numbers)(const DoublePointColumns& points, const LatticeCells& cells, std::int32_t* numbers);
-  /// Bit i of words of 64: bytes[i] is `wanted`. Bits from `count` on are none.
+  /// Bit i of words of 64: bytes[i] is `wanted`. Bits from `count` on are 0.
   void (*equal)(const std::uint8_t* bytes, std::size_t count, std::uint8_t wanted, std::uint64_t* bits);
-  /// Bit i of words of 64: somewhere ball i has less power than one that is given. corners: x, y, z and that power.
+  /// Bit i of words of 64: ball i has less power than the given one at one of the corners at least. corners: x, y, z
+  /// and that power.
   void (*with_less_power)(const BallColumns& balls, const double (*corners)[4], std::size_t count, std::uint64_t* bits);
 };
 
-/// Those that this processor can run, narrowest first. All give the same bits.
+/// The kernels that this processor can run, narrowest first. All give the same bits.
 std::span<const FitKernels> all_fit_kernels();
-/// The widest.
+/// The widest kernels that this processor can run.
 const FitKernels& fit_kernels();
 
 }  // namespace morula::detail

@@ -52,8 +52,8 @@ inline Four quarter(Wide a, int k) {
 #endif
 }
 
-// Four registers whose quarters are what stands at these places, four floats each: columns() and last_column() take
-// them apart, four places by four.
+// Four registers of quarters, each with the four floats at one place: columns() and last_column() split them, four
+// places by four.
 template <class At>
 inline Wide quarters_at(const At& at, int first) {
 #if MORULA_LANES == 4
@@ -94,8 +94,8 @@ __attribute__((always_inline)) inline Wide empty_up_to(const GridStep* steps, Wi
   const Wide none{};
   WideInts cell;
   const Wide floor = truncated(min(max(w, none), last_cell), cell);
-  // Of the steps' floats. Read back from memory: taken out of the register one by one, they cost more than all the
-  // rest.
+  // Places of the steps' floats. They are read back from memory: extracting them from the register one by one costs
+  // more than all the rest.
   alignas(64) std::uint32_t place[lanes];
   *reinterpret_cast<WideInts*>(place) = 4 * (lines + cell);
   asm("" : "+m"(place));

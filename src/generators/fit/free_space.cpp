@@ -15,7 +15,7 @@ FreeSpace::FreeSpace(const ObjectLines& lines, const Sphere& around, double spac
       cell_(lines.cell()),
       in_lattice_(lines.to_lattice(around.center)),
       stride_(std::max(1, static_cast<int>(spacing / lines.cell()))) {
-  // Those that reach deepest come first: one or two of them have most lines to themselves.
+  // Balls that reach deepest come first: one or two of them have most lines to themselves.
   const auto key = [&](const Sphere& s) { return distance(s.center, middle_) - s.radius; };
   std::stable_sort(others.begin(), others.end(), [&](const Sphere& a, const Sphere& b) { return key(a) < key(b); });
   std::vector<Ball> balls(others.size());
@@ -52,7 +52,7 @@ void FreeSpace::trace(const ObjectLines& lines, int axis, std::span<const Ball> 
 
 void FreeSpace::trace_line(const ObjectLines& lines, int axis, int u, int v, double half, std::span<const Ball> row) {
   const double middle = in_lattice_[axis], from = middle - half, to = middle + half;
-  // What is taken: one interval that grows, and those that do not touch it.
+  // Covered space: one interval that grows, and the intervals that do not touch it.
   Interval taken{to, from};
   apart_.clear();
   const auto take = [&](double begin, double end) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rows of bits, of which one after the other is chosen: that with most bits which no chosen one has.
+// Rows of bits, chosen one after the other: each time the row with most bits that no chosen row has.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace morula::detail {
 
 class GreedyRows {
  public:
-  /// bits: borrowed; row after row of so many words.
+  /// bits: borrowed; row after row of `words` words.
   GreedyRows(std::span<const std::uint64_t> bits, std::size_t words)
       : bits_(bits),
         words_(words),
@@ -23,14 +23,13 @@ class GreedyRows {
 
   struct Choice {
     std::uint32_t row;
-    std::size_t new_bits;  ///< 0: no row has any
+    std::size_t new_bits;  ///< 0: no row has a new bit
   };
-  /// The first among equals. Cost: that of one pass over the rows that may have more new bits than the best before
-  /// them.
+  /// Returns the first among equals. Cost: one pass over the rows that may have more new bits than the best row so far.
   Choice choose() {
     Choice best{0, 0};
     for (std::uint32_t row = 0; row < most_new_.size(); ++row) {
-      // A row only gets fewer.
+      // The number of new bits of a row only falls.
       if (most_new_[row] <= best.new_bits) continue;
       std::size_t count = 0;
       for (std::size_t w = 0; w < words_; ++w) count += bit_count(word(row, w) & open_[w]);
@@ -48,7 +47,7 @@ class GreedyRows {
   std::span<const std::uint64_t> bits_;
   std::size_t words_;
   std::vector<std::uint64_t> open_;    // bits that no chosen row has
-  std::vector<std::size_t> most_new_;  // of each row: what it had when it was last counted
+  std::vector<std::size_t> most_new_;  // new bits of each row when it was last counted
 };
 
 }  // namespace morula::detail

@@ -77,8 +77,8 @@ LatticePoints::LatticePoints(std::span<const Vec3> points) {
 }
 
 bool LatticePoints::occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const {
-  // No point lies before the origin, so truncation is the floor. Along an axis without extent all points are in one
-  // cell; 0 × ∞ would be none.
+  // No point has a coordinate below the origin's, so truncation is the floor. Along an axis without extent all points
+  // are in one cell; 0 × ∞ would be none.
   const auto per = [](double edge) { return edge > std::numeric_limits<double>::min() ? 1 / edge : 0; };
   LatticeCells cells{lattice.origin, {per(lattice.edge.x), per(lattice.edge.y), per(lattice.edge.z)}, {}};
   // Roundings keep the order of numbers: no point is beyond the cell of the upper corner.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Oriented lattices over points: which cells are occupied, and how few circumspheres of them contain everything.
+// Oriented lattices over points: their occupied cells, and the fewest circumspheres of these that contain all points.
 #pragma once
 
 #include <array>
@@ -34,21 +34,21 @@ struct Lattice {
   double cell_radius() const { return 0.5 * length(edge); }
 };
 
-/// Points that are held against one lattice after the other.
+/// Points that are compared with one lattice after the other.
 class LatticePoints {
  public:
   /// points: at least one. Copied.
   explicit LatticePoints(std::span<const Vec3> points);
   const Box& box() const { return box_; }
 
-  /// Centers of the cells that points lie in, in the order of first use. Returns false where they are more than `most`,
-  /// with the first of them.
-  /// lattice: no point before its origin, and few cells to the points' box: there is a bit for each.
+  /// Centers of the cells that points lie in, in the order of first use. Returns false, with the first of them, if they
+  /// are more than `most`. lattice: no point before its origin, and few cells to the points' box: there is a bit for
+  /// each.
   bool occupied_cells(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const;
 
   /// A greedy choice of centers whose spheres of this radius contain all points: most new points first, lowest index
-  /// among equals. Points in no sphere (they cannot be when centers are their cells') are ignored. Where it takes more
-  /// than `most`, the first most + 1 of them.
+  /// among equals. Points in no sphere are ignored; there are none if the centers are those of the points' cells. If
+  /// the choice takes more than `most`, the first most + 1 of them are returned.
   std::vector<std::uint32_t> greedy_cover(std::span<const Vec3> centers, double radius, std::size_t most) const;
 
  private:

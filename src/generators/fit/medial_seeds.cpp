@@ -122,7 +122,7 @@ class SeedSearch {
   }
 
   std::size_t candidates_, points_;
-  std::vector<float> growth_;  // that candidate c needs to contain point i: [c · points + i]
+  std::vector<float> growth_;  // growth by which candidate c contains point i: [c · points + i]
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace morula::detail {
 
-/// How an inscribed ball grows: its radius by the same length for all, or the square of its radius.
+/// Growth of an inscribed ball: its radius by the same length for all, or the square of its radius.
 enum class Dilation { length, square };
 
 /// At most `most` of the candidates: first those of a greedy cover at the least dilation that allows one, then moved

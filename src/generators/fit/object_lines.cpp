@@ -13,7 +13,7 @@ namespace {
 struct RawCrossing {
   std::uint32_t line;
   float at;
-  std::int32_t change;  // of the winding number going up
+  std::int32_t change;  // change of the winding number going up
   std::uint32_t facet;
 };
 
@@ -25,8 +25,8 @@ int first_middle_at_or_above(double position, int count) {
 }  // namespace
 
 ObjectLines::ObjectLines(const MeshView& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers) {
-  // A body that is one point, or so small beside its coordinates that spheres about it are little but padding against
-  // their rounding, gets cells that the padding fits in.
+  // A body that is one point, or so small relative to its coordinates that the radii of its spheres are mostly padding
+  // against their rounding, gets cells that the padding fits in.
   constexpr double least_share = 0x1p-44;
   const double rounding = least_share * largest_coordinate(box);
   const double extent = std::max(max_norm(box.extent()), rounding);
@@ -63,7 +63,8 @@ ObjectLines::Axis ObjectLines::trace(const MeshView& mesh, const std::vector<Vec
                                    static_cast<std::uint32_t>(f)});
                   });
   }
-  // By line, then by position: dealt to the lines first, because nearly all hold two or four.
+  // Sorted by line, then by position. Crossings are assigned to the lines first, because nearly all lines hold two or
+  // four.
   const std::size_t lines = static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv);
   std::vector<std::uint32_t> next(lines + 1, 0);
   for (const RawCrossing& r : raw) ++next[r.line + 1];
@@ -82,7 +83,7 @@ ObjectLines::Axis ObjectLines::trace(const MeshView& mesh, const std::vector<Vec
     std::sort(first, last, [](const RawCrossing& x, const RawCrossing& y) {
       return x.at != y.at ? x.at < y.at : x.facet < y.facet;
     });
-    // An unreliable surface is read by parity, and facets on top of each other are one.
+    // An unreliable surface is read by parity, and coincident facets are one.
     constexpr float same_place = 1e-5F;
     int winding = 0;
     for (auto r = first; r != last; ++r) {
@@ -101,7 +102,8 @@ ObjectLines::Axis ObjectLines::trace(const MeshView& mesh, const std::vector<Vec
 static void spread_to_neighbors(std::vector<float>& sums, const std::array<std::size_t, 3>& step,
                                 const std::array<int, 3>& block_count) {
   std::vector<float> spread(sums.size());
-  // Each block and its two neighbors along an axis: numbers `apart` before and after in a row of the block's own.
+  // Each block and its two neighbors along an axis: numbers `apart` entries away in both directions, in a row of the
+  // block's own.
   for (int pass = 0; pass < 2; ++pass)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t apart = 3 * step[axis], row = apart * static_cast<std::size_t>(block_count[axis]);
@@ -132,7 +134,7 @@ void ObjectLines::weigh(const MeshView& mesh, const std::vector<Vec3>& vertices)
       static_cast<std::size_t>(block_count_[0]) * static_cast<std::size_t>(block_count_[1])};
   const std::size_t blocks = step[2] * static_cast<std::size_t>(block_count_[2]);
   std::vector<float> sums(3 * blocks, 0.0F);
-  // Squares of a facet's unit normal: most facets are crossed many times. Those without area have none.
+  // Squares of a facet's unit normal: most facets are crossed many times. Facets without area have none.
   constexpr float not_known = -1;
   std::vector<std::array<float, 3>> squares(mesh.facet_count(), {not_known, 0, 0});
   const auto squares_of = [&](std::uint32_t f) -> const std::array<float, 3>& {
@@ -169,13 +171,13 @@ void ObjectLines::weigh(const MeshView& mesh, const std::vector<Vec3>& vertices)
   }
 }
 
-// Cells that two of the three lines through them call inside.
+// Cells that are inside by two of the three lines through them.
 void ObjectLines::vote() {
   const std::array<std::size_t, 3> n{static_cast<std::size_t>(count_[0]), static_cast<std::size_t>(count_[1]),
                                      static_cast<std::size_t>(count_[2])};
   std::vector<std::uint8_t> votes(n[0] * n[1] * n[2], 0);
   const std::array<std::size_t, 3> step{1, n[0], n[0] * n[1]};
-  // Of a slender object most lines have nothing inside: those are not walked cell by cell.
+  // Most lines of a slender object have nothing inside: those are not walked cell by cell.
   std::array<std::vector<bool>, 3> has_inside;
   for (std::size_t axis = 0; axis < 3; ++axis) has_inside[axis].assign(n[(axis + 1) % 3] * n[(axis + 2) % 3], false);
   const auto mark = [&](const std::array<std::size_t, 3>& cell) {
@@ -222,7 +224,7 @@ void ObjectLines::vote() {
         }
         voted.begin.push_back(static_cast<std::uint32_t>(voted.crossings.size()));
       }
-    axes_[axis] = std::move(voted);  // the other axes' lines are still those that voted; only votes are read here
+    axes_[axis] = std::move(voted);  // the other axes' lines are still the voting ones; only votes are read here
   }
 }
 

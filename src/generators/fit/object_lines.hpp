@@ -19,12 +19,12 @@ namespace morula::detail {
 class ObjectLines {
  public:
   /// cells: along the longest side of the mesh's box, at least 8.
-  /// A closed and oriented object is what has non-zero winding number along each line. For others, a cell is inside
-  /// when two of the three lines through its center say so, and lines enter and leave at cell walls.
+  /// The inside of a closed and oriented object has a non-zero winding number along each line. For other objects, a
+  /// cell is inside when two of the three lines through its center say so, and lines enter and leave at cell walls.
   /// Cost: O(F + lines crossed).
   ObjectLines(const MeshView& mesh, const ObjectShape& shape, int cells, Workers& workers)
       : ObjectLines(mesh, shape.bounding_box(), shape.has_volume(), cells, workers) {}
-  /// closed_and_oriented: as inspect() has it. box: of the mesh.
+  /// closed_and_oriented: as inspect() computes it. box: of the mesh.
   ObjectLines(const MeshView& mesh, const Box& box, bool closed_and_oriented, int cells, Workers& workers);
 
   struct Crossing {
@@ -40,8 +40,8 @@ class ObjectLines {
     const std::size_t i = static_cast<std::size_t>(v) * static_cast<std::size_t>(nu) + static_cast<std::size_t>(u);
     return std::span(a.crossings).subspan(a.begin[i], a.begin[i + 1] - a.begin[i]);
   }
-  /// How much of the space at a lattice cell is for lines along `axis` to see: the square of that component of the
-  /// normal of the surface near by, a third where there is none. The three sum to 1. Any cell, on the lattice or not.
+  /// Share of the space at a lattice cell that lines along `axis` measure: the square of that component of the normal
+  /// of the surface near by, a third if there is none. The three sum to 1. Any cell, on the lattice or not.
   float weight(int axis, const std::array<int, 3>& cell) const {
     std::size_t i = 0;
     for (int k = 2; k >= 0; --k) {
@@ -58,7 +58,7 @@ class ObjectLines {
     const std::array<float, 3>* first = nullptr;
     std::size_t step = 0;
     std::size_t axis = 0;
-    int block = 1, blocks = 0;  // none of a line beside the lattice
+    int block = 1, blocks = 0;  // block: cells of a block; blocks: 0 for a line outside the lattice
     float operator[](int i) const {
       return i < 0 || i >= blocks ? 1.0F / 3 : first[static_cast<std::size_t>(i) * step][axis];
     }
@@ -83,7 +83,7 @@ class ObjectLines {
 
  private:
   struct Axis {
-    std::vector<std::uint32_t> begin;  // per line, and one more
+    std::vector<std::uint32_t> begin;  // first index per line, and one more
     std::vector<Crossing> crossings;
   };
   Axis trace(const MeshView& mesh, const std::vector<Vec3>& vertices, int axis, bool reliable) const;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The object that a build fits spheres to, with its index of facets only where it is needed.
+// The object that a build fits spheres to, with an index of facets only if one is needed.
 #pragma once
 
 #include <morula/query/signed_distance.hpp>
@@ -9,24 +9,24 @@
 
 namespace morula::detail {
 
-/// What is inside, and how far away the surface is. Trees of draft and fast quality, and flat sets of closed meshes,
-/// are built without asking for a distance: on fine meshes the index of facets would be a fifth of their time and most
-/// of their memory.
+/// The object's inside, and the distance of its surface. Trees of draft and fast quality, and flat sets of closed
+/// meshes, are built without distance queries: on fine meshes the index of facets would be a fifth of their time and
+/// most of their memory.
 class ObjectShape {
  public:
-  /// Not yet asked for a distance. mesh: borrowed. Cost: linear.
+  /// The index is not made yet. mesh: borrowed. Cost: linear.
   explicit ObjectShape(const MeshView& mesh);
-  /// For builds that will ask. The index is made on all workers.
+  /// For builds that need distances. The index is made on all workers.
   ObjectShape(const MeshView& mesh, Workers& workers);
 
   bool has_volume() const { return has_volume_; }
   /// −1 for an inside-out mesh, else 1.
   double orientation() const { return orientation_; }
-  /// Of the facets' corners.
+  /// Box of the facets' corners.
   const Box& bounding_box() const { return box_; }
-  /// Made by whoever asks first, while others wait.
+  /// Made by the first call, while concurrent calls wait.
   const SignedDistance& distance() const;
-  /// Whether anybody has asked; not while others may be asking.
+  /// Whether distance() was called; must not run while another thread may call it.
   bool has_index() const { return distance_.has_value(); }
 
  private:

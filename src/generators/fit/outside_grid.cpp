@@ -25,7 +25,7 @@ struct Range {
 };
 Range middles_within(float middle, float half, int count) {
   const float lower = middle - half + 0.5F, upper = middle + half + 0.5F, last = static_cast<float>(count);
-  // Balls that are proposed may reach far beyond the grid: cut off before a number too large becomes a whole one.
+  // Proposed balls may reach far beyond the grid: positions are clamped before a number too large becomes an integer.
   return {lower > 0 ? static_cast<int>(std::min(last, lower)) : 0,
           upper > 0 ? static_cast<int>(std::min(last, upper)) : 0};
 }
@@ -51,13 +51,13 @@ OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_w
   }
   step_ = {1, at(count_[0]), at(count_[0]) * at(count_[1])};
   const std::size_t cells = step_[2] * at(count_[2]);
-  // Eight at a time are changed.
+  // Updates change eight cells at a time.
   balls_over_.assign(cells + sizeof(std::uint64_t), 0);
   full_along_.assign(cells + sizeof(std::uint64_t), 0);
   turned_.in_plane.assign(step_[1] + sizeof(std::uint64_t), 0);
   turned_.in_rows.assign(step_[2] + sizeof(std::uint64_t), 0);
   for (std::size_t a = 0; a < 3; ++a) {
-    // Lines past the last one are read, and count for nothing, where they are taken by fours.
+    // Loops over four lines read past the last line; those entries count for nothing.
     const std::size_t n = at(count_[a]), line_count = cells / n;
     axes_[a].outside.reset(new OutsideCell[cells + 1]);  // four floats of the last one are read
     axes_[a].steps = ZeroSteps(cells + 4 * n);
@@ -116,8 +116,9 @@ static std::uint64_t not_zero(std::uint64_t bytes) {
 }
 
 // Eight cells of a row at a time. A count that is full stays so, and none falls below nothing: no byte reaches into the
-// next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells
-// turns from no ball to some or back, and has space there to count. Of balls that share most of theirs, few lines turn.
+// next. Steps depend on the object and on which cells any ball has: a line keeps its steps unless one of its cells gets
+// its first ball or loses its last one, and has space there to count. If balls share most of their cells, few lines
+// change.
 void OutsideGrid::change(const Spheref& ball, int by) {
   static constexpr std::array<std::uint8_t, 2 * eight> first_ones{1, 1, 1, 1, 1, 1, 1, 1};
   const std::size_t nx = at(count_[0]), ny = at(count_[1]), nz = at(count_[2]);
@@ -171,7 +172,7 @@ void OutsideGrid::change(const Spheref& ball, int by) {
     each_x(&turned_.in_rows[at(y) * nx], [&](std::size_t x) { axes_[2].current[at(y) * nx + x] = {}; });
 }
 
-// Where the object leaves space on the middle line of each cell.
+// Traces where the object leaves space on the middle line of each cell.
 void OutsideGrid::trace(std::size_t axis, int u, int v, std::size_t line) {
   const std::size_t ua = (axis + 1) % 3, va = (axis + 2) % 3;
   const int n = count_[axis];
@@ -232,8 +233,9 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float overlap_weight
   prepared_.center = center;
   prepared_.reach = reach;
   for (std::size_t a = 0; a < 3; ++a) {
-    // Of every line the same part: lines near the rim of the ball need less, but telling how much costs more. A bit
-    // more of it than asked for: what is asked for next is seldom far, and a part that begins earlier is made anew.
+    // Every line gets the same range: lines near the rim of the ball need less, but computing how much costs more. The
+    // range is a bit longer than requested: the next request is seldom far away, and a range that begins earlier is
+    // computed from scratch.
     const float middle = center[static_cast<int>(a)], along = 1.2F * reach;
     const Extent needed{
         static_cast<std::uint16_t>(std::clamp(middle - along, 0.0F, static_cast<float>(count_[a] - 1))),
@@ -244,8 +246,8 @@ void OutsideGrid::prepare(const Vec3f& center, float reach, float overlap_weight
     each_row(a, center, reach, [&](int v, int begin, int end, float) {
       const std::size_t row = at(v) * row_length;
       for (int u = begin; u < end;) {
-        // Lines without any step yet need the same part; the others join it to theirs. Steps are sums from where a
-        // line's part begins on: where that stays, those it has are the ones it needs.
+        // Lines without any step yet need the same range; the others join it to theirs. Steps are sums from the
+        // beginning of a line's range: if that stays, the steps that it has are the needed ones.
         const Extent has = own.current[row + at(u)];
         const bool is_fresh = has.begin >= has.end;
         if (!is_fresh && has.begin <= needed.begin && has.end >= needed.end) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Outside grid: the empty space that a ball takes in and no sibling has taken in already. Every fit minimizes it.
+// Outside grid: the empty space that a ball covers and no sibling covers already. Every fit minimizes it.
 //
 // A ball's outside volume is integrated along lines of all three axes at once. A point of empty space belongs to axis k
 // with weight n_k², n the normal of the surface next to it: the weights sum to 1, and each thin layer between ball and
@@ -23,10 +23,11 @@
 namespace morula::detail {
 
 /// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are
-/// cells of this grid from its lower corner. For one thread at a time: lines are worked out when they are first needed.
+/// cells of this grid from its lower corner. An object serves one thread at a time: lines are computed when they are
+/// first needed.
 class OutsideGrid {
  public:
-  /// box: where balls may be, mesh coordinates. cell_width: wanted, mesh units. lines: borrowed.
+  /// box: where balls may be, mesh coordinates. cell_width: requested, mesh units. lines: borrowed.
   OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width);
 
   double cell() const { return place_.cell; }
@@ -34,27 +35,27 @@ class OutsideGrid {
   Vec3f to_grid(const Vec3& p) const;
   Vec3 from_grid(const Vec3f& p) const;
 
-  /// Counts a ball as taken in, or no longer.
+  /// Counts the space of a ball as covered. remove() undoes that.
   void add(const Spheref& ball) { change(ball, 1); }
   void remove(const Spheref& ball) { change(ball, -1); }
 
-  /// Readies cost() for balls inside the ball of radius `reach` about `center`. taken: what space that a ball has taken
-  /// in still counts, 0…1.
+  /// Prepares cost() for balls inside the ball of radius `reach` about `center`. overlap_weight: weight of the space
+  /// that a counted ball covers, 0…1.
   void prepare(const Vec3f& center, float reach, float overlap_weight);
-  /// Whether cost() can answer for this ball.
+  /// Whether cost() is defined for this ball.
   bool is_prepared(const Vec3f& center, float radius) const;
   bool is_inside(const Vec3f& center, float radius) const;  ///< the ball is inside the grid
-  /// Outside volume of a ball in cells. The ball must be inside what was prepared and inside the grid.
-  /// Costs above `enough` may come back as any number above it.
+  /// Outside volume of a ball in cells. The ball must be inside the prepared ball and inside the grid. Costs above
+  /// `enough` may be returned as any number above it.
   float cost(const Vec3f& center, float radius, float enough = std::numeric_limits<float>::infinity()) const;
-  /// The same for one ball without preparation, with taken = 0: slower than cost(), cheaper than prepare().
+  /// The same for one ball without preparation, with overlap_weight = 0: slower than cost(), cheaper than prepare().
   float new_outside(const Spheref& ball);
   /// Outside volume of the union of balls, which need not be counted in the grid: their chords are merged on each line,
-  /// so a layer thinner than a cell that one of them takes in counts although others have the cell's middle.
+  /// so a layer thinner than a cell that one of them covers counts although others contain the cell's middle.
   double outside_together(std::span<const Spheref> balls);
 
  private:
-  // Where the cells lie among those of the object's lines; the constructor settles it.
+  // Position of the cells among those of the object's lines; the constructor computes it.
   struct Place {
     int stride = 1;              // lattice cells to a cell
     double cell = 0;             // width of a cell, mesh units
@@ -78,7 +79,7 @@ class OutsideGrid {
     std::vector<std::int32_t> first;            // per line; −1 but while it looks
     std::vector<std::array<int, 2>> lines_met;  // that have some
   };
-  // What steps are made for: prepare() writes it.
+  // Inputs of the steps: prepare() writes them.
   struct Prepared {
     float overlap_weight = -1;
     Vec3f center{};

@@ -12,7 +12,7 @@
 namespace morula::detail {
 namespace {
 
-// Whose a vertex is by power, and whether that sphere contains it.
+// The owner of a vertex by power, and whether that sphere contains it.
 struct VertexOwner {
   std::uint32_t sphere;
   bool is_inside;
@@ -43,7 +43,7 @@ Partition partition(const MeshView& mesh, const Region& region, std::span<const 
   };
   for (std::size_t k = 0; k < region.size(); ++k) {
     if (region.is_whole(k)) {
-      // Differences of powers are affine: whose all three corners are, theirs is the facet.
+      // Differences of powers are affine: the common owner of all three corners owns the facet.
       const auto& [a, b, c] = mesh.facets[region.facet[k]];
       const VertexOwner at_a = owner_of(a), at_b = owner_of(b), at_c = owner_of(c);
       // mutant partition-two-corners: `at_b.sphere && at_b.sphere == at_c.sphere` -> `at_b.sphere`
@@ -72,8 +72,8 @@ Partition partition(const MeshView& mesh, const Region& region, std::span<const 
     const Triangle corners = mesh.corners(leftovers.facet[k]);
     points.clear();
     for (const Barycentric& b : leftovers.polygon(k)) points.push_back(at_barycentric(corners, b));
-    // Of spheres that have grown already: a partition of few spheres may well take the order of its leftovers into
-    // account, where cover(), whose chunks know nothing of each other, may not.
+    // Growth starts from spheres that have grown already: a partition of few spheres may depend on the order of its
+    // leftovers; cover(), whose chunks are independent of each other, may not.
     const PowerDiagram::Growth growth = least_growth(grown, points);
     grown[growth.sphere].radius += std::max(0.0, growth.amount);
     result.regions[growth.sphere].add(leftovers.facet[k], leftovers.polygon(k));

@@ -10,7 +10,7 @@
 namespace morula::detail {
 namespace {
 
-// The points that decide radii: an even thinning first, joined by whichever turns out to be farthest.
+// The points that decide radii: an even thinning first, to which the farthest points found are added.
 constexpr std::size_t most_core_points = 256;
 
 class Search {
@@ -30,7 +30,7 @@ class Search {
     return {center, radius, std::max(0.0, radius + shape_(center))};
   }
 
-  // Compass search: step along the axes, repeat what helped, halve the step when nothing does.
+  // Compass search: step along the axes, repeat improving steps, halve the step when none improves.
   Trial descend(Trial best, double step, double last_step) const {
     constexpr std::array<Vec3, 6> directions{Vec3{1, 0, 0},  Vec3{-1, 0, 0}, Vec3{0, 1, 0},
                                              Vec3{0, -1, 0}, Vec3{0, 0, 1},  Vec3{0, 0, -1}};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Sphere fit: one sphere around the points it must contain, placed where it sticks out least.
+// Sphere fit: one sphere around the points that it must contain, with the center where it sticks out least.
 #pragma once
 
 #include <morula/geometry/sphere.hpp>
@@ -9,10 +9,10 @@
 
 namespace morula::detail {
 
-/// Searches a center c that makes r(c) + φ(c) small, r(c) the farthest point's distance and φ the signed distance to
-/// the object: the bound of how far the sphere sticks out. Starts from the better of `start` and the smallest sphere's
-/// center. Returns the exact radius max |x − c|, without pad.
-/// Cost: some forty evaluations, each over a few hundred extreme points and one closest-point query.
+/// Searches a center c that makes r(c) + φ(c), the bound of the sphere's protrusion, small; r(c) is the farthest
+/// point's distance and φ the signed distance to the object. The search starts from the better of `start` and the
+/// smallest sphere's center. Returns the exact radius max |x − c|, without pad. Cost: about forty evaluations, each
+/// over a few hundred extreme points and one closest-point query.
 Sphere recenter(std::span<const Vec3> points, const Vec3& start, const SignedDistance& shape);
 
 }  // namespace morula::detail

@@ -40,7 +40,7 @@ UnionLines::UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres
   deal_chords(in_lattice);
 }
 
-// Chords by line: counted, then dealt.
+// Chords by line: first counted, then assigned.
 void UnionLines::deal_chords(std::span<const Sphere> in_lattice) {
   const std::size_t line_count = seen_.size();
   std::vector<std::uint32_t> next(line_count + 1, 0);
@@ -100,7 +100,7 @@ void UnionLines::each_line(std::size_t axis, const Sphere& s, const Visit& visit
   }
 }
 
-// Walks along a line from chord end to chord end, adding up what is outside the object.
+// Walks along a line from chord end to chord end, adding up the length outside the object.
 void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords) const {
   struct End {
     float at;
@@ -114,7 +114,7 @@ void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords
     closings.push_back({c.end, &c.outside_to_end});
   }
   const auto is_before = [](const End& x, const End& y) { return x.at < y.at; };
-  // Insertion takes the square of their number where one chord lies in another.
+  // Insertion sort takes the square of their number if chords lie in others.
   constexpr std::size_t few = 64;
   if (closings.size() > few) std::sort(closings.begin(), closings.end(), is_before);
   for (std::size_t i = 1; i < closings.size(); ++i) {
@@ -142,7 +142,7 @@ void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords
           to = std::min(to, 0.0F);
         } else if (at < blocks_end) {
           in_block = static_cast<int>(at / block);
-          // Where rounding has it that a block's end is in the block, the next one begins there all the same.
+          // If rounding puts a block's end into the block, the next one begins there all the same.
           if (const float block_end = static_cast<float>(in_block + 1) * block; block_end > at)
             to = std::min(to, block_end);
         }
@@ -156,7 +156,7 @@ void UnionLines::measure(std::size_t axis, int u, int v, std::span<Chord> chords
 
 template <class Counts>
 double UnionLines::merged(std::span<const Chord> chords, const Counts& counts) {
-  // Which chords count follows no pattern: all go through the same steps, and those that do not count change nothing.
+  // The counting chords follow no pattern: all go through the same steps, and the other chords change nothing.
   double sum = 0;
   float end = -std::numeric_limits<float>::infinity(), outside_from = 0, outside_to = 0;
   for (const Chord& c : chords) {
@@ -184,7 +184,7 @@ void UnionLines::count(std::size_t sphere, bool whether) {
     outside_on_[sphere_lines_[k]] = -1;
 }
 
-// Many changes are asked about before one is made.
+// Many changes are evaluated before one is made.
 double UnionLines::outside_on(std::size_t i) {
   if (outside_on_[i] < 0) outside_on_[i] = merged(line(i), [&](std::uint32_t s) { return counts_[s] != 0; });
   return outside_on_[i];

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Departures: the diagram is the node's own, of its samples, where the published one is the object's and is shared by
-// all nodes; points are added a few at a time, because the diagram then computes distances only for what is left of
-// them; a ball whose surface point cannot be added is out of the game for good, since trying again cannot help.
+// Departures: the diagram is the node's own, of its samples; the published one is the object's and is shared by all
+// nodes. Points are added a few at a time, because the diagram then computes distances only for the balls that remain.
+// A ball whose surface point cannot be added is never tried again, since a second try cannot help.
 
 #include "generators/reduce/adaptive_medial.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What is made of `branching` spheres' samples: enough balls to choose from, few enough to be fast.
+// Limits for `branching` spheres: enough balls to choose from, few enough to be fast.
 struct Budget {
   std::size_t first_points, least_balls, most_balls, insertions, inscribed;
   explicit Budget(std::size_t branching)
@@ -54,7 +54,7 @@ class AdaptiveMedial {
   }
 
  private:
-  // Where points may be added: the closest surface points of balls that reach into the node's sphere.
+  // Places where points may be added: the closest surface points of balls that reach into the node's sphere.
   static Box around(const Sphere& s) {
     const double reach = 2 * s.radius;
     Box box;
@@ -98,7 +98,7 @@ class AdaptiveMedial {
     if (!b.alive || diagram_.is_far(s) || !std::isfinite(b.ball.radius)) return slot;
     const double reach = b.ball.radius + node_.sphere.radius;
     if (squared_distance(b.ball.center, node_.sphere.center) >= reach * reach) return slot;
-    // Forming samples are on the ball but for the lattice's rounding.
+    // Forming samples are on the ball up to the lattice's rounding.
     slot.contains = columns_.inside({b.ball.center, b.ball.radius * (1 + 1e-5)});
     slot.usable = !slot.contains.empty();
     slot.inner = diagram_.side(s) <= 0;
@@ -110,7 +110,7 @@ class AdaptiveMedial {
     return std::max(0.0, diagram_.balls()[s].ball.radius + diagram_.distance(s));
   }
 
-  // Samples in no inner ball promote one of the balls about their nearest point: the one that sticks out furthest from
+  // Samples in no inner ball promote one of the balls about their nearest point: the ball that sticks out furthest from
   // its center's side, so that it is the first to be replaced.
   void choose_covers() {
     SampleSet covered(node_.samples.size());
@@ -171,7 +171,7 @@ class AdaptiveMedial {
     return true;
   }
 
-  // Balls inscribed at some of the samples: they are there on flat parts too, where the diagram has none.
+  // Adds balls inscribed at a part of the samples: they exist on flat parts also, where the diagram has none.
   void add_inscribed(std::vector<Sphere>& balls, std::vector<double>& distances) const {
     const std::size_t step = std::max<std::size_t>(1, node_.samples.size() / budget_.inscribed);
     std::vector<Vec3> points, normals;
@@ -186,7 +186,7 @@ class AdaptiveMedial {
   }
 
   BallSet result() const {
-    std::vector<std::pair<double, std::uint32_t>> order;  // those that stick out least first
+    std::vector<std::pair<double, std::uint32_t>> order;  // the one that sticks out least first
     for (std::uint32_t s = 0; s < slots_.size(); ++s)
       if (is_medial(slots_[s])) order.emplace_back(slots_[s].protrusion, s);
     std::sort(order.begin(), order.end());

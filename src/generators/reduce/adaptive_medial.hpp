@@ -10,12 +10,12 @@ namespace morula::detail {
 
 /// Voronoi balls of points of the surface about the node. Points are added where a ball sticks out most, until all
 /// stick out less than half as far as the node's sphere or there are enough. Nearly every sample is in a ball with its
-/// center inside the object, or in one from outside that was taken for its sake. Balls inscribed at some of the samples
-/// come on top: there are such on flat parts too.
+/// center inside the object, or in one from outside that was chosen for that sample. Balls inscribed at a part of the
+/// samples are added, because these exist on flat parts also.
 ///
-/// May be empty: fewer than four samples, or all in one plane and none with a normal that a ball fits under. Same bits
-/// for the same node. Cost: some 200 insertions into a diagram, and a query for every ball that they leave; a few
-/// milliseconds.
+/// The result may be empty: fewer than four samples, or all in one plane and none with a normal that a ball fits under.
+/// Same bits for the same node. Cost: about 200 insertions into a diagram, and a query for every ball that they leave;
+/// a few milliseconds.
 BallSet adaptive_medial(const ReducerInput& node);
 
 }  // namespace morula::detail

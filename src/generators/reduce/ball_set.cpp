@@ -33,7 +33,7 @@ std::size_t nearest_surface(const BallSet& set, std::size_t k) {
   return nearest;
 }
 
-// A sample that formed a ball is on its surface but for rounding.
+// A sample that formed a ball is on its surface up to rounding.
 bool is_inside(double distance, double radius) {
   return distance <= radius * (1 + 1e-5);
 }
@@ -44,7 +44,7 @@ double power(double distance, double radius) {
 
 }  // namespace
 
-// Both go through the table row by row, as it lies.
+// Both functions read the table row by row, as it is stored.
 
 std::vector<SampleSet> samples_owned(const BallSet& set) {
   std::vector<SampleSet> owned(set.size(), SampleSet(set.samples().size()));
@@ -75,7 +75,7 @@ std::vector<BallPair> neighbor_pairs(const BallSet& set) {
     const std::span<const double> away = set.to_samples(i);
     for (std::size_t k = 0; k < away.size(); ++k) {
       std::pair<double, std::uint32_t> next{power(away[k], radius), static_cast<std::uint32_t>(i)};
-      if (!(next.first < nearest[k].back().first)) continue;  // of equals the first
+      if (!(next.first < nearest[k].back().first)) continue;  // the first of equals
       for (auto& place : nearest[k])
         if (next < place) std::swap(next, place);
     }

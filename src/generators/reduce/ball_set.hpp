@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ball set over a node's samples, and the three ways of making it small [bradshaw2004]: merge, burst, expand.
+// Ball set over a node's samples, and the three reductions of [bradshaw2004]: merge, burst, expand.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@
 
 namespace morula::detail {
 
-/// Balls with what the reductions ask of them again and again.
+/// Balls with tables of the values that reductions read often.
 class BallSet {
  public:
-  /// balls, distances: equally many; distances are the signed ones of the centers. All copied.
+  /// balls, distances: equally many; distances are the signed ones of the centers. All are copied.
   BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::span<const Vec3> samples);
 
   std::size_t size() const { return balls_.size(); }
@@ -33,7 +33,7 @@ class BallSet {
     of.for_each([&](std::size_t k) { farthest = std::max(farthest, to_samples(i)[k]); });
     return farthest;
   }
-  /// Bound of how far ball i sticks out when it reaches `radius`: (r + φ(c))⁺.
+  /// Bound of the protrusion of ball i with this radius: (r + φ(c))⁺.
   double protrusion(std::size_t i, double radius) const { return std::max(0.0, radius + distances_[i]); }
 
  private:
@@ -43,12 +43,12 @@ class BallSet {
   std::vector<double> to_samples_;  // one row per ball
 };
 
-/// Of each ball, the samples that are its own: those inside that are deepest in it by power; samples in none are strays
-/// and belong to the ball with the nearest surface.
+/// The samples that each ball owns: those inside that are deepest in it by power. Samples in no ball are strays and
+/// belong to the ball with the nearest surface.
 std::vector<SampleSet> samples_owned(const BallSet& set);
 
-/// Pairs of balls that are side by side somewhere on the samples: at some sample, one is the nearest by power and the
-/// other the second or third. i < j, ascending, each pair once.
+/// A pair of balls that are neighbors somewhere on the samples: at one sample at least, one ball is the nearest by
+/// power and the other the second or third. i < j, ascending, each pair once.
 struct BallPair {
   std::uint32_t i, j;
   bool operator==(const BallPair&) const = default;
@@ -57,39 +57,40 @@ struct BallPair {
 std::vector<BallPair> neighbor_pairs(const BallSet& set);
 
 /// Balls grow out of the object by equal power, r² = s − φ(c)·|φ(c)|, so that balls of all sizes come to touch equally
-/// large spots. The s from which on a ball with its center `distance` from the object contains a point `away` from the
-/// center.
+/// large spots. Returns the s from which on a ball contains a point at the distance `away` from its center, which is at
+/// the signed distance `distance` from the object.
 inline double growth_to_contain(double distance, double away) {
   return away * away + distance * std::abs(distance);
 }
 
-/// The spheres' centers with the radii of the least growth at which they contain all samples together: by power, such
-/// spheres relieve one another, because one that could reach further takes samples off one that sticks out more. Those
-/// that no sample needs are left out. distances: signed ones of the centers.
+/// The spheres' centers with the radii of the least growth at which they contain all samples together. Growth by power
+/// is better than by radius: a sphere that could reach further takes samples off one that sticks out more. Spheres that
+/// no sample needs are left out. distances: signed ones of the centers.
 std::vector<Sphere> equally_grown(std::span<const Sphere> spheres, std::span<const double> distances,
                                   std::span<const Vec3> samples);
 
-/// Of p to the object, whose surface the samples lie on; asked for no farther than they are away.
+/// Signed distance of p to the object, whose surface the samples lie on. The query searches no farther than the nearest
+/// sample.
 double signed_distance(const SignedDistance& shape, const Vec3& p, std::span<const Vec3> samples);
 
-/// What a reduction leaves: balls that together contain all samples, at most `branching`, and their signed distances.
+/// The result of a reduction: balls that together contain all samples, at most `branching`, and their signed distances.
 struct Reduced {
   std::vector<Sphere> balls;
   std::vector<double> distances;
 };
 // Each reduction returns nothing for no balls or samples.
 
-/// Joins two balls again and again. The joint ball is the one that sticks out least among the smallest around the
-/// samples of both and those about either center. First choice: a neighbor of the ball that sticks out most, if the
-/// joint ball sticks out less than it; else the pair whose joint ball sticks out least.
-/// Cost: some ten thousand small steps and one closest-point query a pair, for 300 balls.
+/// Joins two balls, repeatedly. The joint ball is the one that sticks out least among the smallest around the samples
+/// of both and those about either center. First choice: a neighbor of the ball that sticks out most, if the joint ball
+/// sticks out less than it; else the pair whose joint ball sticks out least. Cost: about ten thousand small steps and
+/// one closest-point query a pair, for 300 balls.
 Reduced merge(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
-/// Removes a ball again and again and gives its samples to its neighbors, which are fitted to them. First choice: the
-/// ball that sticks out most among those whose neighbors then all stick out less; else the least sum of sixth powers.
+/// Removes a ball, repeatedly, and gives its samples to its neighbors, which are fitted to them. First choice: the ball
+/// that sticks out most among those whose neighbors then all stick out less; else the least sum of sixth powers.
 Reduced burst(const BallSet& set, std::size_t branching, const SignedDistance& shape);
 
-/// Grows all balls together and keeps few that contain all samples: the least growth found. No queries.
+/// Grows all balls together and keeps few that contain all samples, at the least growth found. It makes no queries.
 std::vector<Sphere> expand(const BallSet& set, std::size_t branching);
 
 }  // namespace morula::detail

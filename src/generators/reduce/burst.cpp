@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Burst [bradshaw2004]: a ball goes and its neighbors take its samples, again and again.
+// Burst [bradshaw2004]: a ball is removed and its neighbors take its samples, repeatedly.
 //
-// Departure: costs wait in a heap and are worked out again only when they come up. What bursts make around a ball
-// hardly ever lowers its cost, so the first entry that is up to date is taken for the best.
+// Departure: costs wait in a heap and are computed again only when they come up. Bursts around a ball hardly ever lower
+// its cost, so the first entry that is up to date counts as the best.
 
 #include <algorithm>
 #include <limits>
@@ -96,7 +96,7 @@ class Bursting {
     return result;
   }
 
-  // Who would get what, and how its ball would be then.
+  // The samples that each neighbor would get, and its ball with them.
   std::vector<Change> changes_without(std::uint32_t k) {
     const std::vector<std::uint32_t> able = heirs(k);
     std::vector<Change> changes;
@@ -128,7 +128,7 @@ class Bursting {
     change.ball = {before.ball.center, farthest_distance(before.ball.center, points_)};
     change.protrusion = std::max(0.0, change.ball.radius + change.distance);
     const Sphere smallest = enclosing_sphere(points_);
-    // Distance changes no faster than place: often that is enough to know that the smallest ball is no better.
+    // Distance changes no faster than place: that often proves that the smallest ball is no better.
     const double least_distance = before.distance - morula::distance(before.ball.center, smallest.center);
     if (!(smallest.radius + least_distance < change.protrusion)) return;
     const double distance = signed_distance(shape_, smallest.center, points_);
@@ -193,7 +193,7 @@ class Bursting {
   std::span<const Vec3> samples_;
   std::size_t branching_;
   const SignedDistance& shape_;
-  double scale_ = 0;  // costs are taken relative to it: sixth powers overflow and vanish easily
+  double scale_ = 0;  // unit of the costs: sixth powers overflow and vanish easily
   std::vector<Member> members_;
   std::size_t alive_ = 0;
   std::priority_queue<Entry> heap_;

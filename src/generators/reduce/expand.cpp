@@ -3,9 +3,9 @@
 // Expand and select [bradshaw2004]: all balls grow until they stick out by s, and few of them are kept.
 //
 // Departures: at a stand-off s ball i has radius s − φ(c), so it contains sample k from s = |x − c| + φ(c) on, or the
-// like by power. That table is made once, and a trial of s asks no query; a success at s is one at the largest value it
-// used, so the search ends on a value of the table. Greedy choice takes the ball with most new samples, and exchanges
-// between the chosen and all others follow, which the published search does not have.
+// corresponding value by power. That table is made once, and a trial of s needs no query; a success at s is one at the
+// largest value it used, so the search ends on a value of the table. Greedy choice takes the ball with most new
+// samples, and exchanges between the chosen and all others follow, which the published search does not have.
 
 #include <algorithm>
 #include <limits>
@@ -41,9 +41,9 @@ class Expansion {
 
   const double* row(std::size_t ball) const { return &table_[ball * sample_count_]; }
 
-  // The least stand-off at which these balls contain everything.
+  // The least stand-off at which these balls contain all samples.
   double needed(const std::vector<std::size_t>& balls) {
-    // Row by row, as the table lies.
+    // Row by row, as the table is stored.
     least_.assign(sample_count_, infinity);
     for (const std::size_t i : balls)
       for (std::size_t k = 0; k < sample_count_; ++k) least_[k] = std::min(least_[k], row(i)[k]);
@@ -63,7 +63,7 @@ class Expansion {
     std::size_t left = sample_count_;
     while (left > 0) {
       const GreedyRows::Choice best = rows.choose();
-      // Nor do the balls to come contain more than this one does.
+      // No later ball contains more new samples than this one.
       if (best.new_bits * (branching_ - chosen.size()) < left) return {};
       chosen.push_back(best.row);
       left -= best.new_bits;
@@ -82,7 +82,7 @@ class Expansion {
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
     low = needed(all);
     if (try_stand_off(low)) return;
-    constexpr double exactness = 1e-4;  // of the stand-off that one ball needs
+    constexpr double exactness = 1e-4;  // relative to the stand-off that one ball needs
     const double last_gap = exactness * std::max(0.0, high_);
     for (int step = 0; step < 40 && high_ - low > last_gap; ++step) {
       const double middle = 0.5 * (low + high_);
@@ -125,7 +125,7 @@ class Expansion {
     chosen_ = std::move(next);
     return true;
   }
-  // The ball that is the first to contain the sample that now needs the largest stand-off.
+  // Adds the ball that is the first to contain the sample with the largest stand-off.
   bool add_most_helpful(std::vector<std::size_t>& balls) const {
     std::size_t worst = 0, best = 0;
     double most = -infinity;
@@ -162,7 +162,7 @@ class Expansion {
   std::size_t branching_;
   std::size_t sample_count_;
   std::vector<double> table_;  // one row per ball
-  double high_ = infinity;     // what `chosen_` needs
+  double high_ = infinity;     // the stand-off that `chosen_` needs
   std::vector<std::size_t> chosen_;
   std::vector<double> least_;            // scratch
   std::vector<std::uint64_t> contains_;  // scratch: bits, one row per ball

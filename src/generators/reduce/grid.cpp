@@ -69,14 +69,14 @@ class LatticeSearch {
  private:
   struct Count {
     std::size_t cells;
-    std::size_t spheres;  // after greedy cover; only looked for when near enough to matter
+    std::size_t spheres;  // after greedy cover; computed only if near enough to matter
     std::vector<Vec3> centers;
   };
-  // As occupied_cells has it, of all points. A few of them, spread over all, mostly tell that cells are too many.
+  // Like occupied_cells, for all points. A few of the points, spread over all, mostly show that cells are too many.
   bool occupied(const Lattice& lattice, std::size_t most, std::vector<Vec3>& centers) const {
     return some_points_.occupied_cells(lattice, most, centers) && points_.occupied_cells(lattice, most, centers);
   }
-  // most_cells, most_spheres: more are not worth looking at.
+  // most_cells, most_spheres: limits of the count.
   Count count(double edge, const Vec3& shift, std::size_t most_cells, std::size_t most_spheres) const {
     const Lattice lattice{points_.box().lower - shift * edge, {edge, edge, edge}};
     Count result{};
@@ -96,7 +96,7 @@ class LatticeSearch {
     return result;
   }
 
-  // Coordinate search over the shift, from the one that worked before.
+  // Coordinate search over the shift, from the shift that worked last.
   bool try_size(double edge, Vec3& shift, Candidate& best) const {
     Count least = count(edge, shift, 2 * branching_, 2 * branching_);
     constexpr int shifts_per_axis = 6;

@@ -3,8 +3,8 @@
 // Hubbard's generator [hubbard1996]: Voronoi balls inside the object carry the samples that form them; two are merged
 // into the smallest ball around the samples of both, the cheapest pair first, until few enough are left.
 //
-// Departures: the balls are those of the node's own samples, so every level is as finely described as the first, where
-// the published one has a single set for all; where a ball reaches the surface outside the node, points of that surface
+// Departures: the balls are those of the node's own samples, so every level is as finely described as the first; the
+// published generator has a single set for all. If a ball reaches the surface outside the node, points of that surface
 // are added to keep it inside; the cheapest merge comes out of a heap instead of a search through all.
 
 #include <algorithm>
@@ -24,12 +24,12 @@ namespace {
 struct Group {
   SampleSet samples;
   SupportedSphere smallest;  // around the samples
-  Sphere ball;               // the Voronoi ball that it began with; of joined ones the smallest
+  Sphere ball;               // the Voronoi ball that it began with; the smallest of joined ones
   std::vector<std::uint32_t> neighbors;
   bool alive = true;
 };
 
-// Samples gathered, so that they are looked at in whole registers.
+// Gathered samples, so that loops read them in whole registers.
 class Gathered {
  public:
   static constexpr std::size_t most = 512;
@@ -118,7 +118,8 @@ class Hubbard {
     alive_ = groups_.size();
   }
 
-  // Samples of the diagram are points, some left out; both in the same order, moved by no more than the lattice does.
+  // Samples of the diagram are a subset of the points, both in the same order, moved by no more than the lattice's
+  // rounding.
   std::vector<std::uint32_t> numbered(const std::vector<Vec3>& samples) const {
     std::vector<std::uint32_t> numbers;
     const double near = 1e-5 * node_.sphere.radius;
@@ -138,7 +139,7 @@ class Hubbard {
     for (std::uint32_t s = 0; s < diagram.balls().size(); ++s) {
       const VoronoiBall& b = diagram.balls()[s];
       if (!b.alive || !(diagram.side(s) < 0)) continue;
-      // Where the surface is about as far as the samples, nobody needs to know how far.
+      // If the surface is about as far as the samples, its exact distance is not needed.
       constexpr double rounding = 1e-9;
       const auto closest = diagram.closest_within(s, 0.9 * (1 + rounding) * b.ball.radius);
       if (closest && b.ball.radius + closest->distance > 0.1 * b.ball.radius)
@@ -162,7 +163,7 @@ class Hubbard {
     gathered_.clear();
     samples.for_each([&](std::size_t k) { gathered_.add(points_[k], normals_[k]); });
   }
-  // The smallest ball around what is gathered, the samples of two groups; the search begins with that of the larger.
+  // The smallest ball around the gathered samples of two groups; the search begins with that of the larger.
   SupportedSphere around_gathered(std::uint32_t a, std::uint32_t b) const {
     const SupportedSphere &one = groups_[a].smallest, &other = groups_[b].smallest;
     return enclosing_sphere_from(one.sphere.radius < other.sphere.radius ? other : one, gathered_.points());
@@ -219,7 +220,7 @@ class Hubbard {
   };
 
   const ReducerInput& node_;
-  std::vector<Vec3> points_, normals_;  // of the node's samples, as many as the diagram is made of
+  std::vector<Vec3> points_, normals_;  // of the node's samples; the diagram's number of them
   std::vector<Group> groups_;
   std::size_t alive_ = 0;
   std::priority_queue<Entry> heap_;

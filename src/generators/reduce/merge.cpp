@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Merge [bradshaw2004]: two balls become one, again and again.
+// Merge [bradshaw2004]: two balls become one, repeatedly.
 //
 // Departures: balls are neighbors where they are side by side on the samples, which needs no diagram; a pair is
 // evaluated once, when it comes up, and waits in a heap whose entries die with either ball.
@@ -52,12 +52,12 @@ class Merging {
   Reduced run() {
     bool all_pairs = false;
     while (alive_ > branching_) {
-      // Near the end few neighbors are left, and every pair is worth a look.
+      // Near the end few neighbors are left, and every pair is evaluated.
       if (!all_pairs && alive_ <= 3 * branching_) consider_all(), all_pairs = true;
       std::uint32_t pair = beneficial();
       if (pair == none) pair = cheapest();
       if (pair == none) {
-        // The neighborhood fell apart into islands.
+        // The neighborhood fell apart into components.
         consider_all();
         continue;
       }
@@ -94,7 +94,7 @@ class Merging {
     };
     take_if_less(other.ball.center, farthest_distance(other.ball.center, points_), other.distance);
     const Sphere smallest = enclosing_sphere(points_);
-    // Distance changes no faster than place: often that is enough to know that the smallest ball is no better.
+    // Distance changes no faster than place: that often proves that the smallest ball is no better.
     const double least_distance = std::max(one.distance - morula::distance(one.ball.center, smallest.center),
                                            other.distance - morula::distance(other.ball.center, smallest.center));
     if (smallest.radius + least_distance < joint.protrusion)

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Departures: a compass search replaces the simplex; protrusions in the metric are taken relative to the worst one at
-// the start, where the published metric depends on the unit of length.
+// Departures: a compass search replaces the simplex; protrusions in the metric are relative to the worst one at the
+// start, while the published metric depends on the unit of length.
 
 #include "generators/reduce/optimize.hpp"
 
@@ -37,7 +37,7 @@ class Optimization {
  public:
   explicit Optimization(const ReducerInput& node) : node_(node) {}
 
-  // Samples to the balls that they are deepest in by power; those in none to the nearest surface.
+  // Assigns samples to the balls that they are deepest in by power; samples in none to the nearest surface.
   Shares shared_out(std::span<const Sphere> balls) const {
     Shares shares;
     for (const Sphere& ball : balls) shares.push_back({ball, node_.shape.distance()(ball.center), 0, {}});
@@ -54,7 +54,7 @@ class Optimization {
     return shares;
   }
 
-  // C.7 recenter: every ball to where it sticks out least with the samples it has, then the samples anew.
+  // C.7 recenter: every ball moves to where it sticks out least with its samples, then the samples are shared again.
   Shares recentered(Shares best, int rounds) const {
     for (int round = 0; round < rounds; ++round) {
       Shares moved = best;
@@ -66,7 +66,7 @@ class Optimization {
       }
       const double moved_worst = worst_protrusion(moved);
       Shares next = shared_out(spheres_of(moved));
-      // Sharing out anew can make things worse; what was moved before it is still good.
+      // Sharing again can make the balls worse; the balls moved first are still good.
       if (!(worst_protrusion(next) <= moved_worst)) next = std::move(moved);
       if (!(worst_protrusion(next) < worst_protrusion(best))) return next.size() <= best.size() ? next : best;
       best = std::move(next);
@@ -134,7 +134,7 @@ class Optimization {
     return 100 * static_cast<double>(shares.size()) * worst + sum;
   }
 
-  // Ball i becomes `trial`: what is inside it becomes its own, what it had and does not contain goes to the nearest of
+  // Ball i becomes `trial`: samples inside it become its own, and its former samples outside it go to the nearest of
   // the others.
   Shares with(const Shares& shares, std::size_t i, const Sphere& trial) const {
     Shares next = shares;
@@ -229,8 +229,8 @@ void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer,
       proposal.fill_places = false;
     }
   }
-  // Radii that just hold a sphere's own samples are bad ones to divide the surface by: what is in the middle of a large
-  // sphere goes to it whatever is beside it, and a few spheres end up with nothing.
+  // Radii that just hold a sphere's own samples are bad ones to divide the surface by: surface in the middle of a large
+  // sphere goes to it whatever small spheres are there, and a few spheres end up with nothing.
   std::vector<double> distances;
   for (const Share& s : shares) distances.push_back(s.distance);
   proposal.spheres = equally_grown(Optimization::spheres_of(shares), distances, node.samples);

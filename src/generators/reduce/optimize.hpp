@@ -7,9 +7,9 @@
 
 namespace morula::detail {
 
-/// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing.
-/// Searches centers for a small worst protrusion bound of spheres that just hold the samples shared out among them:
-/// balance lets it be larger by the share `excess`. The radii handed over are then of equal power. Cost: recenter some
+/// Replaces the spheres of a proposal by ones that contain the node's samples; with `none`, does nothing. The search
+/// moves centers so that the worst protrusion bound of spheres that just hold their share of the samples becomes small;
+/// balance lets it be larger by the share `excess`. The resulting radii are of equal power. Cost: recenter about a
 /// hundred closest-point queries, simplex a few thousand, balance several times that.
 void optimize(Proposal& proposal, const ReducerInput& node, Optimizer optimizer, double excess);
 

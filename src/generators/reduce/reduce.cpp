@@ -46,7 +46,7 @@ RegionSamples region_samples(const MeshView& mesh, const Region& region, double 
   for (std::size_t i = 0; i < samples_by_area; ++i) {
     const double at = (static_cast<double>(i) + random.uniform()) / samples_by_area * total;
     while (k + 1 < region.size() && area_up_to[k] <= at) ++k;
-    // A random convex combination: not uniform on a polygon, but patches are small beside the region.
+    // A random convex combination: it is not uniform on a polygon, but patches are small compared with the region.
     const Triangle t = mesh.corners(region.facet[k]);
     Vec3 point{};
     double sum = 0;
@@ -89,13 +89,14 @@ class ReducerDivider {
     std::vector<Start> starts = judged(children, proposals);
     NodeFit::Exact exact;
     std::string_view winner;
-    // What the root's children lose, all levels lose, and it is one node among many: there every start goes all the
-    // way.
+    // A loss at the root's children is a loss of all levels, and the root is one node among many: every start there
+    // goes all the way.
     const std::size_t tries = settings_.all_on_root && node.level == 0 ? starts.size() : 1;
     for (std::size_t k = 0; k < tries; ++k) {
       settle(children, starts[k], node.level);
       NodeFit::Exact now = fit.exact();
-      // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart need it.
+      // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart have to be
+      // parts.
       if (now.spheres.size() < 2) now = fit.divided_anyway(starts[k].proposal->spheres);
       if (k > 0 && !(now.cost < exact.cost)) continue;
       exact = std::move(now);
@@ -110,7 +111,7 @@ class ReducerDivider {
   static constexpr float overlap_weight = 0.15F;
   static constexpr int sweeps_for_winner = 2, inscribed_sweeps = 4, sweeps_after = 4;
 
-  // A proposal and what a sweep made of it.
+  // A proposal and its result after a sweep.
   struct Start {
     const Proposal* proposal;
     std::vector<Sphere> spheres;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The reducers: what proposes spheres for a node. Each may return nothing; none fails.
+// The reducers: each proposes spheres for a node. A reducer may return nothing; none fails.
 #pragma once
 
 #include "generators/reduce/reduce.hpp"
@@ -10,11 +10,11 @@ namespace morula::detail {
 Proposals propose_grid(const ReducerInput& node);
 Proposals propose_hubbard(const ReducerInput& node);
 Proposals propose_spawn(const ReducerInput& node);
-/// One adaptive medial axis of the node, reduced in each of these ways: merge, burst, expand.
+/// Reduces one adaptive medial axis of the node in each of these ways: merge, burst, expand.
 Proposals propose_medial(const ReducerInput& node, std::span<const Reduction> reductions);
 
-/// All of them, in this order, each proposal optimized as the options say. Nodes without any proposal get their own
-/// sphere, marked `no_proposal`: the fit halves it.
+/// Combines all of them, in this order; each proposal is optimized by the options. Nodes without any proposal get their
+/// own sphere, marked `no_proposal`: the fit halves it.
 Reducer combined_reducer(std::vector<Reduction> reductions, const BuildOptions& options);
 
 }  // namespace morula::detail

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Samples in columns, for what is asked of all of them at once.
+// Samples in columns, for computations over all of them at once.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ class SampleColumns {
   void squared_distances(const Vec3& from, double* squares) const {
     fit_kernels().squared_distances_in_double({x_.data(), y_.data(), z_.data(), size()}, from, squares);
   }
-  /// Those in the ball, or on it.
+  /// The samples in the ball, or on it.
   SampleSet inside(const Sphere& ball) const {
     std::vector<double> squares(size());
     squared_distances(ball.center, squares.data());

@@ -11,13 +11,13 @@
 
 namespace morula::detail {
 
-/// A subset of samples 0 … count − 1. Sets that meet in an operation must have the same count.
+/// A subset of samples 0 … count − 1. The sets of one operation must have the same count.
 class SampleSet {
  public:
   SampleSet() = default;
   explicit SampleSet(std::size_t count) : words_((count + 63) / 64) {}
 
-  /// Sample i is bit i % 64 of word i / 64; there are none from the count on.
+  /// Sample i is bit i % 64 of word i / 64; all bits from the count on are 0.
   std::uint64_t* words() { return words_.data(); }
 
   void add(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }

@@ -1,14 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spawn [bradshaw2002]: spheres that all stick out equally, by s, laid one beside the other until they contain all
+// Spawn [bradshaw2002]: spheres that all stick out equally, by s, placed next to each other until they contain all
 // samples; the least s for which few enough do.
 //
-// Departures: a sphere has r = s − φ(c), so its center is all there is to search; its gain is the number of new samples
-// with a soft edge, which has a slope where a plain count has none; every sphere must contain the remotest sample left,
-// so no stray is left behind for the end; it starts from the best of the medial balls there instead of the previous
-// sphere; s is bisected by its logarithm, and the spheres of the last success are tried again for the next. What is
-// handed over has radii by equal power: with those the spheres share the surface more evenly, which the levels below
-// gain from.
+// Departures: a sphere has r = s − φ(c), so the search is over its center alone; its gain is the number of new samples
+// with a soft edge, which has a slope; a plain count has none. Every sphere must contain the remotest sample left, so
+// no stray remains at the end. It starts from the best of the medial balls there instead of the previous sphere. s is
+// bisected by its logarithm, and the spheres of the last success are tried again for the next. The resulting radii are
+// of equal power: with those the spheres share the surface more evenly, from which the levels below gain.
 
 #include <algorithm>
 #include <array>
@@ -73,7 +72,7 @@ class Spawn {
   }
 
  private:
-  // At most `branching` spheres of this protrusion that contain all samples; none when it takes more.
+  // At most `branching` spheres of this protrusion that contain all samples; none if it takes more.
   std::vector<Sphere> lay(double s, std::span<const Sphere> previous) const {
     std::vector<Sphere> spheres;
     SampleSet left(node_.samples.size());
@@ -87,7 +86,7 @@ class Spawn {
       left.for_each([&](std::size_t k) {
         if (squared_distance(node_.samples[k], sphere.center) <= sphere.radius * sphere.radius) next.remove(k);
       });
-      next.remove(remotest);  // whatever rounding says
+      next.remove(remotest);  // also if rounding leaves it outside
       left = std::move(next);
       spheres.push_back(sphere);
     }
@@ -103,8 +102,8 @@ class Spawn {
     return remotest;
   }
 
-  // How many samples a sphere would take; those just outside count for a part. squares: their squared distances from
-  // the center. No less for a larger radius.
+  // The number of samples that a sphere would take; samples just outside count for a part. squares: their squared
+  // distances from the center. No less for a larger radius.
   static double gain(double radius, const std::vector<double>& squares) {
     constexpr double edge = 1.2, edge_worth = 0.3;  // shares of the radius and of a sample
     const double inner = radius * radius, outer = edge * edge * inner;
@@ -118,7 +117,7 @@ class Spawn {
     return sum;
   }
 
-  // The sphere of protrusion s that contains `must` and takes most of `left`, sought about good centers.
+  // The sphere of protrusion s that contains `must` and most of `left`, sought about good centers.
   class Best {
    public:
     Best(const ReducerInput& node, double s, const Vec3& must, const SampleSet& left)
@@ -131,13 +130,14 @@ class Spawn {
     }
     const Sphere& sphere() const { return sphere_; }
 
-    /// Whether it is better than all before.
+    /// Returns whether it is better than all earlier ones.
     bool consider(const Vec3& center, double signed_distance) {
       stand_at(center);
       return consider_radius(s_ - signed_distance);
     }
-    /// The same, but asks for the distance only if the sphere can be better: samples lie on the surface, so the center
-    /// is no deeper than the nearest sample is far, and a larger radius gains no less. The allowance is for rounding.
+    /// The same, but computes the distance only if the sphere can be better: samples lie on the surface, so the center
+    /// is no deeper than the distance of the nearest sample, and a larger radius gains no less. The allowance is for
+    /// rounding.
     bool consider(const Vec3& center) {
       stand_at(center);
       const double nearest = *std::min_element(squares_.begin(), squares_.end());
@@ -151,7 +151,7 @@ class Spawn {
       center_ = center;
       points_.squared_distances(center, squares_.data());
     }
-    // Negative when it misses `must`.
+    // Negative if it misses `must`.
     double gain_of(double radius) const {
       if (!(radius > 0) || squared_distance(must_, center_) > radius * radius) return -1;
       return gain(radius, squares_);

@@ -25,7 +25,7 @@ namespace {
 constexpr std::size_t leaves_per_chunk = 16;
 constexpr std::size_t nodes_per_chunk = 256;
 
-// In the order of the kernel's slabs.
+// Directions in the order of the kernel's slabs.
 std::vector<Vec3> slab_directions(int k) {
   std::vector<Vec3> directions{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (has_corner_slabs(k)) directions.insert(directions.end(), {{1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {1, -1, -1}});
@@ -40,9 +40,9 @@ int require_known(int k) {
   return k;
 }
 
-/// How far a bound has to be moved out, per slab. With e and M as in rounding.hpp and w the number of coordinates that
-/// are added up: points w × 7 e M, corners left out w × 0.04 e M, the w − 1 sums below 5 e M in all; together below
-/// w × 10 e M, allowed w × 16 e M. Reading in double asks for what a sphere's radius is given, once per coordinate: of
+/// Length by which a bound is moved out, per slab. With e and M as in rounding.hpp and w the number of coordinates that
+/// are added up: points w × 7 e M, corners left out w × 0.04 e M, the w − 1 sums below 5 e M in all; together below w ×
+/// 10 e M, allowed w × 16 e M. Reading in double requires the allowance of a sphere's radius, once per coordinate: for
 /// weights that do not add up to 1 that is s A, and 2 s M for corners left out.
 double allowance(const Rounding& rounding, const Vec3& direction) {
   const double coordinates = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
@@ -61,13 +61,13 @@ struct KDopTree::State {
   std::vector<Vec3> directions;
   LocalPoints local;
   std::vector<std::uint32_t> leaves;  // in the order of the ownership
-  // Of leaf after leaf: points that lie one after the other in runs, others in a list, padded to whole groups.
+  // Points leaf after leaf: consecutive ones as runs, others in a list, padded to whole groups.
   std::vector<std::uint32_t> run_begin{0}, point_begin{0}, points{};
   std::vector<PointRun> runs{};
-  std::vector<float> bounds{};    // per node: lower, then upper
-  std::vector<Spheref> around{};  // memory of pose()
+  std::vector<float> bounds{};    // bounds per node: lower, then upper
+  std::vector<Spheref> around{};  // scratch of pose()
   Vec3 origin{};
-  UpdateStatus work{};  // of a good update: the same every time
+  UpdateStatus work{};  // work of a good update: the same every time
 
   std::size_t slab_count() const { return directions.size(); }
   float* lower(std::uint32_t node) { return &bounds[2 * slab_count() * node]; }
@@ -201,7 +201,7 @@ void KDopTree::pose(PosedSpheres& spheres) const {
     const float *const low = s.lower(node), *const high = s.upper(node);
     const auto middle = [&](int i) { return 0.5f * low[i] + 0.5f * high[i]; };
     const Vec3f center{middle(0), middle(1), middle(2)};
-    // From the rounded center to the farthest corner, in double: below 2^-50 off.
+    // Reach from the rounded center to the farthest corner, in double: below 2^-50 off.
     const auto reach = [&](int i, float c) {
       return std::max(static_cast<double>(high[i]) - static_cast<double>(c),
                       static_cast<double>(c) - static_cast<double>(low[i]));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// What the others have to reproduce, in plain loops.
+/// The reference that the other kernels reproduce, in plain loops.
 namespace plain {
 
 template <int k>

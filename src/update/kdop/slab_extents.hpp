@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The kernel of k-DOPs: one walk over points, how far they extend along k / 2 directions.
+// The kernel of k-DOPs: one walk over points computes their extents along k / 2 directions.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ constexpr bool has_edge_slabs(int k) {
 using SlabKernel = void (*)(const LocalPoint* points, std::span<const PointRun> runs,
                             std::span<const std::uint32_t> index, float* lower, float* upper);
 
-/// Those for k = 6, 14, 18 or 26 that this processor can run, slowest first. All give the same bits: the same sums in
-/// the same order, and these are only compared.
+/// The kernels for k = 6, 14, 18 or 26 that this processor can run, slowest first. All give the same bits: the same
+/// sums in the same order, and these are only compared.
 std::span<const SlabKernel> slab_kernels(int k);
 
 }  // namespace morula::detail

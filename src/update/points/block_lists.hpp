@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Lists of what depends on a block of vertices: an update of a part of the vertices starts from them.
+// Lists of the items that depend on a block of vertices: an update of a part of the vertices starts from them.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace morula::detail {
 
-/// Vertices that change together, as far as partial updates care: consecutive ones of the ownership's order.
+/// Vertices that partial updates treat as one: consecutive ones of the ownership's order.
 inline constexpr std::size_t vertices_per_block = 32;
 
 class BlockLists {

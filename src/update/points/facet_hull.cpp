@@ -1,16 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why nothing is lost. Two steps, each with its own proof.
+// Proof that the hull loses nothing, in two steps.
 //   hull     Two chains from the least to the greatest point [andrew1979], with exact signs of orientation and exact
-//            comparisons of coordinates: what they return is the convex hull of real numbers. A point on the line of
+//            comparisons of coordinates: they return the convex hull of real numbers. A point on the line of
 //            its neighbors is dropped as well, and lies between them: points come in lexicographic order, which along
 //            a line is the order on it.
 //   thinning A corner of the hull is dropped when it is near the segment between the two corners *kept* on either side
 //            of it, as a witness shows: a point of that segment not farther off than the tolerance. The witness is
-//            a + t (b - a) for some t in 0...1, and whichever t it is lies on the segment; only its three roundings,
-//            below 2^-50, are on top. Corners are compared with what stays, never with what goes itself, so nothing
-//            adds up.
+//            a + t (b - a) for some t in 0...1, and lies on the segment for any t; only its three roundings, below
+//            2^-50, are added. Corners are compared with kept ones, never with dropped ones, so errors do not add up.
 // The hull of all corners is then within the tolerance of the hull of those kept: a convex combination of corners is as
 // near to it as the farthest of them.
 #include "update/points/facet_hull.hpp"
@@ -67,7 +66,7 @@ void FacetHull::find_hull(const std::vector<FacetPoint>& sorted) {
       while (hull_.size() >= first + 2 && !turns_left(*(hull_.end() - 2), hull_.back(), *p)) hull_.pop_back();
       hull_.push_back(*p);
     }
-    hull_.pop_back();  // the other chain begins with it
+    hull_.pop_back();  // the other chain begins with this corner
   };
   add_chain(sorted.begin(), sorted.end());
   // mutant hull-without-one-chain: `add_chain(sorted.rbegin(), sorted.rend())` -> ``

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Corners of one facet that surround the others: only these have to be tested.
+// Corners of one facet that surround the others: only these need tests.
 //
-// A corner of a patch is a fixed combination of its facet's vertices, so what holds in the plane of the weights (x, y)
-// holds wherever the vertices are: a corner in the convex hull of others stays in their hull, and a sphere that
-// contains those contains it.
+// A corner of a patch is a fixed combination of its facet's vertices, so relations in the plane of the weights (x, y)
+// hold wherever the vertices are: a corner in the convex hull of others stays in their hull, and a sphere that contains
+// those contains it.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +19,19 @@ struct FacetPoint {
   double x, y;
 };
 
-/// How far a corner that is left out may lie from the hull of those kept, in |x| + |y|. Corners on one cut line differ
-/// from a line by an ulp, which would keep them all. rounding.hpp pays for twice as much, since nodes above leaves
-/// leave out more of what leaves keep.
+/// Largest distance of a corner that is left out from the hull of the kept ones, in |x| + |y|. Corners on one cut line
+/// differ from a line by an ulp, which would keep them all. rounding.hpp pays for twice as much, since nodes above
+/// leaves leave out more of the corners that leaves keep.
 // mutant hull-tolerance: `30` -> `18`
 inline constexpr double hull_tolerance = 0x1p-30;
 
 class FacetHull {
  public:
-  /// Those of `points`, in order around their hull, that surround the others: every point lies within `tolerance` of
-  /// the convex hull of those returned; with tolerance 0 in the hull itself, of real numbers. Of equal points the one
-  /// with the lowest corner counts. points: at least one, weights finite and at most 1; they are put into order.
-  /// Valid until the next call. O(n log n) and what near-collinear corners cost: the square of a run of them.
+  /// Returns those of `points`, in order around their hull, that surround the others: every point lies within
+  /// `tolerance` of the convex hull of the returned ones; with tolerance 0 in the hull itself, of real numbers. The one
+  /// with the lowest corner stands for equal points. points: at least one, weights finite and at most 1; they are
+  /// sorted. The result is valid until the next call. Cost: O(n log n), and the square of each run of near-collinear
+  /// corners.
   std::span<const FacetPoint> surround(std::vector<FacetPoint>& points, double tolerance);
 
  private:

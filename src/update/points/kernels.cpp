@@ -15,7 +15,7 @@
 namespace morula::detail {
 namespace {
 
-/// What the others have to reproduce, in plain loops; also for compilers without vector types.
+/// The reference that the other kernels reproduce, in plain loops; also for compilers without vector types.
 namespace plain {
 
 void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::span<const std::uint32_t> index,
@@ -31,7 +31,7 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
-// visit(run, list) for each group, one of which it is.
+// Calls visit(run, list) for each group; it is one of the two.
 template <class Visit>
 void each_group(std::span<const PointRun> runs, std::span<const std::uint32_t> index, const Visit& visit) {
   for (const PointRun& run : runs)
@@ -191,7 +191,7 @@ void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t
   }
 }
 
-// place(i): where the i-th goes.
+// place(i): index of the i-th point in the output.
 template <class Place>
 std::uint32_t narrow_packed(const float* packed, std::size_t count, const Vec3f& origin, LocalPoint* out,
                             const Place& place) {

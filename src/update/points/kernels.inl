@@ -49,7 +49,7 @@ void farthest(const LocalPoint* points, std::span<const PointRun> runs, std::spa
   }
 }
 
-// Those of a group, which `row` gives: lanes of them from the i-th on.
+// Largest squared distance to the points of a group, which `row` gives: row(i) has `lanes` of them from the i-th on.
 template <class Row>
 [[gnu::always_inline]] inline Wide farthest_of_group(const Row& row, Wide x, Wide y, Wide z) {
   Wide farthest{};
@@ -152,9 +152,9 @@ struct FarthestOfLanes {
 #endif
 };
 
-// A node in each lane. What a lane does is what pull does for its node: a lane that has enough stays where it is, so it
-// finds the same distance again, which is no better. Where a register has not all of nodes_at_once, two are at work in
-// turn: each step ends in roots and quotients that wait for each other.
+// Each lane pulls a node by the steps of pull: a lane that has enough stays where it is, so it finds the same distance
+// again, which is no better. If a register has fewer lanes than nodes_at_once, two work in turn: each step ends in
+// roots and quotients that wait for each other.
 constexpr int pulled_at_once = lanes < static_cast<int>(nodes_at_once) ? 2 : 1;
 
 void pull_lanes(const LocalPoint* points, const std::uint32_t* cores, std::size_t core_count, const float* rest_radii,
@@ -461,7 +461,7 @@ void move_inner_cuts(const LocalPoint* points, const InnerCut* cuts, std::size_t
   }
 }
 
-// Of a copy: Clang 14 takes the first lane for every lane that it is asked to cast in its place.
+// The argument is a copy: Clang 14 casts the first lane in the place of every lane that is cast directly.
 inline std::int32_t bits_of(float x) {
   return __builtin_bit_cast(std::int32_t, x);
 }

@@ -67,13 +67,13 @@ void LocalPoints::add_cuts(const Cover& cover, const Ownership& ownership) {
     std::stable_sort(by_weight.begin(), by_weight.end(), [&](int i, int j) { return c.weight[i] > c.weight[j]; });
     const auto point = [&](int rank) { return point_of(c.vertex[by_weight[rank]]); };
     const auto weight = [&](int rank) { return static_cast<float>(c.weight[by_weight[rank]]); };
-    // A vertex without weight may be anything, even one that no facet uses.
+    // A vertex without weight may be any vertex, even one that no facet uses.
     if (is_on_edge(c))
       cuts_.on_edges.push_back({{point(0), point(c.weight[by_weight[1]] == 0 ? 0 : 1)}, weight(1)});
     else
       cuts_.in_facets.push_back({{point(0), point(1), point(2)}, weight(1), weight(2)});
   }
-  // Over all cut points: a certificate looks at those that no leaf has to test as well.
+  // The slack is computed over all cut points: a certificate also tests those that no leaf has to test.
   for (const CutPoint& c : cover.cut_points)
     // mutant local-weight-slack-one-way: `std::abs( ... - 1)` -> `c.weight[0] + c.weight[1] + c.weight[2] - 1`
     cuts_.weight_slack = std::max(cuts_.weight_slack, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
@@ -111,7 +111,7 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
   });
   const Frame frame = finished_frame(positions);
   if (!frame.finite) return frame;
-  // Those that follow each other at once.
+  // Consecutive vertices are narrowed at once.
   std::uint32_t begin = 0, end = 0;
   changed_.cuts.each([&](std::uint32_t cut) {
     ++changed_.cut_points;
@@ -122,7 +122,7 @@ LocalPoints::Frame LocalPoints::move_changed(const PositionView& positions,
   return frame;
 }
 
-// The stretches and blocks in which the range has vertices that facets use.
+// Marks the stretches and blocks in which the range has vertices that facets use.
 void LocalPoints::mark(const VertexRange& range) noexcept {
   constexpr auto per_block = static_cast<std::uint32_t>(vertices_per_block);
   const auto first = std::partition_point(stretches_.begin(), stretches_.end(),
@@ -144,7 +144,7 @@ void LocalPoints::narrow_stretch(const PositionView& positions, std::size_t stre
                                                                           numbers_.points_from(begin), points_.data());
 }
 
-// What is to be said of the points when all vertices are narrowed.
+// The frame after all vertices are narrowed.
 LocalPoints::Frame LocalPoints::finished_frame(const PositionView& positions) const noexcept {
   Frame frame;
   frame.origin = origin_;
@@ -166,7 +166,7 @@ void LocalPoints::move_cut_points(Workers& workers) noexcept {
                [&](std::size_t begin, std::size_t end) { move_cuts(begin, end); });
 }
 
-// Those on edges come first.
+// Cuts on edges come first.
 void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
   const std::size_t on_edges = cuts_.on_edges.size(), edge_end = std::min(end, on_edges);
   if (begin < edge_end)
@@ -178,7 +178,7 @@ void LocalPoints::move_cuts(std::size_t begin, std::size_t end) noexcept {
                               &points_[vertex_count() + inner_begin]);
 }
 
-// The rare way out, so on one thread: the answer cannot depend on chunks.
+// A rare path, so it runs on one thread: the result cannot depend on chunks.
 std::size_t LocalPoints::first_bad_vertex(const PositionView& positions, const Vec3& origin) const noexcept {
   const bool far = !(max_norm(origin) <= largest_origin_coordinate);
   for (std::size_t v = 0; v < positions.size(); ++v) {

@@ -12,7 +12,7 @@
 
 namespace morula::detail {
 
-/// Of the numbers below `count`. A bit for each, so to empty it or to walk it costs a step for every 64.
+/// A set of numbers below `count`. It has a bit for each, so to empty it or to walk it costs a step for every 64.
 class Marks {
  public:
   explicit Marks(std::size_t count = 0) : words_((count + 63) / 64) {}
@@ -20,7 +20,7 @@ class Marks {
   void remove(std::uint32_t i) noexcept { words_[i / 64] &= ~(std::uint64_t{1} << (i % 64)); }
   bool has(std::uint32_t i) const noexcept { return (words_[i / 64] >> (i % 64) & 1) != 0; }
   void clear() noexcept { std::fill(words_.begin(), words_.end(), std::uint64_t{0}); }
-  /// visit(i) for each, ascending. Nothing is to be added meanwhile.
+  /// Calls visit(i) for each, ascending. The visitor must not add numbers.
   template <class Visit>
   void each(const Visit& visit) const {
     each_bit(words_, [&](std::size_t i) { visit(static_cast<std::uint32_t>(i)); });

@@ -14,7 +14,7 @@ namespace morula::detail {
 namespace {
 
 #ifdef __GNUC__
-[[gnu::noinline]]  // GCC 12 takes rounding to float and back for nothing where it does two coordinates at once
+[[gnu::noinline]]  // GCC 12 removes rounding to float and back in code that does two coordinates at once
 #endif
 double
 nearest_float(double x) {
@@ -49,7 +49,7 @@ class InFloat {
   Float4 origin_;
 };
 
-// place(i): where the i-th goes.
+// place(i): index of the i-th point in the output.
 template <class Local, class Place>
 float narrow_by(const PositionView& view, std::size_t first, std::size_t count, const Vec3& origin, LocalPoint* out,
                 const Place& place) {
@@ -76,7 +76,7 @@ float narrow_each(const PositionView& positions, std::size_t first, std::size_t 
   return narrow_by<InDouble<float>>(positions, first, count, origin, out, place);
 }
 
-// Largest |coordinate| of the largest bit pattern of one.
+// The largest |coordinate| from its bit pattern.
 float largest_of(std::uint32_t bits) {
   constexpr std::uint32_t not_finite = 0x7f800000u;
   return bits < not_finite ? std::bit_cast<float>(bits) : std::numeric_limits<float>::infinity();

@@ -11,12 +11,12 @@
 
 namespace morula::detail {
 
-/// The place nearest to p whose coordinates are floats.
+/// The point nearest to p whose coordinates are floats.
 Vec3 nearest_floats(const Vec3& p) noexcept;
 
-/// Where a frame's origin goes that ought to be at p: the nearest place whose coordinates are floats, unless that is
-/// far away beside the body's size. Differences of floats can then be taken in float, with the very result that double
-/// precision would be rounded to.
+/// Returns the origin of a frame that should be at p: the nearest point whose coordinates are floats, unless its
+/// distance is large compared with the body's size. Differences of floats can then be computed in float, with exactly
+/// the rounded result of double precision.
 Vec3 origin_near(const Vec3& p, double size) noexcept;
 
 /// out[i] = positions[first + i] - origin, i < count: subtracted in double, then rounded to float.
@@ -24,12 +24,12 @@ Vec3 origin_near(const Vec3& p, double size) noexcept;
 float narrow(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
              LocalPoint* out) noexcept;
 
-/// The same, where the i-th goes to out[to[i]]: reading in order and writing anywhere beats the reverse, as positions
-/// come from outside the caches, which foresee a run, and points stay within.
+/// Like narrow, but the i-th point goes to out[to[i]]. Reading in order and writing anywhere beats the reverse:
+/// positions come from outside the caches, whose prefetcher follows runs, and points stay within the caches.
 float narrow_scattered(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                        const std::uint32_t* to, LocalPoint* out) noexcept;
 
-/// The same as narrow, plainly: for tests.
+/// Like narrow, as a plain loop: for tests.
 float narrow_plainly(const PositionView& positions, std::size_t first, std::size_t count, const Vec3& origin,
                      LocalPoint* out) noexcept;
 

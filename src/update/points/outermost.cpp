@@ -30,7 +30,7 @@ void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t
   for (const std::uint32_t p : owned) {
     const Vec3f out = Vec3f{points[p].x, points[p].y, points[p].z} - center;
     x.push_back(out.x), y.push_back(out.y), z.push_back(out.z);
-    // The few that are farthest so far, in descending order. A region names a point more than once.
+    // The few farthest points so far, in descending order. A region may have a point more than once.
     const float squared = squared_length(out);
     if (squared <= farthest.back() || std::count(farthest_points.begin(), farthest_points.end(), p) > 0) continue;
     std::size_t at = farthest_count - 1;

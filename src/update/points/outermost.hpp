@@ -12,7 +12,7 @@
 namespace morula::detail {
 
 /// Fills `core` with those of the `owned` points that are farthest out in directions spread over the sphere, seen from
-/// `center`, and those that are farthest from it; some of them more than once. O(owned × core).
+/// `center`, and those that are farthest from it; a point may occur more than once. O(owned × core).
 void outermost(std::span<const LocalPoint> points, std::span<const std::uint32_t> owned, const Vec3f& center,
                std::span<std::uint32_t> core);
 

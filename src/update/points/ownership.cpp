@@ -14,8 +14,8 @@
 namespace morula::detail {
 namespace {
 
-// Where a corner lies in the plane of a facet. Nothing for a corner that is not on it, which only a cover made
-// elsewhere can have, and on a facet with a repeated vertex, whose plane has no such weights: these are never left out.
+// Position of a corner in the plane of a facet. Nothing for a corner that is not on it, which only an imported cover
+// can have, and on a facet with a repeated vertex, whose plane has no such weights: such corners are never left out.
 std::optional<FacetPoint> in_facet(const Cover& cover, const Facet& facet, std::uint32_t corner) {
   if (facet[0] == facet[1] || facet[1] == facet[2] || facet[2] == facet[0]) return std::nullopt;
   FacetPoint p{corner, 0, 0};
@@ -44,8 +44,8 @@ class NeededCuts {
   NeededCuts(const MeshView& mesh, const Cover& cover, double tolerance)
       : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
 
-  // owns(v): whether the node owns a vertex. asks_for(c): whether a cut corner has to be surrounded; those that are
-  // needed are of these. Each is named once.
+  // owns(v): whether the node owns a vertex. asks_for(c): whether a cut corner has to be surrounded; the needed ones
+  // are among these. Each is listed once.
   template <class Owns, class AsksFor>
   const std::vector<std::uint32_t>& of(std::uint32_t node, const Owns& owns, const AsksFor& asks_for) {
     patches_.clear();
@@ -84,9 +84,9 @@ class NeededCuts {
   }
 
  private:
-  // Whether all corners of a facet lie within the tolerance of it: where its vertices are owned, no hull has to be
-  // found. One that is outside comes in along x or y by as much as each of its weights is negative, and then by what
-  // the sum of the two is too large. That rounds, so it is nothing for who allows for nothing.
+  // Whether all corners of a facet lie within the tolerance of it: if its vertices are owned, no hull has to be
+  // computed. A corner outside is off along x or y by as much as each of its weights is negative, and then by the
+  // excess of the sum of the two. That computation rounds, so the result is false for a tolerance of 0.
   bool lie_in_facet() const {
     if (!(tolerance_ > 0)) return false;
     return std::all_of(points_.begin(), points_.end(), [&](const FacetPoint& p) {
@@ -123,7 +123,7 @@ void require_belonging(const MeshView& mesh, const CoveredTree& model) {
   expect_count(model.cover.vertex_count, mesh.vertex_count(), " vertices");
   expect_count(model.cover.facet_count, mesh.facet_count(), " facets");
   if (const auto faults = validate(model.tree, model.cover); !faults.empty()) differ(faults.front());
-  // Equal counts are no proof: frames of one body on the tree of another would go unnoticed.
+  // Equal counts are no proof: frames of one body on the tree of another would pass unnoticed.
   if (model.report.mesh_hash != 0 && model.report.mesh_hash != mesh_hash(mesh))
     differ("the tree was made from a mesh of another hash");
 }
@@ -173,7 +173,7 @@ Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder
   std::vector<std::uint32_t> cuts, cut_begin{0};  // cover corners, leaf after leaf
   std::vector<std::uint32_t> vertices;            // of one leaf
 
-  // Vertices first: cut points get the numbers after the last of them.
+  // Vertices come first: cut points get the numbers after the last of them.
   for (std::uint32_t k = 0; k < order.leaves.size(); ++k) {
     vertices.clear();
     const auto corners = cover.region_corners(order.leaves[k]);
@@ -195,7 +195,7 @@ Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder
     }
     result.begin.push_back(static_cast<std::uint32_t>(result.points.size()));
   }
-  // Vertices of facets that no patch has as a corner: cut points and links may still refer to them.
+  // Adds vertices of facets that no patch has as a corner: cut points and links may still refer to them.
   for (const Facet& f : mesh.facets)
     for (const std::uint32_t v : f)
       if (number[v] == none) {
@@ -231,7 +231,7 @@ void share_levels(const MeshView& mesh, const SphereTree& tree, const Cover& cov
 
   std::vector<std::uint32_t>& from = ownership.tested_from;
   from.assign(ownership.points.size(), none);
-  // From the deepest level up, so that the uppermost is what stays.
+  // Loops from the deepest level up, so that the uppermost level remains.
   for (auto node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
     const std::uint32_t level = tree.level_of(node);
     const std::uint32_t begin = ownership.begin[order.begin[node]], end = ownership.begin[order.end[node]];

@@ -13,7 +13,7 @@ namespace {
 using Real = long double;
 
 struct Weights {
-  std::array<Real, 3> of_vertex{};  // of the facet's vertices
+  std::array<Real, 3> of_vertex{};  // weights of the facet's vertices
   bool on_facet = true;
 };
 
@@ -40,7 +40,7 @@ struct Direction {
   Real x, y;
 };
 
-// By how much a line can separate a point from all of `others`, at most; not positive inside their hull.
+// Largest distance by which a line separates a point from all of `others`; not positive inside their hull.
 Real separation(const Weights& point, const std::vector<Weights>& others) {
   const auto x = [](const Weights& w) { return w.of_vertex[1]; };
   const auto y = [](const Weights& w) { return w.of_vertex[2]; };
@@ -63,7 +63,7 @@ Real separation(const Weights& point, const std::vector<Weights>& others) {
   return most;
 }
 
-// What a node of a level tests in some leaves below it, as corners of the cover, ascending.
+// The corners of the cover that a node of a level tests in some leaves below it, ascending.
 std::vector<std::uint32_t> tested_corners(const Cover& cover, const Ownership& ownership, std::size_t leaf_begin,
                                           std::size_t leaf_end, std::uint32_t level) {
   std::vector<std::uint32_t> tested;
@@ -84,7 +84,7 @@ std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree
                                           const LeafOrder& order, const Ownership& ownership,
                                           std::span<const std::uint8_t> needs_cut_points, double tolerance) {
   std::vector<std::string> faults;
-  // What a node tests is some of what the leaves of its range test: so the range has to have all leaves below it.
+  // A node tests a part of the points that the leaves of its range test: so the range has to have all leaves below it.
   for (std::uint32_t k = 0; k < order.leaves.size(); ++k)
     for (std::uint32_t node = order.leaves[k]; node != no_node; node = tree.parent[node])
       if (k < order.begin[node] || order.end[node] <= k)

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ownership check: does every node test enough of its corners? By other means than those that chose them.
+// Ownership check: whether every node tests enough of its corners, by other means than those that chose them.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace morula::detail {
 
-/// Every violated promise, in words; empty when, for every node whose leaves need cut points and every facet, each
+/// Returns every violated promise as text; empty if, for every node whose leaves need cut points and every facet, each
 /// corner that the node owns lies within `tolerance` (in |x| + |y| of the facet's weights; twice that above leaves) of
-/// the convex hull of the corners that it tests, and every node looks at all leaves below it. Debug builds ask this of
-/// every body.
+/// the convex hull of the corners that it tests, and every node tests all leaves below it. Debug builds check every
+/// body.
 ///
 /// A corner outside a hull is separated from it by a line: the direction from the nearest vertex of the hull, or
 /// perpendicular to its nearest edge. So all these directions are tried, between all pairs of tested corners, in

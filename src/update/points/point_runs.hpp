@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The points of one leaf, for kernels: those that lie one after the other are not looked up one by one.
+// The points of one leaf, for kernels: consecutive points are not looked up one by one.
 #pragma once
 
 #include <span>
@@ -24,7 +24,7 @@ inline void append_runs(std::span<const std::uint32_t> owned, std::vector<PointR
   }
 }
 
-/// The same of the points that a leaf owns, where the list is padded to whole groups.
+/// Appends the points that a leaf owns, with a list padded to whole groups.
 inline void append_in_runs(std::span<const std::uint32_t> owned, std::vector<PointRun>& runs,
                            std::vector<std::uint32_t>& points) {
   append_runs(owned, runs, points);

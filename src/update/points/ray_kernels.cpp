@@ -11,12 +11,12 @@
 namespace morula::detail {
 namespace {
 
-// nearness() passes over more and more. A sample y becomes as near to the point t along a ray as the ray's start x is
+// nearness() skips more and more samples. A sample y becomes as near to the point t along a ray as the ray's start x is
 // where t is 1 over y's value: so values are above 1 / t inside the ball around that point on whose surface x is, and
 // nowhere else. Once a value was found, only samples in its ball can have a larger one. The ball that is kept is larger
 // by the share a below, for rounding: outside that one exact values are less than 1 / t by the share 2 a t² / |y − x|²,
 // which is 2 a / 5 or more up to |y − x| = 2.2 t; farther away they are below 2 / |y − x|, a tenth less. Rounding
-// changes them by some 1e-6.
+// changes them by about 1e-6.
 // mutant rays-kept-around: `1.001f` -> `1`
 constexpr float kept_around = 1.001f;
 constexpr std::size_t spheres_step = RaySpheres::step;
@@ -25,7 +25,7 @@ constexpr std::size_t whole_steps(std::size_t count) {
 }
 constexpr float much = 1e30f;  // times what is above 0, at least 1 unless that is below 1e-30
 
-/// What the others have to reproduce.
+/// The reference that the other kernels reproduce.
 namespace plain {
 
 float max(float a, float b) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rays from samples of the surface: where they leave spheres, and how near they come to surface that faces them. Most
-// of what an estimate of looseness computes. One source, ray_kernels.inl, compiled for each kind of processor and
-// chosen at run time.
+// Rays from samples of the surface: where they leave spheres, and how near they come to surface that faces them. An
+// estimate of looseness spends most of its time here. One source, ray_kernels.inl, is compiled for each kind of
+// processor, and the kind is chosen at run time.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@
 
 namespace morula::detail {
 
-/// Between directions: below 60 degrees, rays keep apart as curvature has it.
+/// Cosine of the angle between two directions. Below 60 degrees, curvature alone describes how rays keep apart.
 inline constexpr float facing_cosine = 0.5f;
 
-/// Spheres in columns. A radius that is not a number: nothing is there.
+/// Spheres in columns. A radius that is NaN marks an unused entry.
 struct RaySpheres {
   static constexpr std::size_t step = 16;
   const float* x;
   const float* y;
   const float* z;
   const float* radius;
-  std::size_t count;  ///< a multiple of step
+  std::size_t count;  ///< number of spheres, a multiple of step
 };
 
 struct FacingRay {
@@ -36,34 +36,34 @@ struct FacingRay {
 /// Blocks of samples that may face a ray.
 struct FacingBlocks {
   const SampleBlock* blocks;
-  const std::uint32_t* number;  ///< in blocks
-  RaySpheres places;            ///< contain those of each
+  const std::uint32_t* number;  ///< numbers of the blocks
+  RaySpheres places;            ///< spheres that contain the places of each block
 };
 
 struct RayKernels {
-  /// Where rays from the block's samples leave spheres, for those inside: heights grow to the farthest. places:
-  /// contains the samples. side: 1 outward, −1 inward.
+  /// Raises heights to where rays from the block's samples leave spheres, for samples inside: the farthest counts.
+  /// places: contains the samples. side: 1 outward, −1 inward.
   void (*raise)(const SampleBlock& block, const Spheref& places, const RaySpheres& spheres, float side, float* heights);
-  /// One over the distance along the ray at which a sample y that faces it becomes as near as its start x,
-  /// 2 (y − x)·d / |y − x|²: the largest over the samples. Where none is above 1 / length, any number up to that.
+  /// One over the distance along the ray at which a sample y that faces it becomes as near as its start x, 2 (y − x)·d
+  /// / |y − x|²: the largest over the samples. If none is above 1 / length, any number up to that.
   float (*nearness)(const FacingRay& ray, const FacingBlocks& facing);
 };
 
-/// Those that this processor can run, narrowest first. All give the same bits.
+/// The kernels that this processor can run, narrowest first. All give the same bits.
 std::span<const RayKernels> all_ray_kernels();
-/// The widest.
+/// The widest kernels that this processor can run.
 const RayKernels& ray_kernels();
 
 /// Spheres that become columns, filled up to whole steps.
 class RaySphereList {
  public:
-  /// Room for so many. Before the first is added.
+  /// Reserves room for `most` spheres; called before the first is added.
   void reserve(std::size_t most);
   void clear() noexcept { count_ = 0; }
-  /// At most as many as there is room for.
+  /// Adds a sphere; at most as many as there is room for.
   void add(const Spheref& sphere) noexcept;
   std::size_t count() const { return count_; }
-  /// Valid until the next change.
+  /// The result is valid until the next change.
   RaySpheres columns() noexcept;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The source of ray_kernels.cpp: a lane for each of a block's samples, and for each of the spheres told apart.
+// The source of ray_kernels.cpp: each of a block's samples has a lane, and so has each of the spheres in a step.
 
 constexpr int registers = static_cast<int>(block_size) / lanes;
 static_assert(block_size == spheres_step);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rounding of radii: the error budget of every distance that an update takes.
+// Rounding of radii: the error budget of every distance that an update computes.
 //
 // Let e = 2^-24, M the largest |coordinate| of a vertex about the frame's origin (after narrowing to float), A the
 // largest |coordinate| of origin, points and center in mesh units, and s the largest |1 - sum of weights| over the
@@ -21,9 +21,9 @@
 //   reading         origin + center in double 2^-53 A, a cut point as a weighted sum of mesh coordinates
 //                   3 x 2^-53 A and s A: as a length below 7 x 2^-53 A + 2 s A. A corner that is left out is the same
 //                   combination of those tested as far as x and y go; their first weights differ by up to 2 s, which
-//                   moves it by up to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which is also
-//                   what rounded_up_radius and so certify() ask for, and 6 s A.
-// What is left of the allowances is a thousand times what second-order terms and double arithmetic take.
+//                   moves it by up to 2 s among points of the facet: below 3.5 s M. Allowed: 2^-48 A, which
+//                   rounded_up_radius and so certify() also require, and 6 s A.
+// The rest of the allowances is a thousand times the second-order terms and the rounding of double arithmetic.
 #pragma once
 
 #include <morula/geometry/scale.hpp>
@@ -36,7 +36,7 @@
 
 namespace morula::detail {
 
-/// What the points of one frame allow for.
+/// The inputs of the allowances for the points of one frame.
 struct Rounding {
   double largest_coordinate = 0;         ///< M
   double largest_origin_coordinate = 0;  ///< |origin|
@@ -44,7 +44,8 @@ struct Rounding {
 
   bool operator==(const Rounding&) const = default;
 
-  /// The radius of a sphere about `center` that contains spheres, which reach `reach` from it: taken in double.
+  /// Returns the radius of a sphere about `center` that contains spheres, whose farthest point is `reach` from it:
+  /// computed in double.
   float wrapping_radius(double reach, const Vec3f& center) const {
     const double mesh_coordinate =
         largest_origin_coordinate + largest_coordinate + static_cast<double>(max_norm(center));
@@ -54,8 +55,8 @@ struct Rounding {
     return rounded_up(reach * (1 + 0x1p-48) + 0x1p-48 * mesh_coordinate + 0x1p-62);
   }
 
-  /// The same of these spheres. They may be larger than largest_radius, where those that it contains are about as
-  /// large.
+  /// Returns the radius of a sphere about `center` that contains these spheres. It may be larger than largest_radius,
+  /// if the spheres that it contains are about as large.
   float wrapping_radius(std::span<const Spheref> spheres, const Vec3f& center) const {
     double reach = 0;
     for (const Spheref& s : spheres)
@@ -63,8 +64,8 @@ struct Rounding {
     return wrapping_radius(reach, center);
   }
 
-  /// The radius of a sphere about `center` that contains points whose largest squared distance, taken in float, this
-  /// is.
+  /// Returns the radius of a sphere about `center` that contains points with this largest squared distance, computed in
+  /// float.
   float covering_radius(float squared_distance, const Vec3f& center) const {
     const RadiusAllowances allowed = allowances();
     const double farthest = std::sqrt(static_cast<double>(squared_distance));
@@ -73,7 +74,7 @@ struct Rounding {
     return rounded_up(farthest * RadiusAllowances::of_distance + pad);
   }
 
-  /// What covering_radius allows for, and Kernels::covering_radii, which is the same for many at once.
+  /// The allowances of covering_radius, and of Kernels::covering_radii, which computes many at once.
   RadiusAllowances allowances() const {
     // mutant covering-narrowing: `0x1p-20 * largest_coordinate` -> `0`
     // mutant covering-narrowing-less: `20` -> `23`

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// Halved along the longest side until parts are blocks, so that every block is compact.
+// Halves parts along the longest side until they are blocks, so that every block is compact.
 void sort_compactly(std::span<std::uint32_t> order, std::span<const Vec3f> points) {
   if (order.size() <= block_size) return;
   Box box;
@@ -48,7 +48,7 @@ struct ReaderOf {
   }
 };
 
-// Of each vertex, the first at the same place: pieces that share a seam without sharing vertices are one.
+// The first vertex at the place of each vertex: components that share a seam without sharing vertices are one.
 std::vector<std::uint32_t> first_at_place(const PositionView& positions) {
   std::vector<std::uint32_t> order(positions.size()), first(positions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -62,12 +62,12 @@ std::vector<std::uint32_t> first_at_place(const PositionView& positions) {
 
 }  // namespace
 
-// Pieces of surface: of each sample, the one it lies on.
+// Connected components of the surface: the component that each sample lies on.
 struct SurfaceSamples::Pieces {
-  std::vector<std::uint32_t> of_sample{};  // empty where there is one piece only
+  std::vector<std::uint32_t> of_sample{};  // empty if there is only one component
   std::vector<std::size_t> sample_count{};
 
-  // A piece with too few samples for a ring has neighbors wherever they are, as have loose facets.
+  // Samples of a component with too few samples for a ring have neighbors anywhere, as loose facets do.
   bool may_be_neighbors(std::uint32_t a, std::uint32_t b) const {
     // mutant sample-pieces-mixed: `of_sample.empty` -> `true || of_sample.empty`
     return of_sample.empty() || of_sample[a] == of_sample[b] || sample_count[of_sample[a]] <= ring_size;
@@ -134,9 +134,9 @@ void SurfaceSamples::choose_rings(double spacing, const Pieces& pieces) {
   for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing, pieces);
 }
 
-// One neighbor in each of six sectors about the normal: the nearest that is not so near that rounding and facets
-// decide about the curvature, or the nearest of all. The other side of a thin wall is no neighbor, nor is a piece of
-// surface that lies through this one, or leaves it when the body moves.
+// One neighbor in each of six sectors about the normal: the nearest that is not so near that rounding and facets decide
+// about the curvature, or the nearest of all. The other side of a thin wall is no neighbor, nor is a component that
+// crosses this one, or leaves it when the body moves.
 std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample, double spacing,
                                                                              const Pieces& pieces) const {
   constexpr double near = 1.5, far = 4.0;  // spacings
@@ -161,7 +161,7 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
       const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
       const auto sector =
           std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));
-      // Too near is worse than far away, the nearer the worse.
+      // Too near is worse than far away, and the nearer the worse.
       const double rank = gap >= near * spacing ? gap : (far + near) * spacing - gap;
       if (rank < best[sector]) best[sector] = rank, ring[sector] = other;
     }
@@ -263,7 +263,7 @@ void SurfaceSamples::average_directions(std::size_t begin, std::size_t end) noex
 
 // The ring moved out along the directions, p + t d, encloses the area a0 + a1 t + a2 t².
 void SurfaceSamples::measure_curvature(std::size_t begin, std::size_t end) noexcept {
-  constexpr float flat = 0.02f;  // of the squared distances: rings of less area say nothing
+  constexpr float flat = 0.02f;  // share of the squared distances: rings of less area have no usable curvature
   for (std::size_t i = begin; i < end; ++i) {
     const auto& ring = sites_[i].ring;
     Vec3f a0, a1, a2;
@@ -293,8 +293,8 @@ void SurfaceSamples::measure_volume(const Reader& positions, std::size_t part, s
     volume_ = area * std::sqrt(area / pi) / 6;
     return;
   }
-  // Six times what lies between a facet and the origin's height: over a closed surface that adds up to what it holds.
-  // Two sums, so that one need not wait for the other.
+  // Six times the volume between a facet and the origin's height: over a closed surface that adds up to the volume
+  // inside. There are two sums, so that one need not wait for the other.
   const auto six_volumes = [&](const Facet& f) {
     const Vec3 a = positions[f[0]], b = positions[f[1]], c = positions[f[2]];
     const double height = (a.z - origin_.z) + (b.z - origin_.z) + (c.z - origin_.z);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Samples that move with the surface, with the direction that leads away from it and the curvature there.
+// Samples that move with the surface, with the outward direction and the curvature there.
 #pragma once
 
 #include <array>
@@ -28,11 +28,11 @@ struct SampleBlock {
   Lanes growth1, growth2;  ///< area of the surface moved out by t, over its own: 1 + growth1 t + growth2 t²; 2H and K
 };
 
-/// What bounds a block, apart from it: blocks are passed over far more often than looked into.
+/// Bounds of a block, stored apart from it: blocks are skipped far more often than read.
 struct BlockBound {
-  Spheref places;              ///< contains them
-  Vec3f axis;                  ///< of the cone of directions
-  float cosine = 1, sine = 0;  ///< of the cone's half angle, 0…π
+  Spheref places;              ///< contains the block's samples
+  Vec3f axis;                  ///< axis of the cone of directions
+  float cosine = 1, sine = 0;  ///< half angle of the cone, 0…π
 };
 
 class SurfaceSamples {
@@ -40,23 +40,24 @@ class SurfaceSamples {
   SurfaceSamples(const MeshView& rest, std::size_t count);
 
   void move(const PositionView& positions) noexcept;
-  /// The same in steps, one after the other, all for the same positions: [begin, end) of 0 … move_steps. The first
-  /// half moves samples; the second adds up the volume, which takes longer where facets are many.
+  /// The same move in steps, one after the other, all for the same positions: [begin, end) of 0 … move_steps. The first
+  /// half moves samples; the second adds up the volume, which takes longer if facets are many.
   void move(std::span<const Vec3> positions, std::size_t begin, std::size_t end) noexcept;
   static constexpr std::size_t move_steps = 16;
 
   const std::vector<SampleBlock>& blocks() const { return blocks_; }
   const std::vector<BlockBound>& bounds() const { return bounds_; }
-  /// One for every group_size blocks: contains their places.
+  /// One sphere for every group_size blocks: contains the samples of these.
   const std::vector<Spheref>& group_bounds() const { return group_bounds_; }
   const Vec3& origin() const { return origin_; }
   std::size_t count() const { return sites_.size(); }
   std::size_t facet_count() const { return facets_.size(); }
-  /// The mesh tells inside from outside; otherwise directions are arbitrary as to side.
+  /// Whether the mesh separates inside from outside; otherwise the side of directions is arbitrary.
   bool has_volume() const { return has_volume_; }
-  /// Of the object, in mesh units; for an open mesh, of the ball with its area.
+  /// Volume of the object, in mesh units; for an open mesh, of the ball with its area.
   double volume() const { return volume_; }
-  /// Samples are in units of their own where volumes in mesh units would leave the range of float: a power of two.
+  /// Scale of the samples: they have units of their own, a power of two, if volumes in mesh units would leave the range
+  /// of float.
   double per_mesh_unit() const { return per_mesh_unit_; }
 
  private:
@@ -65,7 +66,7 @@ class SurfaceSamples {
     Facet facet;
     std::array<double, 3> barycentric;
     double share;                                 // area of the sample over that of its facet, at rest
-    std::array<std::uint32_t, ring_size> ring{};  // neighbors, counter-clockwise; repeated where there are fewer
+    std::array<std::uint32_t, ring_size> ring{};  // neighbors, counter-clockwise; repeated if there are fewer
   };
 
   void sort_into_blocks(std::vector<Vec3f> points);
@@ -84,7 +85,7 @@ class SurfaceSamples {
   template <class Reader>
   void measure_volume(const Reader& positions, std::size_t part, std::size_t parts) noexcept;
 
-  std::vector<Site> sites_;  // block by block
+  std::vector<Site> sites_;  // sites of the samples, block by block
   std::vector<Facet> facets_;
   std::vector<SampleBlock> blocks_;
   std::vector<BlockBound> bounds_;
@@ -93,7 +94,7 @@ class SurfaceSamples {
   std::vector<float> area_;
   Vec3 origin_;
   double per_mesh_unit_ = 1;
-  double volume_ = 0, six_volumes_ = 0;  // the second: signed, of the facets added up so far
+  double volume_ = 0, six_volumes_ = 0;  // six_volumes_: signed, of the facets added up so far
   bool has_volume_ = false;
   bool inside_out_ = false;
 };

@@ -8,9 +8,9 @@
 
 namespace morula::detail {
 
-/// Total, and the same for the same points. Where the points do not tell a direction, some perpendicular one is as
-/// good: then all anchors lie on a line (or in a point), and what matters of a remainder is its share along the line
-/// and its length. kernels.inl has the same operations for many at once.
+/// Total, and the same for the same points. If the points do not define a direction, any perpendicular one is as good:
+/// then all anchors lie on a line (or in a point), and only a remainder's share along the line and its length matter.
+/// kernels.inl has the same operations for many at once.
 class TurnedAxes {
  public:
   TurnedAxes(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
@@ -24,7 +24,8 @@ class TurnedAxes {
                                                                : Vec3f{0, 0, 1};
       b_ = cross(a_, least);
     }
-    // Once more: where b was a small difference, rounding has left it a share along a, and then distances would change.
+    // b is normalized twice: if it was a small difference, rounding has left it a share along a, and then distances
+    // would change.
     b_ = normalized(b_, {0, 1, 0});
     b_ = normalized(b_ - a_ * dot(a_, b_), {0, 1, 0});
     c_ = cross(a_, b_);

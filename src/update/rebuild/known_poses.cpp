@@ -18,7 +18,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr std::size_t most_side_by_side = 16;  // builds; each holds what a build holds
+constexpr std::size_t most_side_by_side = 16;  // builds side by side; each has the memory of a whole build
 
 void require_in_range(const MeshView& mesh, const CoveredTree& model, std::span<const NamedPose> poses,
                       const KnownPoseOptions& options) {
@@ -32,7 +32,7 @@ void require_in_range(const MeshView& mesh, const CoveredTree& model, std::span<
                                   " positions for " + std::to_string(mesh.vertex_count()) + " vertices");
 }
 
-// How every pose is served by the trees that there are, beside what a tree built for it would do.
+// How well the present trees serve every pose, compared with a tree built for that pose.
 class Service {
  public:
   Service(const MeshView& mesh, const CoveredTree& model, std::span<const NamedPose> poses, Workers& workers)
@@ -57,7 +57,8 @@ class Service {
     std::size_t pose;
     double growth;
   };
-  /// The pose served worst of those whose own tree does not serve yet, and how many times looser than it could be.
+  /// The worst served pose of those whose own tree does not serve yet, and the ratio of its looseness to the tightest
+  /// possible one.
   Worst worst() const {
     Worst result{0, 1};
     for (std::size_t i = 0; i < poses_.size(); ++i)
@@ -65,7 +66,7 @@ class Service {
     return result;
   }
 
-  /// Of the poses without a tree that may be served more than so many times looser than they could be, the worst.
+  /// The worst of the poses without a tree whose ratio may exceed the threshold.
   std::vector<std::size_t> worst_without_tree(double pose_threshold, std::size_t max_count) const {
     std::vector<Worst> found;
     for (std::size_t i = 0; i < poses_.size(); ++i)
@@ -79,14 +80,14 @@ class Service {
   bool has_tree(std::size_t pose) const { return own_[pose].tree != nullptr; }
   std::shared_ptr<const CoveredTree> tree(std::size_t pose) const { return own_[pose].tree; }
 
-  /// A tree built for a pose: from now on it is known how tight that one can be.
+  /// Records a tree built for a pose: its tightness at that pose is measured from then on.
   void keep(std::size_t pose, const MeshView& posed, std::shared_ptr<const CoveredTree> model) {
     Body body(posed, model, {}, workers_);
     own_[pose] = {std::move(model), looseness_of(body, posed.positions), false};
     learn(own_[pose].looseness);
   }
 
-  /// It serves wherever it is tighter, too.
+  /// The tree serves all poses at which it is tighter.
   void let_serve(std::size_t pose, const MeshView& posed) {
     own_[pose].serves = true;
     Body body(posed, own_[pose].tree, {}, workers_);
@@ -96,7 +97,7 @@ class Service {
  private:
   struct Own {
     std::shared_ptr<const CoveredTree> tree;
-    std::vector<double> looseness;  // at this pose
+    std::vector<double> looseness;  // looseness at this pose
     bool serves = false;
   };
   struct Serving {
@@ -104,7 +105,7 @@ class Service {
     std::vector<double> looseness;
   };
 
-  // A pose for which no tree was built may be as easy to cover as the easiest one.
+  // A pose without a tree of its own may be as easy to cover as the easiest one.
   double growth(std::size_t pose) const {
     // mutant known-beside-own-tree: `tightest_` -> `serving_[pose].looseness`
     return largest_growth(serving_[pose].looseness, has_tree(pose) ? own_[pose].looseness : tightest_);
@@ -136,7 +137,8 @@ class Service {
   Workers& workers_;
   LoosenessEstimator estimator_;
   std::vector<double> home_;
-  std::vector<double> tightest_;  // of all trees, each at the pose that it was built for, level by level
+  std::vector<double>
+      tightest_;  // looseness of the tightest of all trees, each at the pose that it was built for, level by level
   std::vector<Own> own_;
   std::vector<Serving> serving_;
 };
@@ -172,8 +174,8 @@ KnownPosesReport add_known_poses(const MeshView& mesh, CoveredTree& model, std::
       added.push_back({poses[pose].name, poses[pose].positions, service.tree(pose)});
       continue;
     }
-    // Several side by side, since a build keeps few threads busy. Some may turn out not to be needed, where one that
-    // comes to serve serves them, too: so no more than a quarter of those built before.
+    // Several builds run side by side, since a build keeps few threads busy. A few may turn out not to be needed, if a
+    // new tree serves their poses also: so no more than a quarter of the number built already.
     const std::size_t count = std::clamp<std::size_t>(report.trees_built / 4, 1, most_side_by_side);
     const std::vector<std::size_t> next = service.worst_without_tree(options.pose_threshold, count);
     std::vector<std::shared_ptr<const CoveredTree>> trees(next.size());

@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-// Shares by which figures of one tree may differ for the pose to count as the same.
+// Shares by which figures of one tree may differ while the pose counts as the same.
 constexpr double still = 1e-3, as_built = 0.05;
 // Frames over which one estimate is spread at most.
 constexpr std::size_t max_steps = 8;
@@ -46,7 +46,7 @@ void LoosenessWatch::begin(const PositionView& positions, const TreeVersions& tr
   strain_at_begin_ = trees.strain();
 }
 
-// On the caller's thread, frames take as long as a build anyway.
+// On the caller's thread, a frame with a rebuild takes as long as a build anyway.
 std::size_t LoosenessWatch::steps() const noexcept {
   if (options_.thread == RebuildThread::caller) return 1;
   const auto period = static_cast<std::size_t>(options_.rebuild_every.value_or(options_.check_every));

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Looseness watch: estimates how loose the present tree is, a share in each frame, and so tells when a rebuild is
-// wanted.
+// Looseness watch: estimates how loose the present tree is, a share of the work in each frame, and so decides when a
+// rebuild is due.
 //
-//             estimate as the last one              settle(): a rebuild was asked for
+//             estimate as the last one              settle(): a rebuild was requested
 //   +--------+ ---------------------> +---------+ ------------------------------------> +---------+
 //   | moving |                        | stopped |                                       | settled |
 //   +--------+ <--------------------- +---------+                                       +---------+
@@ -31,22 +31,24 @@ class LoosenessWatch {
   LoosenessEstimator& estimator() noexcept { return estimator_; }
   Motion motion() const noexcept { return motion_; }
 
-  /// Another tree serves: gives up the estimate under way, and expects of it what it was where it was made.
+  /// Drops the estimate in progress because another tree serves, and expects that tree's looseness at its build.
   void follow(const TreeVersion& present) noexcept;
-  /// The body is at rest: gives up the estimate under way.
+  /// Drops the estimate in progress because the body is at rest.
   void rest(const TreeVersion& home) noexcept;
   /// Begins an estimate of the present tree, which is at these positions.
   void begin(const PositionView& positions, const TreeVersions& trees) noexcept;
-  /// Does a frame's share. True with the last one, when the figures are in the report and the trees have learned them.
+  /// Does a frame's share. Returns true with the last one, when the figures are in the report and the trees have
+  /// recorded them.
   bool step(TreeVersions& trees) noexcept;
 
-  /// Some level is above its threshold.
+  /// Whether a level is above its threshold.
   bool has_grown() const noexcept;
-  /// The tree was made for another pose than this.
+  /// Whether the tree was made for another pose than this.
   bool is_off_build(const TreeVersion& present) const noexcept;
-  /// A tree made for this very pose is no better: the pose has to change before another try.
+  /// Raises the thresholds because a tree made for this very pose is no better: the pose has to change before another
+  /// try.
   void raise_thresholds() noexcept;
-  /// A rebuild was asked for: if the body has stopped, it is the one for that pose.
+  /// Records that a rebuild was requested: if the body has stopped, it is the one for that pose.
   void settle() noexcept;
 
  private:
@@ -55,9 +57,9 @@ class LoosenessWatch {
   const RebuildOptions& options_;
   RebuildReport& report_;
   LoosenessEstimator estimator_;
-  std::vector<double> thresholds_;  // per level: above, a rebuild is wanted
+  std::vector<double> thresholds_;  // thresholds per level; a rebuild is due above them
   std::vector<double> estimated_;
-  double strain_at_begin_ = 0;  // of the tree, at the estimate under way
+  double strain_at_begin_ = 0;  // strain of the tree at the start of the estimate in progress
   Motion motion_ = Motion::moving;
 };
 

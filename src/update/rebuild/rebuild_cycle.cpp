@@ -10,7 +10,8 @@
 namespace morula::detail {
 namespace {
 
-// Frames: of the first rebuild, until one has ended; and no motion goes on straight for ever.
+// Estimated frames of the first rebuild, until one has ended; and a limit, because no motion continues straight
+// forever.
 constexpr std::size_t first_guess = 20;
 constexpr double furthest_lead = 40;
 constexpr double longest_pause = 1e6;  // seconds: a clock can add them
@@ -89,7 +90,7 @@ bool RebuildCycle::looks_ahead() const noexcept {
   return options_.thread != RebuildThread::caller && options_.look_ahead;
 }
 
-// To the middle of the time that the new tree will serve.
+// Steps to the middle of the time that the new tree will serve.
 int RebuildCycle::steps_ahead() const noexcept {
   return static_cast<int>(
       std::lround(std::min(furthest_lead, lead_over_rebuild * static_cast<double>(report_.rebuild_frames))));
@@ -99,7 +100,7 @@ int RebuildCycle::steps_ahead() const noexcept {
 void RebuildCycle::take_pose(const Moment& now) {
   job_->set_pose(next_pose_++, now.positions);
   if (next_pose_ < RebuildJob::pose_count) return;
-  phase_ = Phase::idle;  // where the start fails
+  phase_ = Phase::idle;  // the phase if the start fails
   start(now);
 }
 

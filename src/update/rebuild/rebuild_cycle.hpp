@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rebuild cycle: the life of a rebuild, from the frame that wants one to the frame that takes its result.
+// Rebuild cycle: the life of a rebuild, from the frame that requests one to the frame that takes its result.
 //
 //           wanted, where may_start()
 //   +------+ ------------------------> +-----------+
@@ -32,39 +32,39 @@ class RebuildCycle {
   enum class Phase : std::uint8_t { idle, gathering, building };
   enum class Event : std::uint8_t {
     frame,         ///< a frame away from rest
-    wanted,        ///< a rebuild is wanted for the present pose or the one to come; only where may_start()
+    wanted,        ///< a rebuild is due for the present pose or the one to come; only if may_start()
     body_stopped,  ///< the body stands still away from rest: a rebuild for another pose is of no use
     at_rest,       ///< the body is exactly at rest
     collected,     ///< the result was taken from the job
   };
-  /// What the cycle has to know about the frame of an event.
+  /// State of the rebuilt body at the frame of an event.
   struct Moment {
     std::uint64_t frame;
     const PositionView& positions;
-    Quality quality;  ///< of a build that starts now
+    Quality quality;  ///< quality of a build that starts in this frame
   };
 
-  /// options and report: borrowed, and at one place. Counts in the report what becomes of rebuilds.
+  /// options and report: borrowed, and at one place. Counts the outcomes of rebuilds in the report.
   RebuildCycle(const RebuildOptions& options, RebuildReport& report, std::shared_ptr<RebuildJob> job);
   ~RebuildCycle();
   RebuildCycle(const RebuildCycle&) = delete;
   RebuildCycle& operator=(const RebuildCycle&) = delete;
 
-  /// The one place where the phase changes. Throws what the host's executor throws, and for lack of memory:
-  /// the phase then stays, so an executor that throws is never called again.
+  /// The one place where the phase changes. Throws the errors of the host's executor, and for lack of memory: the phase
+  /// then stays, so an executor that throws is never called again.
   void step(Event event, const Moment& now);
 
-  /// Nothing is under way, and the pause after the last rebuild is over.
+  /// Whether no rebuild is in progress, and the pause after the last one is over.
   bool may_start() const noexcept;
-  /// Poses are taken or the job is at work.
+  /// Whether poses are collected or the job runs.
   bool is_under_way() const noexcept;
-  /// The job has ended and waits to be collected.
+  /// Whether the job has ended and waits to be collected.
   bool is_done() const noexcept;
-  /// Of a job that is done: what it built; null when it was stopped or failed.
+  /// The tree that a finished job built; null if it was stopped or failed.
   TreeVersion* result() const noexcept { return job_->finished(); }
   /// Takes the result out of the job and returns to idle.
   RebuildJob::Result collect(const Moment& now);
-  /// The job frees it on its thread: that takes as long as a frame.
+  /// The job frees the tree on its thread, which takes as long as a frame.
   void retire(std::unique_ptr<TreeVersion> old) { job_->retire(std::move(old)); }
 
  private:
@@ -79,10 +79,10 @@ class RebuildCycle {
   RebuildReport& report_;
   Phase phase_ = Phase::idle;
   std::size_t next_pose_ = 0;      // while gathering
-  std::uint64_t start_frame_ = 0;  // of the build
+  std::uint64_t start_frame_ = 0;  // frame in which the build began
   Clock::time_point next_start_{};
   std::shared_ptr<RebuildJob> job_;
-  std::optional<OwnThread> thread_;  // last: it goes first
+  std::optional<OwnThread> thread_;  // last member: it is destroyed first
 };
 
 }  // namespace morula::detail

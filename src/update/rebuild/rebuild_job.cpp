@@ -19,8 +19,8 @@
 namespace morula::detail {
 namespace {
 
-// Where a point goes on to that was at a, b, c: with the last speed, turning as it turned. Straight lines and circles
-// are gone on with exactly: v_{k+1} = 2 cos θ v_k − v_{k−1} turns by θ in the plane of the last two.
+// Extrapolates the position of a point that was at a, b, c: with the last speed and the last rotation. Straight lines
+// and circles are continued exactly: v_{k+1} = 2 cos θ v_k − v_{k−1} turns by θ in the plane of the last two.
 Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
   const Vec3 last = c - b, first = b - a;
   const double speed = length(last), first_speed = length(first);
@@ -79,7 +79,7 @@ void RebuildJob::run() noexcept {
 }
 
 std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
-  Workers one;  // the shared one may be at work on the caller's thread
+  Workers one;  // the shared workers may be busy on the caller's thread
   last_pose_ = snapshot_.positions;
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
@@ -88,7 +88,7 @@ std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
   if (build_.stop.stop_requested()) throw BuildStopped();
   auto tree = std::make_unique<TreeVersion>(FittedBody::make(snapshot_, std::move(model), fits_leaves_, one), snapshot_,
                                             estimator_, levels_);
-  // The frame that takes it over lies between the pose it was asked for at and the one it was made for.
+  // The frame that takes the tree lies between the pose of the request and the one that the tree was made for.
   tree->strain_elsewhere = tree->gauge.strain(last_pose_);
   if (tree->strain_elsewhere > 0 && tree->body.update(last_pose_, one)) {
     estimator_.pose(last_pose_);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Rebuild job: a pose goes in, a body made for that pose comes out, on whatever thread runs it. One runs at a time.
+// Rebuild job: takes a pose and makes a body for that pose, on the thread that runs it. One runs at a time.
 #pragma once
 
 #include <array>
@@ -18,43 +18,43 @@
 
 namespace morula::detail {
 
-/// Shared between the body and whoever runs the job, so either may go first. `stage` says whose turn it is: the owner's
-/// while idle or done, the runner's while queued; whoever hands over does so by writing it.
+/// Shared between the body and the runner of the job, so either may go first. `stage` says whose turn it is: the
+/// owner's while idle or done, the runner's while queued; the side whose turn ends writes it.
 class RebuildJob {
  public:
-  /// levels: figures of looseness wanted.
+  /// levels: number of looseness figures to compute.
   RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
 
-  // Owner.
+  // The owner's side.
   static constexpr std::size_t pose_count = 3;
-  /// Poses of a motion, the last one the latest, equally far apart in time.
+  /// Sets a pose of a motion; the last pose is the latest, and all are equally far apart in time.
   void set_pose(std::size_t which, const PositionView& positions);
-  /// The runner frees it: that takes as long as a frame.
+  /// The runner frees the tree, which takes as long as a frame.
   void retire(std::unique_ptr<TreeVersion> old) { retired_ = std::move(old); }
-  /// steps: how many such intervals after the last pose is the one to build for; 0: the last pose itself, the only one
+  /// steps: number of such intervals from the last pose to the one to build for; 0: the last pose itself, the only one
   /// that has to be set.
   void queue(int steps, Quality quality);
   void request_stop() { stop_.request_stop(); }
-  /// When done: what there is to take; nothing when stopped or failed.
+  /// The result of a job that is done; null if it was stopped or failed.
   TreeVersion* finished() { return result_.tree.get(); }
   struct Result {
-    std::unique_ptr<TreeVersion> tree;  ///< nothing: stopped or failed
-    std::string failure{};              ///< empty: stopped
+    std::unique_ptr<TreeVersion> tree;  ///< null: stopped or failed
+    std::string failure{};              ///< error text; empty: stopped
     double seconds = 0;
   };
   Result take();
 
-  // Runner.
+  // The runner's side.
   void run() noexcept;
 
  private:
   std::unique_ptr<TreeVersion> rebuilt();
 
   Mesh snapshot_;                // the last pose, then the one to build for
-  std::vector<Vec3> last_pose_;  // where that is another
+  std::vector<Vec3> last_pose_;  // the last pose, if the one to build for is another
   std::array<std::vector<Vec3>, pose_count - 1> earlier_;
   int steps_ = 0;
   BuildOptions build_;
@@ -67,7 +67,7 @@ class RebuildJob {
   std::atomic<Stage> stage_{Stage::idle};
 };
 
-/// A thread that waits for jobs; none where the library is built without threads.
+/// A thread that waits for jobs; none if the library is built without threads.
 class OwnThread {
  public:
   OwnThread();

@@ -42,7 +42,7 @@ std::shared_ptr<RebuildJob> make_job(const MeshView& mesh, const CoveredTree& ho
   return std::make_shared<RebuildJob>(mesh, build, home.tree.level_count(), fits_leaves(options));
 }
 
-// Where the vertices that facets use are at rest.
+// Rest positions of the vertices that facets use.
 class RestPose {
  public:
   explicit RestPose(const MeshView& mesh) : positions_(mesh.positions.to_vector()) {
@@ -51,7 +51,7 @@ class RestPose {
     used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
   }
   std::size_t size() const { return positions_.size(); }
-  // True where every vertex is at its rest position, or at that narrowed to float. Needs positions.size() == size().
+  // True if every vertex is at its rest position, or at that narrowed to float. Needs positions.size() == size().
   bool is_at(const PositionView& positions) const noexcept {
     if (positions.is_double())
       return std::all_of(used_.begin(), used_.end(), [&](std::uint32_t v) { return positions[v] == positions_[v]; });
@@ -66,7 +66,7 @@ class RestPose {
 
 }  // namespace
 
-// One frame after the other: chooses the tree that serves (TreeVersions), watches how loose it is (LoosenessWatch), and
+// Steps of each frame: chooses the tree that serves (TreeVersions), watches how loose it is (LoosenessWatch), and
 // rebuilds it (RebuildCycle).
 struct RebuiltBody::State {
   State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options, Workers& workers);
@@ -89,7 +89,7 @@ struct RebuiltBody::State {
   LoosenessWatch watch;
   TreeVersions trees;
   std::uint64_t tree_version = 0, frame = 0;
-  RebuildCycle cycle;  // last: its thread goes first
+  RebuildCycle cycle;  // last: its thread ends first
 };
 
 RebuiltBody::State::State(const MeshView& mesh, const CoveredTree& model, RebuildOptions rebuild_options,
@@ -120,7 +120,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
     chosen = &trees.tightest_evaluated(frame, positions, workers);
     report.candidates_evaluated = trees.candidates_evaluated();
   }
-  // A lack of memory, or the host's executor: rebuilding suffers, the spheres do not.
+  // Lack of memory, or an error of the host's executor, costs the rebuild but not the spheres.
   try {
     if (chosen != present) {
       report.returned_home += chosen == &trees.home();
@@ -142,7 +142,7 @@ RebuildStatus RebuiltBody::State::update(const PositionView& positions, Workers&
   return status;
 }
 
-// The message may need memory that is not there.
+// The message may need memory that is missing.
 void RebuiltBody::State::note_failure(const char* what) noexcept {
   ++report.failed;
   try {
@@ -152,7 +152,7 @@ void RebuiltBody::State::note_failure(const char* what) noexcept {
   }
 }
 
-// arrived: the result of a rebuild is there.
+// arrived: the result of a rebuild has arrived.
 TreeVersion& RebuiltBody::State::chosen_before_update(const PositionView& positions, bool resting,
                                                       bool arrived) noexcept {
   if (resting) return trees.home();
@@ -206,13 +206,13 @@ void RebuiltBody::State::take_result_at_once(const PositionView& positions, Work
   collect(positions, taken);
 }
 
-// taken: it serves already, and was updated.
+// taken: the tree serves already, and was updated.
 void RebuiltBody::State::collect(const PositionView& positions, bool taken) {
   RebuildJob::Result result = cycle.collect(now(positions));
   if (!result.tree) return;
   if (taken) {
     ++report.swapped;
-    // Kept first: the tree serves already, and memory may lack for the rest.
+    // The tree is kept first: it serves already, and memory may be missing for the rest.
     const std::size_t node_count = result.tree->body.rest_tree().node_count();
     trees.keep(result.tree);
     watch.estimator().reserve(node_count);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Relative looseness: what trees of one surface are compared by.
+// Relative looseness: the measure that compares trees of one surface.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace morula::detail {
 /// Looseness below this is tight enough: ratios of smaller figures say nothing.
 inline constexpr double negligible_looseness = 1e-3;
 
-/// The root is one ball whatever the tree: it counts only where there is nothing else.
+/// The root is one ball whatever the tree: it counts only if it is the only level.
 inline std::size_t first_counted_level(std::size_t levels) {
   return levels > 1 ? 1 : 0;
 }

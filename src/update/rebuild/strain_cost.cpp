@@ -11,7 +11,7 @@
 namespace morula::detail {
 namespace {
 
-// Per level that counts: by how much a unit of strain raises a tree's score, before anything was measured, and at
+// Increase of a tree's score by a unit of strain, per level that counts: the default until one is measured, and the
 // least. Limbs at a strain of 0.03 are 1.7 times as loose in their leaves.
 constexpr double usual_cost = 10, least_cost = 2;
 
@@ -34,7 +34,7 @@ double StrainCost::least() const noexcept {
   return for_levels(home_, least_cost);
 }
 
-// By what was measured of it elsewhere, else by what strain costs in general.
+// From the tree's own measurement elsewhere, else from the average cost of strain.
 double StrainCost::of(const TreeVersion& tree) const noexcept {
   if (!(tree.strain_elsewhere > least_strain)) return per_strain_;
   return std::max(least(), of(tree, tree.looseness_elsewhere, tree.strain_elsewhere));
@@ -48,9 +48,9 @@ double StrainCost::of(const TreeVersion& tree, std::span<const double> looseness
 }
 
 // Looseness grows faster than strain does, and trees are chosen where strain is small: poses far apart alone would
-// make it seem dear there, and so whatever was rebuilt for a pose ahead. So what a little costs is taken from how loose
-// every tree is at the pose nearest to its own, and how that grows from how loose the home tree is at all
-// known poses. The home tree, which serves first, goes by its own figure until it is measured.
+// overestimate its cost there, and so reject trees that are rebuilt for a pose ahead. So the cost of a little strain
+// comes from every tree's looseness at the pose nearest to its own, and its growth from the home tree's looseness at
+// all known poses. The home tree, which serves first, goes by its own figure until it is measured.
 void StrainCost::calibrate(TreeVersion& home, std::span<const TreeVersion> known, std::span<const PositionView> poses,
                            LoosenessEstimator& estimator, Workers& workers) {
   const auto tree = [&](std::size_t pose) -> const TreeVersion& { return pose == 0 ? home : known[pose - 1]; };

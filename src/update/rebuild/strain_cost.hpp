@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What strain is expected to cost a tree: by how much it raises its relative looseness.
+// Strain cost: the increase of a tree's relative looseness that is expected of strain.
 #pragma once
 
 #include <morula/geometry/positions.hpp>
@@ -12,33 +12,34 @@
 
 namespace morula::detail {
 
-/// Below this, strain says nothing about what it costs.
+/// Below this, strain does not predict its cost.
 inline constexpr double least_strain = 0.02;
 
 class StrainCost {
  public:
-  /// Until something is measured: what is usual. home: borrowed.
+  /// Starts with a typical cost, until one is measured. home: borrowed.
   explicit StrainCost(const TreeVersion& home);
 
-  /// From how loose trees are at each other's poses; poses[0] is rest, poses[k + 1] that of known[k].
+  /// Computes the cost from the trees' looseness at each other's poses; poses[0] is rest, poses[k + 1] that of
+  /// known[k].
   void calibrate(TreeVersion& home, std::span<const TreeVersion> known, std::span<const PositionView> poses,
                  LoosenessEstimator& estimator, Workers& workers);
-  /// From what was measured last of this one, which strain_elsewhere tells.
+  /// Takes the cost from the last measurement of this tree, at its strain_elsewhere.
   void learn_from(const TreeVersion& tree) noexcept { per_strain_ = of(tree); }
 
-  /// For a little strain, over that strain.
+  /// Cost of a little strain, divided by that strain.
   double of(const TreeVersion& tree) const noexcept;
-  /// The same, where the tree is as loose as that at a strain from the pose that it was built for.
+  /// The same, for a tree that is as loose as `looseness` at `strain` from the pose that it was built for.
   double of(const TreeVersion& tree, std::span<const double> looseness, double strain) const noexcept;
-  /// By how much so much strain raises its relative looseness.
+  /// Increase of the tree's relative looseness at this strain.
   double at(const TreeVersion& tree, double strain) const noexcept { return (of(tree) + growth_ * strain) * strain; }
 
  private:
   double least() const noexcept;
 
   const TreeVersion& home_;
-  double per_strain_;  // by how much a little strain raises it, over that strain
-  double growth_ = 0;  // how much of this there is more for every unit of strain
+  double per_strain_;  // increase by a little strain, divided by that strain
+  double growth_ = 0;  // increase of per_strain_ per unit of strain
 };
 
 }  // namespace morula::detail

@@ -9,7 +9,8 @@
 namespace morula::detail {
 namespace {
 
-// Three vertices far apart among those of the facets that a leaf has a share of: all directions within it are felt.
+// Three vertices far apart among those of the facets that a leaf has a share of: their lengths cover all directions
+// within it.
 std::array<std::uint32_t, 3> extremes(const PositionView& positions, std::span<const std::uint32_t> vertices) {
   const auto farthest = [&](const auto& measure) {
     return *std::max_element(vertices.begin(), vertices.end(),
@@ -51,7 +52,7 @@ StrainGauge::StrainGauge(const MeshView& posed, const SphereTree& tree, const Co
 }
 
 void StrainGauge::measure(const PositionView& positions, std::span<float> lengths) const noexcept {
-  constexpr float shortest = 1e-3f;  // counts as at least that: two vertices may come together
+  constexpr float shortest = 1e-3f;  // lengths count as at least that: two vertices may come together
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const double now = distance(positions[pairs_[i].from], positions[pairs_[i].to]);
     lengths[i] = std::max(static_cast<float>(now / mean_length_), shortest);
@@ -64,8 +65,8 @@ double StrainGauge::strain(const PositionView& positions) const noexcept {
   return strain(std::span(now).first(pairs_.size()), at_build_);
 }
 
-// What gets longer makes spheres grow, and what gets shorter much less: a limb at 0.88 of the length that its tree was
-// made for is as loose as one at 1.09 of it.
+// Longer lengths make spheres grow, and shorter ones much less: a limb at 0.88 of the length that its tree was made for
+// is as loose as one at 1.09 of it.
 static float cost_of_length(float now, float before) noexcept {
   constexpr float of_shortening = 0.3f;
   const float difference = (now - before) * (now + before) / (now * before);
@@ -73,7 +74,7 @@ static float cost_of_length(float now, float before) noexcept {
 }
 
 double StrainGauge::strain(std::span<const float> now, std::span<const float> before) noexcept {
-  // Sums of their own, so that an addition need not wait for the one before.
+  // Each lane has a sum of its own, so that an addition need not wait for the last one.
   constexpr std::size_t lanes = 8;
   std::array<float, lanes> sum{};
   std::size_t i = 0;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Strain gauge: how far a pose is from another as spheres feel it, from lengths the size of leaves. It tells at once
-// which of several trees fits a pose, before any of them is updated.
+// Strain gauge: the strain between two poses at the scale of spheres, from lengths the size of leaves. It predicts at
+// once which of several trees fits a pose, before any of them is updated.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,20 @@ namespace morula::detail {
 
 class StrainGauge {
  public:
-  static constexpr std::size_t most = 256;  ///< lengths
+  static constexpr std::size_t most = 256;  ///< most lengths
 
-  /// Lengths within the leaves of a tree that was made for this pose, a few for each.
+  /// Chooses lengths within the leaves of a tree that was made for this pose, a few for each.
   StrainGauge(const MeshView& posed, const SphereTree& tree, const Cover& cover);
 
   std::size_t length_count() const { return pairs_.size(); }
-  /// As many lengths as there are, at these positions, over the mean one at the pose that the tree was made for; not
-  /// finite where positions are not.
+  /// Writes as many lengths as there are, at these positions, over the mean one at the pose that the tree was made for;
+  /// not finite if positions are not.
   void measure(const PositionView& positions, std::span<float> lengths) const noexcept;
-  /// From the pose that the tree was made for to these positions.
+  /// Strain from the pose that the tree was made for to these positions.
   double strain(const PositionView& positions) const noexcept;
-  /// Root of the mean square of half (x − 1 / x) over the lengths, x being one now over the same before, and those
-  /// that are shorter now counting less: about the mean strain since then. Nought for the same pose, however it is
-  /// turned and wherever it lies; not a number where a length is not finite.
+  /// Root of the mean square of half (x − 1 / x) over the lengths, with x the ratio of a length of `now` to the same of
+  /// `before`; lengths that are shorter in `now` count less. That is about the mean strain between them. It is 0 for
+  /// the same pose, however it is rotated and wherever it lies; NaN if a length is not finite.
   static double strain(std::span<const float> now, std::span<const float> before) noexcept;
 
  private:
@@ -36,7 +36,7 @@ class StrainGauge {
     std::uint32_t from, to;
   };
   std::vector<Pair> pairs_;
-  double mean_length_ = 1;  // at the pose that the tree was made for
+  double mean_length_ = 1;  // mean length at the pose that the tree was made for
   std::vector<float> at_build_;
 };
 

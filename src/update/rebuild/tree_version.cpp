@@ -9,12 +9,12 @@
 namespace morula::detail {
 namespace {
 
-// take(level, Σ r³ over that level set), from the root. Levels below the tree's last are sets of all leaves.
+// Calls take(level, Σ r³ over that level set), from the root. Levels below the tree's last are sets of all leaves.
 template <typename Take>
 void for_level_sets(const Body& body, std::size_t levels, const Take& take) {
   const SphereTree& tree = body.rest_tree();
   const std::span<const Spheref> spheres = body.spheres();
-  double ended = 0;  // leaves of levels above
+  double ended = 0;  // sum over leaves of levels above
   for (std::size_t level = 0; level < levels; ++level) {
     double leaves = 0, inner = 0;
     if (level < tree.level_count())

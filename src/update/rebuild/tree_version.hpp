@@ -12,20 +12,20 @@
 
 namespace morula::detail {
 
-/// A body, and what is known of it at the pose that it was made for. And how loose it was at another pose, at a strain
-/// from that one, where it was ever measured; else that strain is 0.
+/// A body, and its measures at the pose that it was made for; and its looseness at another pose, with the strain from
+/// that one, if it was ever measured; else that strain is 0.
 struct TreeVersion {
-  /// The body is at the pose that it was made for, posed. levels: figures of looseness wanted. estimator: of that mesh,
-  /// and at that pose afterwards.
+  /// The body is at the pose that it was made for, posed. levels: number of looseness figures to compute. estimator: of
+  /// that mesh; it is at that pose afterwards.
   TreeVersion(Body its_body, const MeshView& posed, LoosenessEstimator& estimator, std::size_t levels);
 
-  /// How many times what they took up at that pose its spheres take up now: Σ r³ over the same, in the mean of the
-  /// levels that count. Cost: linear in the nodes.
+  /// Ratio of the volume of its spheres to their volume at that pose: Σ r³ over the same, averaged over the levels that
+  /// count. Cost: linear in the nodes.
   double growth() const noexcept;
-  /// What its leaves take up now, in volumes of the object at that pose, as looseness is. Their union is known there,
-  /// and is taken to grow as the spheres do: Σ r³ alone would count many times what they share. Not in mesh units:
-  /// where an object swells from pose to pose, a tree made for the larger one would seem to take up more at all
-  /// others.
+  /// Volume of its leaves, in volumes of the object at that pose, as in looseness. The volume of their union is
+  /// computed at the build, and is assumed to grow as the spheres do: Σ r³ alone would count shared volume many times.
+  /// It is not in mesh units: if an object swells from pose to pose, a tree made for the larger one would seem to cover
+  /// more at all others.
   // mutant known-union-at-build: `taken_up_at_build_ * growth` -> `growth`
   double taken_up() const noexcept { return taken_up_at_build_ * growth(); }
 
@@ -34,9 +34,9 @@ struct TreeVersion {
   std::vector<double> looseness_at_build;
   std::vector<double> looseness_elsewhere;
   double strain_elsewhere = 0;
-  double strain_now = 0;         ///< from that pose to the frame's, when it was last asked for
-  std::uint64_t seen_frame = 0;  ///< when it was last updated beside another that served
-  double seen_strain = 0;        ///< strain_now then
+  double strain_now = 0;         ///< strain from that pose to the last measured frame
+  std::uint64_t seen_frame = 0;  ///< frame of its last update while another tree served
+  double seen_strain = 0;        ///< strain_now in that frame
 
  private:
   std::vector<double> cubes_at_build_;  // Σ r³, per level

@@ -11,18 +11,19 @@
 namespace morula::detail {
 namespace {
 
-// A tree costs a switch, which makes queries start anew: it has to be expected to be better by this much, and to
-// take up less by this much, which is a fifth of the looseness of tight leaves.
+// Another tree costs a switch, after which queries start from scratch: its expected score has to be better by
+// least_gain, and its volume less by least_less, which is a fifth of the looseness of tight leaves.
 constexpr double least_gain = 0.02, least_less = 0.008;
-// Where the spheres of a tree take up so many times what they did where it was made, others are looked at in each
-// frame, whatever is expected of them.
+// If the volume of a tree's spheres exceeds that at its build by this factor, other trees are evaluated in each frame,
+// whatever their expected score.
 constexpr double grown = 1.15;
-// Others looked at in one frame: one, or as many as test so many points together, some 8 us, but no more than eight.
+// Other trees evaluated in one frame: one, or as many as test so many points together, about 8 us, but no more than
+// eight.
 // mutant known-seen-one-of-small-bodies: `8` -> `1`
 // mutant known-seen-two-of-large-bodies: `1` -> `2`
 constexpr std::size_t least_seen = 1, most_seen = 8, tests_to_see = 20'000;
-// A tree that was seen to be no better is looked at again after all others were and so many frames, or where
-// strain has come to be so many times what it was then.
+// A tree that was evaluated as no better is evaluated again after all others and so many frames, or when the strain
+// exceeds that at its evaluation by this factor.
 constexpr std::size_t evaluated_lately = 4;
 // mutant known-came-closer: `0.8` -> `0`
 constexpr double closer = 0.8;
@@ -36,7 +37,7 @@ std::shared_ptr<const CoveredTree> without_poses(const CoveredTree& model) {
 TreeVersions::TreeVersions(const MeshView& mesh, const CoveredTree& model, const RebuildOptions& options,
                            LoosenessEstimator& estimator, Workers& workers)
     : min_improvement_(options.min_improvement),
-      // Body checks whether they belong together, so it comes first.
+      // Body checks whether mesh and tree belong together, so it comes first.
       home_(FittedBody::make(mesh, without_poses(model), fits_leaves(options), workers), mesh, estimator,
             model.tree.level_count()),
       present_(&home_) {
@@ -77,7 +78,7 @@ UpdateStatus TreeVersions::follow(TreeVersion& tree, const PositionView& positio
   return status;
 }
 
-// Of the present one: what was measured last, and what strain has been added since.
+// Expected score of the present tree: its last measured score, and the strain added since.
 double TreeVersions::expected_score(const TreeVersion& tree) const noexcept {
   const double strain = tree.strain_now;
   const auto more = [&](double at) { return cost_->at(tree, at); };
@@ -85,7 +86,7 @@ double TreeVersions::expected_score(const TreeVersion& tree) const noexcept {
   return relative_looseness(tree.looseness_at_build, home_.looseness_at_build) + more(strain);
 }
 
-// What another has to be expected to stay below.
+// The score that another tree has to be expected to stay below.
 double TreeVersions::score_to_beat() const noexcept {
   return (1 - std::max(least_gain, min_improvement_)) * expected_score(*present_);
 }
@@ -101,8 +102,8 @@ TreeVersion& TreeVersions::tree_for_this_pose() noexcept {
   return *own;
 }
 
-// What strain costs is a guess: where a body has parts that come apart, lengths feel few of them. What spheres take up
-// is seen, so it decides.
+// The cost of strain is an estimate: if components of a body come apart, few lengths measure that. The volume of
+// spheres is measured, so it decides.
 TreeVersion& TreeVersions::tightest_evaluated(std::uint64_t frame, const PositionView& positions,
                                               Workers& workers) noexcept {
   const bool has_grown = present_->growth() > grown;
@@ -124,8 +125,8 @@ std::size_t TreeVersions::evaluated_in_a_frame() const noexcept {
   return std::clamp(tests_to_see / std::max<std::size_t>(1, tests_of_update_), least_seen, most_seen);
 }
 
-// The one that is expected to be the tightest of those not seen lately, so that none is left aside for ever. As long as
-// the present one takes up what it did where it was made, only what promises to be better.
+// The tree with the best expected score of those not evaluated lately, so that each tree's turn comes. Only trees with
+// a better expected score are candidates while the volume of the present one's spheres is about that at its build.
 TreeVersion* TreeVersions::next_to_evaluate(std::uint64_t frame, bool has_grown) noexcept {
   // mutant known-in-turn: `std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1)` -> `evaluated_lately`
   const std::uint64_t round = std::max(evaluated_lately, known_.size() / evaluated_in_a_frame() + 1);

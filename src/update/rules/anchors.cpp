@@ -21,13 +21,13 @@
 namespace morula::detail {
 namespace {
 
-// Choice of anchors: the points a center is tied to, and how strongly. It is settled once, when a body is made.
+// Choice of anchors: the points that a center is tied to, and their weights. It is made once, when a body is made.
 struct AnchorChoice {
   std::vector<std::uint32_t> points;  // ascending
   std::vector<double> weights;        // one per point, none zero; they add up to 1
   bool reproduces = false;            // the weighted sum is the center; otherwise it falls short of it
   bool degenerate = false;            // fewer than four anchors that span space: equal weights
-  // Three anchors that show how all of them turn; repeated ones where they are collinear or fewer.
+  // Three anchors that show how all of them turn; repeated ones if they are collinear or fewer.
   std::array<std::uint32_t, 3> axes{};
 };
 
@@ -71,8 +71,8 @@ Indices best_by_direction(const Vec3& center, double radius, std::span<const Loc
   return chosen;
 }
 
-// How many dimensions points span, and as many of them, one more than dimensions, that show it: two far apart, the one
-// farthest from their line, the one farthest from their plane. The first again where there is none.
+// The number of dimensions that points span, and points that show it, one more than dimensions: two far apart, the one
+// farthest from their line, the one farthest from their plane. The first again if there is none.
 struct Span {
   int dimensions = 0;  // 0 a point, 1 a line, 2 a plane, 3 space
   std::array<std::uint32_t, 4> points{};
@@ -109,7 +109,7 @@ Span span_of(std::span<const LocalPoint> points, std::span<const std::uint32_t> 
   return span;
 }
 
-// Solves the symmetric positive definite system a x = (1, 0, 0, 0) by Cholesky; nothing when it is singular.
+// Solves the symmetric positive definite system a x = (1, 0, 0, 0) by Cholesky; nothing if it is singular.
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 using Vector4 = std::array<double, 4>;
 std::optional<Vector4> solve_for_first_unit(Matrix4 a) {
@@ -143,7 +143,7 @@ double magnification(const Weights& w) {
   return sum;
 }
 
-// Weights that add up to 1 and put the weighted sum of y at zero, as nearly as `ridge` lets them, with the least sum of
+// Weights that add up to 1 and put the weighted sum of y at zero, as nearly as `ridge` permits, with the least sum of
 // w^2 (0.2 + |y|): near anchors count more. y: about the center. Nothing when y does not span space and ridge is 0.
 std::optional<Weights> least_weights(std::span<const Vec3> y, double ridge) {
   const auto row = [&](std::size_t i) { return Vector4{1, y[i].x, y[i].y, y[i].z}; };
@@ -168,8 +168,8 @@ std::optional<Weights> least_weights(std::span<const Vec3> y, double ridge) {
   return w;
 }
 
-// As least_weights, without negative ones: the most negative anchor is dropped (weight 0) and the rest solved again.
-// Nothing when fewer than `fewest` would be left.
+// Weights like those of least_weights, without negative ones: the most negative anchor is dropped (weight 0) and the
+// rest solved again. Nothing when fewer than `fewest` would be left.
 std::optional<Weights> convex_weights(std::span<const Vec3> y, double ridge, std::size_t fewest) {
   std::vector<std::size_t> kept(y.size());
   std::iota(kept.begin(), kept.end(), std::size_t{0});
@@ -189,7 +189,7 @@ std::optional<Weights> convex_weights(std::span<const Vec3> y, double ridge, std
   return std::nullopt;
 }
 
-// Weights that reproduce the center without magnifying noise much; nothing where the anchors have none.
+// Weights that reproduce the center without magnifying noise much; nothing if the anchors have none.
 std::optional<Weights> reproducing_weights(std::span<const Vec3> y) {
   constexpr double mild = 2;
   if (auto w = convex_weights(y, 0.0, 4)) return w;
@@ -197,7 +197,8 @@ std::optional<Weights> reproducing_weights(std::span<const Vec3> y) {
   return std::nullopt;
 }
 
-// For a center outside the hull of its anchors: nearly reproducing, but never so large that they magnify noise.
+// For a center outside the hull of its anchors: weights that nearly reproduce it, but are never so large that they
+// magnify noise.
 Weights bounded_weights(std::span<const Vec3> y) {
   constexpr double largest = 12;
   const auto n = static_cast<double>(y.size());
@@ -233,8 +234,8 @@ AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const L
   AnchorChoice choice;
   if (candidates.empty()) return choice;
   Indices chosen = best_by_direction(center, radius, points, candidates);
-  // Where the sixteen span less than the candidates do, four more make up for it. A center far to one side of
-  // everything would otherwise be tied to a single point, and nothing could tell how it has turned.
+  // If the sixteen span less than the candidates do, four more are added. A center far to one side of all candidates
+  // would otherwise be tied to a single point, and its rotation would be undefined.
   Span span = span_of(points, chosen);
   if (span.dimensions < 3) {
     const Span possible = span_of(points, candidates);
@@ -245,7 +246,7 @@ AnchorChoice choose_anchors(const Vec3& center, double radius, std::span<const L
   choice.degenerate = span.dimensions < 3;
   std::copy_n(span.points.begin(), 3, choice.axes.begin());
 
-  double reach = 0;  // lengths are measured in it, so that ridges and costs mean the same at every scale
+  double reach = 0;  // unit of lengths, so that ridges and costs mean the same at every scale
   for (const std::uint32_t i : chosen) reach = std::max(reach, distance(as_double(points[i]), center));
   const auto about_center = [&] {
     std::vector<Vec3> y;
@@ -320,8 +321,8 @@ void Anchors::append(const Anchors& others) {
   weights_.insert(weights_.end(), others.weights_.begin(), others.weights_.end());
 }
 
-// Padded by weights 0 for the anchor that a node has anyway, or any point, which changes no sum: none is ever -0, since
-// each begins with +0, and +0 or another number plus a zero of either sign is what it was.
+// Padding has weights 0 for any anchor of the node, or any point, which changes no sum: none is ever -0, since each
+// begins with +0, and +0 or another number plus a zero of either sign stays the same.
 void Anchors::pack() {
   std::vector<std::uint32_t> points;
   std::vector<float> weights;
@@ -365,7 +366,7 @@ void Anchors::pack() {
 }
 
 Vec3f Anchors::weighted_sum(const CenterTie& tie, std::span<const LocalPoint> points) const noexcept {
-  // Two sums, so that an addition need not wait for the one before.
+  // Two sums, so that an addition need not wait for the last one.
   Float4 even(0.0f), odd(0.0f);
   std::uint32_t i = tie.begin;
   for (; i + tie.step < tie.end; i += 2 * tie.step) {
@@ -416,7 +417,7 @@ void Anchors::centers(std::size_t begin, std::size_t end, std::span<const LocalP
 void Anchors::centers(std::span<const std::uint32_t> some, std::span<const LocalPoint> points,
                       LocalPoint* centers) const noexcept {
   std::array<LocalPoint, nodes_per_group> sums;
-  std::size_t summed = group_begin_.size();  // the group
+  std::size_t summed = group_begin_.size();  // the current group
   for (std::size_t j = 0; j < some.size(); ++j) {
     const std::uint32_t k = some[j];
     if (const std::size_t group = k / nodes_per_group; group != summed) {

@@ -44,7 +44,7 @@ void CornerChains::append_chain(const SphereTree& tree, std::uint32_t leaf_node,
   chain_begin_.push_back(static_cast<std::uint32_t>(chain_.size()));
 }
 
-// levels: of the chain's nodes.
+// levels: levels of the chain's nodes.
 void CornerChains::list_points(std::span<const std::uint32_t> owned, std::span<const std::uint32_t> tested_from,
                                std::span<const std::uint32_t> levels) {
   std::vector<std::uint32_t>& points = lists_.points;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The layout of a corner walk: which points each leaf tests, and for which nodes above it.
+// Layout of a corner walk: the points that each leaf tests, and the nodes above it that need them.
 //
 //        A          chains, in leaf order      B has the leaves [0, 2) below it and the slot 1 in their chains
 //      /   \.
@@ -14,9 +14,9 @@
 //
 //   points of D:   [ A tests these | and B these as well | and D these ]    point_end_ has the three ends
 //
-// A node above a leaf tests fewer of the leaf's points: it looks at a point that several leaves own once, in the first
-// of them, and not at cut points that others surround (Ownership::tested_from). Whatever contains the tested points
-// contains all that the node owns, within the tolerance that the rounding budget has.
+// A node above a leaf tests fewer of the leaf's points: it tests a point that several leaves own once, in the first of
+// them, and it tests no cut points that others surround (Ownership::tested_from). A sphere that contains the tested
+// points contains the node's whole region, within the tolerance that the rounding budget has.
 #pragma once
 
 #include <morula/geometry/sphere.hpp>
@@ -29,8 +29,8 @@
 
 namespace morula::detail {
 
-/// The points of all leaves, one leaf after the other: in runs where they have consecutive numbers and all of the
-/// leaf's chain test them, else by index. Indices are padded to whole groups.
+/// The points of all leaves, one leaf after the other: as runs if they have consecutive numbers and all of the leaf's
+/// chain test them, else by index. Indices are padded to whole groups.
 struct PointLists {
   std::vector<PointRun> runs;
   std::vector<std::uint32_t> run_begin{0}, points, point_begin{0};  ///< per leaf, and the end
@@ -44,31 +44,31 @@ struct PointLists {
 /// Nodes are numbered by their place in nodes(), leaves by the leaf order.
 class CornerChains {
  public:
-  /// measured: one flag per node of the tree, not 0 where the walk computes the node's reach.
+  /// measured: one flag per node of the tree, not 0 if the walk computes the node's reach.
   CornerChains(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
                std::span<const std::uint8_t> measured);
 
-  /// The leaves below a node, and its place in their chains: the same in all of them.
+  /// The leaves below a node, and its slot in their chains: the same in all of them.
   struct Below {
     std::uint32_t leaf_begin, leaf_end, slot;
   };
-  /// The nodes of the tree that are measured, ascending.
+  /// The measured nodes of the tree, ascending.
   std::span<const std::uint32_t> nodes() const { return nodes_; }
   std::size_t leaf_count() const { return chain_begin_.size() - 1; }
   std::size_t entry_count() const { return chain_.size(); }
   const Below& below(std::uint32_t k) const noexcept { return below_[k]; }
-  /// The entries of a leaf's chain, from the uppermost node down to the leaf's own where that is measured.
+  /// First entry of a leaf's chain, which runs from the uppermost node down to the leaf's own if that is measured.
   std::uint32_t begin(std::size_t leaf) const noexcept { return chain_begin_[leaf]; }
   std::uint32_t end(std::size_t leaf) const noexcept { return chain_begin_[leaf + 1]; }
   std::span<const std::uint32_t> chain() const noexcept { return chain_; }
   std::uint32_t node_of(std::size_t entry) const noexcept { return chain_[entry]; }
-  /// True if node k is the last node of its leaves' chains: where every leaf is measured, if it is a leaf.
+  /// True if node k is the last node of its leaves' chains: if every leaf is measured, if it is a leaf.
   bool ends_chain(std::uint32_t k) const noexcept {
     const std::uint32_t leaf = below_[k].leaf_begin;
     return begin(leaf) + below_[k].slot + 1 == end(leaf);
   }
 
-  /// The points of a leaf that the node of an entry tests, as kernels read them.
+  /// The points of a leaf that the node of an entry tests, in the form that kernels read.
   struct Tested {
     std::span<const PointRun> runs;
     std::span<const std::uint32_t> points;
@@ -78,7 +78,7 @@ class CornerChains {
     return {std::span(l.runs).subspan(l.run_begin[leaf], l.run_begin[leaf + 1] - l.run_begin[leaf]),
             std::span(l.points).subspan(l.point_begin[leaf], point_end_[entry] - l.point_begin[leaf])};
   }
-  /// How many are read for it: without the padding at the end of the leaf.
+  /// The number of points that are read for an entry: without the padding at the end of the leaf.
   std::size_t test_count(std::size_t entry) const noexcept { return test_count_[entry]; }
   /// The number of points that a walk for the leaf's own node reads, with padding.
   std::size_t padded_count(std::size_t leaf) const noexcept;
@@ -106,10 +106,10 @@ class CornerChains {
                    std::span<const std::uint32_t> levels);
 
   std::vector<std::uint32_t> nodes_;
-  std::vector<Below> below_;  // of each node
+  std::vector<Below> below_;  // leaves below each node
   std::vector<std::uint32_t> chain_begin_{0}, chain_;
   PointLists lists_;
-  // By entry: where the points end in lists_.points that the node tests, and how many points it tests.
+  // Arrays by entry: the end of the tested points in lists_.points, and their number.
   std::vector<std::uint32_t> point_end_, test_count_;
   std::size_t owned_points_ = 0, tested_points_ = 0;
 };

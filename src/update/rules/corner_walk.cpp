@@ -37,7 +37,7 @@ void CornerWalk::measure_first(std::size_t count, std::span<const LocalPoint> po
   gather(count);
 }
 
-// The reaches of the first `count` nodes from those of entries.
+// Computes the reaches of the first `count` nodes from those of entries.
 void CornerWalk::gather(std::size_t count) noexcept {
   const std::vector<float>& of_entry = reaches_.of_entry;
   std::vector<float>& of_node = reaches_.of_node;
@@ -46,7 +46,7 @@ void CornerWalk::gather(std::size_t count) noexcept {
   const auto raise = [&](std::uint32_t k, float squared) {
     if (k < count) of_node[k] = std::max(of_node[k], squared);
   };
-  // Most leaves have the same ancestors as the leaf before. For chains of four nodes, their maxima stay in a register.
+  // Most leaves have the same ancestors as the last leaf. For chains of four nodes, their maxima stay in a register.
   constexpr std::size_t together = 4;
   Float4 most(0.0f);
   const std::uint32_t* above = nullptr;  // the chain whose first three nodes these maxima belong to; null: none

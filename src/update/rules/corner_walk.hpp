@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Computes how far nodes must reach. Every leaf walks its points once, for itself and for all nodes above it, because
-// their regions are unions of leaves' regions. corner_chains.hpp draws the layout; incremental_walk.hpp measures what
-// has changed.
+// their regions are unions of leaves' regions. corner_chains.hpp draws the layout; incremental_walk.hpp measures only
+// changes.
 #pragma once
 
 #include <morula/parallel/workers.hpp>
@@ -13,10 +13,12 @@
 
 namespace morula::detail {
 
-/// Squared distances, as measured last.
+/// Squared distances of the last measurement.
 struct SquaredReaches {
-  std::vector<float> of_entry;  ///< from the node of an entry to the leaf's points that it tests
-  std::vector<float> of_node;   ///< from node k to all points that it tests: the largest of its entries
+  std::vector<float>
+      of_entry;  ///< largest squared distance from the node of an entry to the leaf's points that it tests
+  std::vector<float>
+      of_node;  ///< largest squared distance from node k to all points that it tests: the largest of its entries
 
   /// The largest of node k's entries.
   float farthest_entry(const CornerChains& chains, std::uint32_t k) const noexcept;
@@ -24,7 +26,7 @@ struct SquaredReaches {
 
 class CornerWalk {
  public:
-  /// measured: one flag per node of the tree, not 0 where the walk computes the node's reach.
+  /// measured: one flag per node of the tree, not 0 if the walk computes the node's reach.
   CornerWalk(const SphereTree& tree, const LeafOrder& order, const Ownership& ownership,
              std::span<const std::uint8_t> measured);
 
@@ -32,17 +34,17 @@ class CornerWalk {
   void measure(std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers) noexcept {
     measure_first(nodes().size(), points, spheres, workers);
   }
-  /// The same for nodes()[0, count), which are whole levels. Other reaches stay as they were.
+  /// Measures nodes()[0, count), which are whole levels. Other reaches stay.
   void measure_first(std::size_t count, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                      Workers& workers) noexcept;
-  /// The same for nodes()[k] alone.
+  /// Measures nodes()[k] alone.
   void measure_one(std::uint32_t k, std::span<const LocalPoint> points, std::span<const Spheref> spheres) noexcept;
 
   const CornerChains& chains() const { return chains_; }
   std::span<const std::uint32_t> nodes() const { return chains_.nodes(); }
   /// IncrementalWalk measures a part and writes its results here.
   SquaredReaches& reaches() { return reaches_; }
-  /// The reach of nodes()[k], as measured last.
+  /// The last measured reach of nodes()[k].
   float squared_reach(std::size_t k) const noexcept { return reaches_.of_node[k]; }
   std::span<const float> squared_reaches() const { return reaches_.of_node; }
 

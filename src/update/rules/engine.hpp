@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Engines of the rules that move a body's spheres, each for the nodes of one rule or of a few akin.
+// Engines of the rules that move a body's spheres, each for the nodes of one rule or of a few similar ones.
 #pragma once
 
 #include <memory>
@@ -22,28 +22,28 @@ struct ModalPose;
 class SkinPoser;
 struct BonePose;
 
-/// One frame, as engines see it.
+/// One frame, as input of the engines.
 struct RuleFrame {
-  Vec3 origin{};                         ///< of the spheres
-  std::span<const LocalPoint> points{};  ///< none where no level looks at them
-  Rounding rounding{};                   ///< of the points
-  const ModalPose* modes = nullptr;      ///< of an update by coordinates
-  const BonePose* bones = nullptr;       ///< of an update by transforms
+  Vec3 origin{};                         ///< origin of the spheres
+  std::span<const LocalPoint> points{};  ///< points of the frame; empty if no level reads them
+  Rounding rounding{};                   ///< rounding of the points
+  const ModalPose* modes = nullptr;      ///< modes of an update by coordinates; null otherwise
+  const BonePose* bones = nullptr;       ///< bones of an update by transforms; null otherwise
 };
 
-/// Rules of a tree; the body's plan settles them before anything is bound.
+/// Rules of a tree; the body's plan decides them before any engine is bound.
 struct TreeRules {
   std::vector<Rule> of_level{};
-  std::vector<Rule> of_node{};  ///< what each node follows: that of its level, but where a leaf has nothing to read
+  std::vector<Rule> of_node{};  ///< rule of each node: that of its level, except for leaves without anything to read
 };
 
-/// What poses the nodes of some rules; the body makes it before any engine. Null where it has no such model.
+/// Posers of the nodes of some rules; the body makes them before any engine. Null if the body has no such model.
 struct Posers {
   ModalPoser* modal;  ///< the engine of `modal` adds the rows of its nodes
   const SkinPoser* skin;
 };
 
-/// What a body is made from, while it is being made; the body fills it once, before its first engine.
+/// Inputs of engines while a body is made; the body fills them once, before its first engine.
 struct Binding {
   MeshView mesh;
   const CoveredTree& model;
@@ -51,12 +51,13 @@ struct Binding {
   const TreeRules& rules;
   const LeafOrder& order;
   const Ownership& ownership;
-  const TriangleBvh* bvh;    ///< of the mesh; none where no node follows a link
-  const LocalPoints& local;  ///< at rest
-  const RuleFrame& rest;     ///< without modes and bones
+  const TriangleBvh* bvh;    ///< index of the mesh's facets; null if no node follows a link
+  const LocalPoints& local;  ///< points at rest
+  const RuleFrame& rest;     ///< frame at rest, without modes and bones
   Posers posers;
-  std::span<const Spheref> tree_spheres;  ///< the tree's, about the rest origin
-  std::span<Spheref> spheres;  ///< at rest: engines write those of their nodes; nobody has written the tree's
+  std::span<const Spheref> tree_spheres;  ///< spheres of the tree, about the rest origin
+  std::span<Spheref>
+      spheres;  ///< spheres at rest: engines write those of their nodes; no engine has written the tree's
   BindReport& report;
   Workers& workers;
 };
@@ -66,35 +67,36 @@ class RuleEngine {
   virtual ~RuleEngine() = default;
   virtual std::unique_ptr<RuleEngine> clone() const = 0;
 
-  /// First of a frame: writes the spheres of its nodes that look at no other sphere, of the tree's nodes before
-  /// node_end, which are whole levels.
+  /// First step of a frame: writes the spheres of those of its nodes that read no other sphere, among the tree's nodes
+  /// before node_end, which are whole levels.
   virtual void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
                       Workers& workers) noexcept = 0;
-  /// Then, for one level after the other from the deepest up: those of its nodes that read their children, whatever
-  /// engine has written these.
+  /// Second step, for one level after the other from the deepest up: writes the spheres of those of its nodes that read
+  /// their children, which any engine may have written.
   virtual void update_level(std::size_t /*level*/, const RuleFrame& /*frame*/, std::span<Spheref> /*spheres*/,
                             Workers& /*workers*/) noexcept {}
 
-  /// Points that all its nodes look at in a frame.
+  /// Number of points that all its nodes test in a frame.
   virtual std::size_t tested_points() const { return 0; }
 
-  /// Can update() take fewer levels than all, and update_one() the other nodes, where no other engine is?
+  /// Whether update() can run for fewer levels than all, and update_one() for the other nodes, if there is no other
+  /// engine.
   virtual bool is_lazy() const { return false; }
-  /// One node, in the frame of the last update().
+  /// Updates one node, in the frame of the last update().
   virtual void update_one(std::uint32_t /*node*/, const RuleFrame& /*frame*/, std::span<Spheref> /*spheres*/) noexcept {
   }
-  /// Points that the tree's nodes before node_end look at.
+  /// Number of points that the tree's nodes before node_end test.
   virtual std::size_t tested_points(std::size_t /*node_end*/) const { return 0; }
 
-  /// Is there less to do where few vertices have moved? Then update_changed() takes the place of update().
+  /// Whether an update costs less if few vertices have moved. Then update_changed() replaces update().
   virtual bool follows_changes() const { return false; }
-  /// Only these blocks of vertices differ from the frame before. Returns how many points were tested.
+  /// Updates after a change of only these blocks of vertices since the last frame. Returns how many points were tested.
   virtual std::size_t update_changed(const RuleFrame& /*frame*/, const Marks& /*changed_blocks*/,
                                      std::span<Spheref> /*spheres*/) noexcept {
     return 0;
   }
 
-  /// A node's sphere, where the engine serves it and needs no points for that.
+  /// A node's sphere, if the engine serves it and needs no points for that.
   virtual std::optional<Spheref> sphere_alone(std::uint32_t /*node*/, const RuleFrame& /*frame*/) const noexcept {
     return std::nullopt;
   }

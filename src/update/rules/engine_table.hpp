@@ -18,7 +18,8 @@ struct EngineRow {
   Rule rule;
   BindEngine* bind;
 };
-/// Engines are bound and run in this order: those whose rules read children after those whose spheres they may read.
+/// Engines are bound and run in this order: engines whose rules read children come after engines whose spheres they may
+/// read.
 inline constexpr std::array engine_table{
     EngineRow{Rule::modal, bind_modal},           EngineRow{Rule::skinned, bind_skinned},
     EngineRow{Rule::exact, bind_exact},           EngineRow{Rule::traditional, bind_paper_rules},

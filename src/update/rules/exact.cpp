@@ -24,10 +24,10 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t leaves_per_chunk = 4 * nodes_at_once;
-// Points that may come to be the nearest to a leaf's center, in radii.
+// Limit, in radii, of points that may become the nearest to a leaf's center.
 constexpr float farthest_near = 2;
-// A leaf that costs no more than this times what it cost where the tree was made is good: a rigid motion changes no
-// cost by more than rounding does, and what a builder chose with care stays.
+// A leaf whose cost is at most this times its cost at the tree's own pose is good: a rigid motion changes no cost by
+// more than rounding does, and the center that a builder chose stays.
 // mutant fit-kept-at-rest: `1.05f` -> `0.5f`
 // mutant fit-of-rigid-motions: `1.05f` -> `1`
 constexpr float most_costly = 1.05f;
@@ -38,9 +38,9 @@ Vec3f at(const LocalPoint& p) {
 
 }  // namespace
 
-// The points nearest to a center on all sides of it are, turned inside out about it, the outermost: y = x / |x|² takes
-// a sphere through the center to a plane, so the farthest y along a direction is the x that a sphere which grows from
-// the center that way meets first.
+// The points nearest to a center on all sides of it are the outermost ones under the inversion about it: y = x / |x|²
+// maps a sphere through the center to a plane, so the farthest y along a direction is the x that a sphere which grows
+// from the center that way meets first.
 LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::uint32_t> cores,
                    std::span<const LocalPoint> points, std::span<const Spheref> spheres, Workers& workers)
     : nodes_(nodes.begin(), nodes.end()) {
@@ -108,9 +108,10 @@ namespace {
 // Vertices near a place at rest, found through the leaves that own them.
 class NearbyPoints {
  public:
-  // Borrows all but the tree. Every vertex that a facet uses is owned by some leaf.
+  // Borrows all except the tree. Every vertex that a facet uses is owned by some leaf.
   NearbyPoints(const MeshView& rest, const SphereTree& tree, const LeafOrder& order, const Ownership& ownership);
-  // Adds the vertices whose distance to the center is at most the radius. Cost: leaves, and what those near own.
+  // Adds the vertices whose distance to the center is at most the radius. Cost: the leaves, and the vertices of near
+  // ones.
   void add(const Sphere& around, Marks& points) const;
 
  private:
@@ -145,7 +146,7 @@ void NearbyPoints::add(const Sphere& around, Marks& points) const {
 
 constexpr std::size_t nodes_per_chunk = PackedCores::nodes_per_chunk;
 
-// One flag per node.
+// One flag per node: whether it has this rule.
 std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule rule) {
   std::vector<std::uint8_t> flags;
   for (const Rule r : rule_of_node) flags.push_back(r == rule ? 1 : 0);
@@ -159,7 +160,8 @@ std::span<const std::uint32_t> owned_points(const Binding& binding, std::uint32_
   return std::span(binding.ownership.points).subspan(first, last - first);
 }
 
-// The outermost points that the node owns, some of them more than once. Returns how far they are at rest.
+// Writes the outermost points that the node owns; a point may occur more than once. Returns their largest distance at
+// rest.
 float find_core(const Binding& binding, std::uint32_t node, std::span<std::uint32_t> core) {
   const Vec3f& center = binding.tree_spheres[node].center;
   outermost(binding.local.points(), owned_points(binding, node), center, core);
@@ -168,8 +170,8 @@ float find_core(const Binding& binding, std::uint32_t node, std::span<std::uint3
   return std::sqrt(squared);
 }
 
-// To what the node owns, and to vertices not much farther off than its sphere reaches, so that a center inside the body
-// finds anchors on all sides. scratch: empty before and after.
+// Ties the center to points that the node owns, and to vertices not much farther off than its sphere reaches, so that a
+// center inside the body finds anchors on all sides. scratch: empty before and after.
 void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& nearby, Marks& scratch,
                 Anchors& anchors) {
   constexpr double reach = 1.3;
@@ -187,7 +189,7 @@ void tie_center(const Binding& binding, std::uint32_t node, const NearbyPoints& 
 
 ExactRule::ExactRule(const Binding& binding)
     : walk_(binding.model.tree, binding.order, binding.ownership, nodes_with(binding.rules.of_node, Rule::exact)) {
-  // Nodes are independent, so they are looked at side by side; ties are stored in node order.
+  // Nodes are independent, so they are processed in parallel; ties are stored in node order.
   const std::size_t node_count = walk_.nodes().size();
   std::vector<std::uint32_t> cores(core_size * node_count), levels;
   std::vector<float> radii(node_count);
@@ -240,8 +242,8 @@ std::size_t ExactRule::tested_points(std::size_t node_end) const {
   return count;
 }
 
-// Carried along by the anchors; pulled to where the sphere grows less if it grew. Centers of spheres that are nearly as
-// they were at rest are good already.
+// Anchors carry the center along; it is pulled to where the sphere grows less if it grew. Centers of spheres that are
+// nearly as they were at rest are good already.
 Vec3f ExactRule::center(std::uint32_t k, std::span<const LocalPoint> points) const noexcept {
   std::array<std::uint32_t, core_size> core{};
   const auto [first, count] = cores_.of(k);

@@ -51,7 +51,7 @@ std::size_t IncrementalExact::update(const Frame& frame, const Marks& changed_bl
                        moved_, dirty_);
 }
 
-// Of at most nodes_at_once nodes, ascending: the centers, and how far those have come that have moved.
+// Moves the centers of at most nodes_at_once nodes, ascending, and records how far each moved center has come.
 void IncrementalExact::move_centers(const Frame& frame, std::span<const std::uint32_t> nodes) noexcept {
   if (nodes.empty()) return;
   std::array<LocalPoint, nodes_at_once> centers;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The rule `exact` where a part of the vertices has moved.
+// The rule `exact` after a part of the vertices has moved.
 //
 //   changed blocks of vertices ──> leaves that own their points ────────────> changed_leaves_ ──┐
 //                             └──> nodes whose centers depend on them ──> dependents_           ├─> walk ──> dirty_
@@ -23,19 +23,19 @@ class IncrementalExact {
   IncrementalExact(const Binding& binding, const CornerChains& chains, const Anchors& anchors,
                    const PackedCores& cores);
 
-  /// What the rule has, and the present frame. Nodes are numbered as in the walk.
+  /// Members of the rule, and the present frame. Nodes have the numbers of the walk.
   struct Frame {
     CornerWalk& walk;  ///< its reaches are measured
     const Anchors& anchors;
     const PackedCores& cores;
     std::span<const LocalPoint> points;
-    std::span<Spheref> spheres;  ///< centers are moved, radii not
+    std::span<Spheref> spheres;  ///< centers are moved, radii are not
   };
   /// Returns how many points were tested.
   std::size_t update(const Frame& frame, const Marks& changed_blocks) noexcept;
-  /// The nodes whose radius may differ since.
+  /// The nodes whose radius may differ since the last update.
   const Marks& dirty() const { return dirty_; }
-  /// All nodes have been updated without this.
+  /// Drops all incremental state after an update of all nodes without this.
   void forget() noexcept { walk_.forget(); }
 
  private:
@@ -44,7 +44,7 @@ class IncrementalExact {
   IncrementalWalk walk_;
   BlockLists leaves_of_block_;  // leaves that own a point of the block, or one that is cut from it
   BlockLists nodes_of_block_;   // nodes whose anchors or cores have such a point
-  // Of one update.
+  // Sets of one update.
   Marks changed_leaves_, dependents_, dirty_;
   std::vector<IncrementalWalk::MovedNode> moved_;
 };

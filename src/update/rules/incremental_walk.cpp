@@ -9,29 +9,29 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t fewest_groups = 32;  // of a leaf that gains by leaving some out
-constexpr float is_walked = -1;            // in place of a bound
+constexpr std::size_t fewest_groups = 32;  // groups of a leaf that gains by skipping a part of them
+constexpr float is_walked = -1;            // value in the place of a bound
 
-// What keeps a bound above the largest squared distance that a walk would find. Let e = 2^-24. A squared distance is
-// (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root of a squared
-// distance in float 3.5 e, a way since less: each step is taken in double and narrowed, e, steps are added up upwards,
-// and their sum is narrowed, e. Two sums e each, the product e. Together below 10 e. Allowed: 2^-20 = 16 e. Squares
-// below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed: 2^-60.
+// Factor and addend that keep a bound above the largest squared distance that a walk would find. Let e = 2^-24. A
+// squared distance is (1 + e)^5 of the real one, and the bound is squared, (1 + e): 3 e of the bound. Its terms: a root
+// of a squared distance in float 3.5 e, a way since less: each step is computed in double and narrowed, e, steps are
+// added up upwards, and their sum is narrowed, e. Two sums e each, the product e. Together below 10 e. Allowed: 2^-20 =
+// 16 e. Squares below 2^-126 may vanish, which shortens each root by less than 2^-62. Allowed: 2^-60.
 // mutant walk-rounding: `1 + 0x1p-20f` -> `1`
 // mutant walk-rounding-less: `20f` -> `23f`
 // mutant walk-underflow: `0x1p-60f` -> `0`
 constexpr float rounding = 1 + 0x1p-20f, underflow = 0x1p-60f;
 
-// Of x >= 0: what nextafter gives, upwards.
+// The next double above x >= 0, as nextafter computes it.
 double next_above(double x) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) + 1);
 }
 
-// What the largest squared distance of a group was at least, if the group may hold the farthest point now that the
-// center has moved: `most` was the largest of all. Let e = 2^-24, d the distance to the group's farthest point, D that
-// of all, w the way. Squared distances are (1 + e)^5 of the real ones, so 2.6 e of the distance each, and squares that
-// vanish shorten it by u = 2^-62. The group can be left out if (d + w) (1 + 2.6 e) + u <= (D - w) (1 - 2.6 e) - u,
-// where d <= sqrt(group) (1 + 2.6 e) + u and D >= sqrt(most) (1 - 2.6 e) - u: if sqrt(group) is at most sqrt(most) (1
+// Least largest squared distance, at the last walk, of a group that may hold the farthest point after the center has
+// moved by `way`: `most` was the largest of all. Let e = 2^-24, d the distance to the group's farthest point, D that of
+// all, w the way. Squared distances are (1 + e)^5 of the real ones, so 2.6 e of the distance each, and squares that
+// vanish shorten it by u = 2^-62. The group can be skipped if (d + w) (1 + 2.6 e) + u <= (D - w) (1 - 2.6 e) - u, where
+// d <= sqrt(group) (1 + 2.6 e) + u and D >= sqrt(most) (1 - 2.6 e) - u: if sqrt(group) is at most sqrt(most) (1
 // - 10.5 e) - 2 w (1 + 5.3 e) - 4.1 u. Squaring that and narrowing it takes e and 2^-75 more.
 float least_that_may_be_farthest(float most, double way) {
   // mutant walk-groups-rounding: `1 - 0x1p-20` -> `1`
@@ -100,11 +100,11 @@ std::size_t IncrementalWalk::walk(const Frame& frame, std::size_t leaf, std::siz
   return frame.chains.test_count(entry);
 }
 
-// Of a node whose center stays, the reach is the largest of its leaves' reaches. Where this leaf comes to have as
-// much, the reach is this leaf's; where it had less before, the reach is still another's. Else the others have to be
-// looked at. The leaf's last measure may be out of date for the node, but then the leaf had less: a search left it out
+// The reach of a node whose center stays is the largest of its leaves' reaches. If this leaf attains that reach, the
+// reach is this leaf's; if it had less at its last measure, the reach is still another's. Else the others have to be
+// searched. The leaf's last measure may be out of date for the node, but then the leaf had less: a search left it out
 // because its bound was below the reach, which has only grown since, or was searched for again. So at worst the others
-// are looked at for nothing. A node whose center has moved is searched anyway.
+// are searched for nothing. A node whose center has moved is searched anyway.
 std::size_t IncrementalWalk::measure_changed(const Frame& frame, std::uint32_t leaf, Marks& dirty) noexcept {
   const CornerChains& chains = frame.chains;
   std::vector<float>& squared = frame.reaches.of_entry;
@@ -128,9 +128,8 @@ std::size_t IncrementalWalk::measure_changed(const Frame& frame, std::uint32_t l
   return tested;
 }
 
-// For its own node, whose center has moved by itself. Where a group's farthest point was nearer than that of all by
-// more than twice the way, it is not the farthest now: the one has come nearer by at most the way, the other gone as
-// far.
+// Measures a leaf's own node, whose center alone has moved. If a group's farthest point was nearer than that of all by
+// more than twice the way, it is not the farthest: the one has come nearer by at most the way, the other gone as far.
 std::size_t IncrementalWalk::measure_moved(const Frame& frame, std::uint32_t leaf) noexcept {
   const CornerChains& chains = frame.chains;
   const std::uint32_t entry = chains.end(leaf) - 1, k = chains.node_of(entry);
@@ -159,7 +158,7 @@ std::size_t IncrementalWalk::measure_moved(const Frame& frame, std::uint32_t lea
   return chains.test_count(entry);
 }
 
-// Walks the leaves that may hold a node's farthest point: none reaches farther than when it was walked last, which was
+// Walks the leaves that may hold a node's farthest point: none reaches farther than when it was last walked, which was
 // after its last change, plus the node's way since.
 std::size_t IncrementalWalk::search(const Frame& frame, std::uint32_t k) noexcept {
   const CornerChains::Below& below = frame.chains.below(k);
@@ -169,8 +168,8 @@ std::size_t IncrementalWalk::search(const Frame& frame, std::uint32_t k) noexcep
     const double way = path_[k] - path_when_walked_[entry(leaf)];
     return (std::sqrt(squared[entry(leaf)]) + static_cast<float>(way)) * rounding + underflow;
   };
-  float farthest = 0;  // of leaves walked at the node's present place
-  float highest = -1;  // of the bounds of the others
+  float farthest = 0;  // largest reach of leaves walked at the node's present place
+  float highest = -1;  // highest of the bounds of the others
   std::uint32_t most_promising = below.leaf_end;
   for (std::uint32_t leaf = below.leaf_begin; leaf < below.leaf_end; ++leaf) {
     if (path_when_walked_[entry(leaf)] == path_[k]) {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Measures the reaches of a corner walk again where a part of the points and centers has moved, with the bits of a
-// walk over all.
+// Measures the reaches of a corner walk again after a part of the points and centers has moved, with the bits of a walk
+// over all.
 //
 //   changed leaf    (a point has moved) is walked for its whole chain. If the leaf held the farthest point of a node
-//                   above it and no longer does, that node is searched.
+//                   above it and does so no more, that node is searched.
 //   moved leaf      (only its center has moved) is walked for its own node. Groups of points that were nearer than the
 //                   farthest one by more than twice the center's motion are skipped.
 //   moved node      is searched: a leaf below is walked only if its bound reaches the node's largest distance so far.
@@ -25,20 +25,20 @@ class IncrementalWalk {
   /// Every leaf of the layout is measured.
   explicit IncrementalWalk(const CornerChains& chains);
 
-  /// A place in CornerChains::nodes(), and how far its center has moved.
+  /// A node's place in CornerChains::nodes(), and how far its center has moved.
   struct MovedNode {
     std::uint32_t k;
     float moved_by;
   };
-  /// What is measured, and where results go.
+  /// Inputs of a measurement, and the place of its results.
   struct Frame {
     const CornerChains& chains;
-    SquaredReaches& reaches;  ///< of the frame before; in and out
+    SquaredReaches& reaches;  ///< reaches of the last frame, which measure() updates
     std::span<const LocalPoint> points;
     std::span<const Spheref> spheres;
   };
-  /// changed_leaves: leaves that own points which moved. moved: each node once whose center has moved. Adds to dirty
-  /// every node whose reach or center may have changed. Returns how many points were tested.
+  /// changed_leaves: leaves that own points which moved. moved: the nodes whose centers have moved, each once. Adds to
+  /// dirty every node whose reach or center may have changed. Returns how many points were tested.
   std::size_t measure(const Frame& frame, const Marks& changed_leaves, std::span<const MovedNode> moved,
                       Marks& dirty) noexcept;
   /// Drops all paths and groups. Call it after a walk over all points.
@@ -51,22 +51,22 @@ class IncrementalWalk {
   std::size_t walk(const Frame& frame, std::size_t leaf, std::size_t entry) noexcept;
 
   // The path of a node is the sum of its center's motions since forget(). By entry: the node's path when the leaf was
-  // walked for it last. A leaf's own node is always measured.
+  // last walked for it. A leaf's own node is always measured.
   std::vector<double> path_, path_when_walked_;
   bool is_fresh_ = true;  // all paths are 0, no groups are known
 
-  // Of leaves with many points that were walked for their own node alone and whose points have not moved since.
+  // Groups of leaves with many points that were walked for their own node alone and whose points have not moved since.
   struct PointGroups {
-    Marks known;                          // leaves
-    std::vector<std::uint32_t> begin{0};  // per leaf, and the end; other leaves have no groups
-    std::vector<float> squared;           // of each group: the largest squared distance to center
+    Marks known;                          // leaves with groups
+    std::vector<std::uint32_t> begin{0};  // first group per leaf, and the end; other leaves have no groups
+    std::vector<float> squared;           // largest squared distance of each group to center
     std::vector<Vec3f> center;            // the leaf node's center when its groups were measured
   } groups_;
 
-  // Memory of one call.
-  Marks searched_;                     // nodes whose leaves have to be looked at
-  std::vector<float> bounds_;          // of leaves, in one search
-  std::vector<float> squared_before_;  // of a chain, while its leaf is measured again
+  // Scratch of one call.
+  Marks searched_;                     // nodes whose leaves are to be searched
+  std::vector<float> bounds_;          // bounds of leaves, in one search
+  std::vector<float> squared_before_;  // entries of a chain before its leaf is measured again
 };
 
 }  // namespace morula::detail

@@ -10,16 +10,16 @@
 // in the size of the node; the first is better where displacements are rough. The smaller sphere is taken, node by
 // node.
 //
-// Rounding, all in double, e = 2^-53. m modes; Z bounds |coordinates| of everything that is added up: rest positions
-// and centers, plus sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. As lengths:
+// Rounding, all in double, e = 2^-53. m modes; Z bounds |coordinates| of all summands: rest positions and centers, plus
+// sum |q_j| times the largest |component| of a row, a shift or, over a node, 3 |G| |y|. The terms are lengths:
 //   the caller's own sum rest + U q, and ours of shifts               2 x 1.8 (m + 1) e Z
 //   the entries of F, times |y| <= 3.5 Z                              10.4 (m + 1) e Z
 //   cut corners as weighted sums, of rows here and of positions there     10.4 e Z
 //   reading: origin + center, distances of a certificate              below 10 e Z
 // Allowed: 16 (m + 16) e Z. Cut corners that lie in the hull of others are left out (exactly in it: facet_hull.hpp with
-// tolerance 0). Where weights add up to 1 +- s, the first weights of a corner and of what surrounds it differ by up to
-// 2 s, which is below 3.5 s Z as a length; allowed: 4 s Z. What binding a node rounds is in its strays and its radius
-// (rounded_up_radius), what narrowing the center to float moves is measured.
+// tolerance 0). If weights add up to 1 +- s, the first weights of a corner and of the ones around it differ by up to 2
+// s, which is below 3.5 s Z as a length; allowed: 4 s Z. The rounding of binding a node is in its strays and its radius
+// (rounded_up_radius); the motion of the center by narrowing to float is measured.
 #include "update/rules/modal.hpp"
 
 #include <cassert>
@@ -38,8 +38,8 @@ namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
 
-// Displacements add up to less than this; with a rest body within largest_local_coordinate, all that is computed from
-// them stays far inside the range of float.
+// Displacements add up to less than this; with a rest body within largest_local_coordinate, all values computed from
+// them stay far inside the range of float.
 constexpr double largest_displacement = 0x1p55;
 
 // Corners of the cover that a node has to contain, each once.
@@ -109,7 +109,7 @@ bool ModalPoser::accepts(std::span<const double> coordinates, std::size_t& first
 }
 
 ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
-  // As move_by_modes moves the guide.
+  // Moves the guide like move_by_modes.
   Vec3 guide = guide_rest_;
   double largest = rest_reach_;
   for (std::size_t j = 0; j < coordinates.size(); ++j) {
@@ -141,7 +141,8 @@ ModalRule::ModalRule(const Binding& binding)
   rows_.resize(nodes_.size() * mode_count_);
   if (options.details.modal_bound == RuleOptions::ModalBound::gradient) linear_rows_.resize(rows_.size());
 
-  // Its own list of points: those of the other rules leave out cut corners that only this one has to contain.
+  // The rule has its own list of points: those of the other rules leave out cut corners that only this one has to
+  // contain.
   const LeafOrder order = depth_first_leaves(tree);
   const std::vector<std::uint8_t> every_leaf(order.leaves.size(), 1);
   // mutant hull-tolerance-for-modes: `0` -> `0x1p-30`
@@ -202,7 +203,7 @@ Spheref ModalRule::sphere_of(std::size_t slot, const ModalPose& pose) const noex
   if (!linear_rows_.empty())
     if (const Sphere other = by_gradients(slot, pose.coordinates); other.radius < s.radius) s = other;
   const Vec3 center = s.center - pose.origin;
-  // Adding zero makes a negative zero positive, as the other rules do.
+  // Adding zero makes a negative zero positive, like the other rules.
   const Vec3f nearest = Vec3f(center) + Vec3f{};
   // mutant modal-narrowed-center: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
   return {nearest, rounded_up((s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + pose.pad)};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The rule `modal`: spheres that follow the coordinates of a modal model and look at no vertex [james2004].
+// The rule `modal`: spheres that follow the coordinates of a modal model and read no vertex [james2004].
 #pragma once
 
 #include <algorithm>
@@ -15,16 +15,16 @@ namespace morula::detail {
 /// Throws std::invalid_argument unless the modes have the mesh's vertices, one displacement each, all finite.
 void require_modes(const Modes& modes, const MeshView& mesh);
 
-/// What is common to all nodes at some coordinates.
+/// Values that all nodes share at some coordinates.
 struct ModalPose {
   std::span<const double> coordinates;
-  Vec3 origin;     ///< of the spheres, as LocalPoints has it for the moved positions, bit for bit
-  double pad = 0;  ///< what radii are rounded up by (modal.cpp)
+  Vec3 origin;     ///< origin of the spheres, as LocalPoints computes it for the moved positions, bit for bit
+  double pad = 0;  ///< length that radii are rounded up by (modal.cpp)
 };
 
 class ModalPoser {
  public:
-  /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
+  /// used_vertices: vertices of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
   ModalPoser(const MeshView& mesh, const CoveredTree& model, const Modes& modes,
              std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 
@@ -35,14 +35,14 @@ class ModalPoser {
   /// coordinates must be accepted; they are not copied.
   ModalPose pose(std::span<const double> coordinates) const noexcept;
 
-  /// Rows of nodes, unlike those of vertices, may be longer than what they bound; they enter pads alone.
+  /// Rows of nodes, unlike those of vertices, may be longer than the displacements that they bound; they enter pads
+  /// alone.
   void add_row(std::size_t j, double largest) { largest_row_[j] = std::max(largest_row_[j], largest); }
 
  private:
-  // Per mode, the largest |component| of a vertex' displacement, and of anything that its coordinate is multiplied
-  // with.
+  // Largest |component| per mode: of a vertex' displacement, and of any factor of its coordinate.
   std::vector<double> reach_, largest_row_;
-  std::vector<Vec3> guide_;  // per mode, the displacement of the vertex that the origin moves with
+  std::vector<Vec3> guide_;  // displacement per mode of the vertex that the origin moves with
   Vec3 guide_rest_, rest_origin_;
   double size_;
   double rest_reach_ = 0;  // largest |coordinate| at rest, of vertices and centers
@@ -79,9 +79,9 @@ class ModalRule final : public RuleEngine {
 
   std::size_t mode_count_;
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> slot_;         // of a node in nodes_; no_node where another rule serves
+  std::vector<std::uint32_t> slot_;         // slot of a node in nodes_; no_node if another rule serves
   std::vector<ModeRow> rows_;               // slot after slot, mode_count_ each
-  std::vector<LinearModeRow> linear_rows_;  // likewise; none with ModalBound::shift
+  std::vector<LinearModeRow> linear_rows_;  // rows in the layout of rows_; empty with ModalBound::shift
 };
 
 }  // namespace morula::detail

@@ -8,8 +8,8 @@
 namespace morula::detail {
 namespace {
 
-// The middle of the smallest sphere about the points; one of them where they are so large or so near each other that
-// the search leaves the range of double.
+// The center of the smallest sphere about the points; one of them if they are so large or so near each other that the
+// search leaves the range of double.
 Vec3 middle_of(std::span<const Vec3> points) {
   const Vec3 middle = enclosing_sphere(points).center;
   return is_finite(middle) ? middle : points.front();
@@ -21,21 +21,22 @@ double largest_of(std::span<const Vec3> points) {
   return largest;
 }
 
-// Distances from the middle, with what taking them rounds. extent: of anything that the points were computed from.
+// Largest distance from the middle, with the rounding of that distance. extent: of the values that the points were
+// computed from.
 double reach_about(const Vec3& middle, std::span<const Vec3> points, double extent) {
   double farthest = 0;
   for (const Vec3& p : points) farthest = std::max(farthest, safe_length(p - middle));
   return rounded_up_radius(farthest, extent + max_norm(middle));
 }
 
-// Of a symmetric matrix that is positive definite.
+// Inverse of a symmetric matrix that is positive definite.
 std::array<Vec3, 3> inverse(const std::array<Vec3, 3>& m) {
   const Vec3 a = cross(m[1], m[2]), b = cross(m[2], m[0]), c = cross(m[0], m[1]);
   const double determinant = dot(m[0], a);
   return {a / determinant, b / determinant, c / determinant};
 }
 
-using Matrix = std::array<Vec3, 3>;  // its columns
+using Matrix = std::array<Vec3, 3>;  // columns of the matrix
 
 // The inverse of m with `ridge` added to its diagonal.
 Matrix ridged_inverse(Matrix m, double ridge) {
@@ -79,8 +80,8 @@ LinearFit::LinearFit(std::vector<Vec3> places, double extent)
     for (int k = 0; k < 3; ++k) covariance_[k] += z * (z[k] * share);
 }
 
-// How little to believe of what corners tell about directions in which they hardly spread. Of a field that is linear on
-// the corners everything is true, but for rounding; of another one what hangs on a patch's slight thickness is not.
+// Ridge that damps directions in which the corners hardly spread. The fit of a field that is linear on the corners is
+// exact in all directions, up to rounding; the fit of another field along a patch's slight thickness is meaningless.
 double LinearFit::ridge(const Matrix& product, std::span<const Vec3> displacements, const Vec3& mean) const {
   constexpr double rounding = 1e-9, largest = 1e-2, distrust = 1e3;
   const Matrix plain = product_of(product, ridged_inverse(covariance_, rounding));
@@ -102,7 +103,8 @@ Matrix LinearFit::gradient(std::span<const Vec3> displacements) const {
   for (std::size_t i = 0; i < scaled_.size(); ++i)
     for (int k = 0; k < 3; ++k) product[k] += (displacements[i] - mean) * (scaled_[i][k] * share);
 
-  // What the ridge draws the field to is not zero but its own turn, -G^T: turns then are found whole, step by step.
+  // The ridge draws the field not to zero but to its own rotation, -G^T: so rotations are found completely, step by
+  // step.
   constexpr int steps = 8;
   const double weight = ridge(product, displacements, mean);
   const Matrix solve = ridged_inverse(covariance_, weight);
@@ -119,7 +121,7 @@ Matrix LinearFit::gradient(std::span<const Vec3> displacements) const {
 LinearModeRow LinearFit::row(std::span<Vec3> displacements) const {
   LinearModeRow row;
   row.gradient = gradient(displacements);
-  // A cut corner's place is off by some rounding of the whole coordinate, which the gradient magnifies.
+  // A cut corner's place is off by the rounding of the whole coordinate, which the gradient magnifies.
   const double extent = largest_of(displacements) + 3 * extent_ * largest_of(row.gradient);
   for (std::size_t i = 0; i < places_.size(); ++i) displacements[i] -= times(row.gradient, places_[i]);
   row.shift = middle_of(displacements);
@@ -143,7 +145,7 @@ double largest_stretch(const std::array<Vec3, 3>& columns) {
     const double right = std::clamp(dot(h[0], cross(h[1], h[2])) / (2 * cube), -1.0, 1.0);
     for (int step = 0; step < 3; ++step) f -= (4 * f * f * f - 3 * f - right) / (12 * f * f - 3);
   }
-  // The factor is far above what rounding takes: about fifty units in the last place.
+  // The factor is far above the rounding: about fifty units in the last place.
   // mutant modal-stretch: `(mean + 2 * p * f) * (1 + 0x1p-40)` -> `(mean + 2 * p * f)`
   return std::sqrt(mean + 2 * p * f) * (1 + 0x1p-40);
 }

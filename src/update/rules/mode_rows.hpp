@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Mode rows: how far a node's corners can stray from its center when a mode moves them. They are settled once per body.
+// Mode rows: bounds of how far a node's corners can stray from its center when a mode moves them. They are computed
+// once per body.
 #pragma once
 
 #include <array>
@@ -10,7 +11,7 @@
 
 namespace morula::detail {
 
-/// Of one node and one mode. For every owned corner, u its displacement per unit of the coordinate: |u - shift| <=
+/// Row of one node and one mode. For every owned corner, u its displacement per unit of the coordinate: |u - shift| <=
 /// stray.
 struct ModeRow {
   Vec3 shift;
@@ -19,26 +20,26 @@ struct ModeRow {
 
 /// With y the corner's place about the node's center at rest: |u - gradient y - shift| <= stray.
 struct LinearModeRow {
-  std::array<Vec3, 3> gradient{};  ///< its columns
+  std::array<Vec3, 3> gradient{};  ///< columns of the gradient
   Vec3 shift;
   double stray = 0;
 };
 
-/// |v|, where squares of its components may leave the range of double.
+/// |v|, also for squares of components that leave the range of double.
 double safe_length(const Vec3& v);
 
-/// displacements: of the owned corners, at least one, finite. The shift is the middle of the smallest sphere about
+/// displacements: of the owned corners, at least one, finite. The shift is the center of the smallest sphere about
 /// them, which makes the stray least; [james2004] takes a weighted mean.
 ModeRow mode_row(std::span<const Vec3> displacements);
 
-/// Finds linear fields near the displacements of a node's corners: in least squares, and where the corners hardly tell,
-/// as across a patch that is nearly flat, such that what they tell is completed to a turn.
+/// Finds linear fields near the displacements of a node's corners: by least squares. If the corners hardly determine a
+/// direction, as across a patch that is nearly flat, the determined part is completed to a rotation.
 class LinearFit {
  public:
-  /// places: of the owned corners about the node's center at rest. extent: the largest |component| of what they are
-  /// differences of.
+  /// places: of the owned corners about the node's center at rest. extent: the largest |component| of the vectors whose
+  /// differences they are.
   LinearFit(std::vector<Vec3> places, double extent);
-  /// The displacements are used up.
+  /// The call overwrites the displacements.
   LinearModeRow row(std::span<Vec3> displacements) const;
 
  private:
@@ -48,8 +49,8 @@ class LinearFit {
   std::vector<Vec3> places_;
   double extent_;
   std::vector<Vec3> scaled_;  // places about their mean, over the largest |component|; empty when all places are zero
-  double scale_ = 0;          // that component
-  std::array<Vec3, 3> covariance_{};  // of the scaled places
+  double scale_ = 0;          // the largest |component|
+  std::array<Vec3, 3> covariance_{};  // covariance of the scaled places
 };
 
 /// The image of v under the matrix with these columns.

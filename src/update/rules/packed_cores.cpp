@@ -11,7 +11,7 @@ namespace morula::detail {
 PackedCores::PackedCores(std::span<const std::uint32_t> cores, std::span<const float> radii,
                          std::span<const std::uint32_t> levels) {
   const std::size_t node_count = radii.size();
-  // Once each, in the order of the list, which is what counts among equals.
+  // Each point once, in the order of the list, which decides among equals.
   std::vector<std::vector<std::uint32_t>> core_of(node_count);
   for (std::size_t k = 0; k < node_count; ++k)
     for (const std::uint32_t p : cores.subspan(core_size * k, core_size))
@@ -22,7 +22,7 @@ PackedCores::PackedCores(std::span<const std::uint32_t> cores, std::span<const f
   for (std::size_t begin = 0; begin < node_count; begin += nodes_per_chunk) {
     order.resize(std::min(nodes_per_chunk, node_count - begin));
     std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
-    // By levels first: an update of upper levels alone takes the first groups.
+    // Sorted by level first: an update of upper levels alone takes the first groups.
     const auto key = [&](std::uint32_t k) { return std::tuple(levels[k], core_of[k].size(), k); };
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
     for (std::size_t first = 0; first < order.size(); first += nodes_at_once)

@@ -18,12 +18,12 @@ namespace morula::detail {
 
 class PackedCores {
  public:
-  /// Nodes are grouped among so many consecutive ones.
+  /// Nodes are grouped within chunks of so many consecutive ones.
   static constexpr std::size_t nodes_per_chunk = 64;
   static_assert(nodes_per_chunk % nodes_at_once == 0 && nodes_at_once % nodes_per_group == 0);
 
   PackedCores() = default;
-  /// cores: core_size points of each node, some of them more than once. radii, levels: of each node.
+  /// cores: core_size points of each node; a point may occur more than once. radii, levels: of each node.
   PackedCores(std::span<const std::uint32_t> cores, std::span<const float> radii,
               std::span<const std::uint32_t> levels);
 
@@ -39,12 +39,12 @@ class PackedCores {
   /// The largest distance from the center of node k to its core, at rest.
   float rest_radius(std::size_t k) const noexcept { return rest_radius_[lane_[k]]; }
 
-  /// A group as pull_many takes it. Groups of a chunk have nodes of that chunk alone.
+  /// A group in the form that pull_many takes. Groups of a chunk have nodes of that chunk alone.
   struct Group {
-    const std::uint32_t* nodes;   ///< of its lanes
-    const std::uint32_t* points;  ///< count of each lane
+    const std::uint32_t* nodes;   ///< nodes of its lanes
+    const std::uint32_t* points;  ///< points, count of each lane
     std::size_t count;
-    const float* rest_radii;  ///< of its lanes
+    const float* rest_radii;  ///< rest radii of its lanes
   };
   Group group(std::size_t g) const noexcept {
     return {&node_of_lane_[nodes_at_once * g], &points_[begin_[g]], (begin_[g + 1] - begin_[g]) / nodes_at_once,
@@ -55,10 +55,10 @@ class PackedCores {
   void append_group(std::span<const std::uint32_t> nodes, std::span<const std::vector<std::uint32_t>> core_of,
                     std::span<const float> radii);
 
-  std::vector<std::uint32_t> points_, begin_{0};  // of groups, and the end
-  std::vector<float> rest_radius_;                // of lanes, of groups one after the other
+  std::vector<std::uint32_t> points_, begin_{0};  // points of groups, and their begins with the end
+  std::vector<float> rest_radius_;                // rest radii of lanes, group after group
   std::vector<std::uint32_t> node_of_lane_;
-  std::vector<std::uint32_t> lane_;  // of each node
+  std::vector<std::uint32_t> lane_;  // lane of each node
 };
 
 }  // namespace morula::detail

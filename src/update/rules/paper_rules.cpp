@@ -17,10 +17,10 @@
 namespace morula::detail {
 namespace {
 
-// The paper's links: which vertices a sphere looks at [garcia2005, sec. 3.1].
+// The paper's links: the vertices that a sphere follows [garcia2005, sec. 3.1].
 struct Links {
-  std::vector<std::uint32_t> vertices;  // of the mesh, ascending, each once; never empty
-  bool fallback = false;                // nothing was where it was looked for
+  std::vector<std::uint32_t> vertices;  // mesh vertices, ascending, each once; never empty
+  bool fallback = false;                // true: the regular place has no vertices
 };
 
 std::vector<std::uint32_t> vertices_of(const MeshView& mesh, const std::vector<std::uint32_t>& facets) {
@@ -32,8 +32,8 @@ std::vector<std::uint32_t> vertices_of(const MeshView& mesh, const std::vector<s
   return vertices;
 }
 
-// The three vertices of every facet that meets the closed ball, inside or outside of it; of the nearest facet where
-// none does (fallback).
+// The three vertices of every facet that meets the closed ball, inside or outside of it; of the nearest facet if none
+// does (fallback).
 Links linked_vertices(const MeshView& mesh, const TriangleBvh& bvh, const Sphere& ball) {
   std::vector<std::uint32_t> facets;
   bvh.facets_touching(ball, facets);
@@ -41,8 +41,8 @@ Links linked_vertices(const MeshView& mesh, const TriangleBvh& bvh, const Sphere
   return {vertices_of(mesh, {bvh.closest_point(ball.center)->facet}), true};
 }
 
-// The vertices inside the closed ball of a node. Where there are none (fallback, a void sphere), those of the nearest
-// facet that meets the ball; where there is none either, what the node's parent has; at the root, the nearest facet's.
+// The vertices inside the closed ball of a node. If there are none (fallback, a void sphere), those of the nearest
+// facet that meets the ball; if there is none either, the links of the node's parent; at the root, the nearest facet's.
 Links enclosed_vertices(const MeshView& mesh, const TriangleBvh& bvh, const SphereTree& tree, std::uint32_t node) {
   bool fallback = false;
   std::vector<std::uint32_t> facets;
@@ -92,12 +92,12 @@ bool is_paper_rule(Rule rule) {
   return row->bind == bind_paper_rules;
 }
 
-// Not a number becomes the bound as well.
+// NaN becomes the bound as well.
 float bounded(float radius) {
   return radius < largest_radius ? radius : largest_radius;
 }
 
-// Equations 3 and 4: how far a child sphere reaches from its parent's center.
+// Equations 3 and 4: reach of a child sphere from its parent's center.
 float reach_of_child(const Vec3f& center, const Spheref& child) {
   return distance(center, child.center) + child.radius;
 }
@@ -115,14 +115,15 @@ Float4 four_distances(const LocalPoint* points, const std::uint32_t* index, cons
   return sqrt(dx * dx + dy * dy + dz * dz);
 }
 
-// Equation 5 and its like: a radius grown by the ratio of two reaches; by the reach itself where there is nothing to
+// Equation 5 and similar ones: a radius grown by the ratio of two reaches; by the reach itself if there is nothing to
 // divide by. At rest both reaches are the same number, so the ratio is exactly 1.
 float grown(float radius, float reach, float rest_reach) {
   return bounded(rest_reach > least_divisor * radius ? radius * (reach / rest_reach) : radius + reach);
 }
 
-// Towards the child that the center has to reach farthest for, by less each time; then the best place on the way. That
-// ends at the smallest sphere; after 16 steps, of some 8 children, it is 1 % larger in the mean and 3 % at worst.
+// Moves the center towards the child that it has to reach farthest for, by less each time; returns the best place on
+// the way. That converges to the smallest sphere; after 16 steps, with about 8 children, it is 1 % larger on average
+// and 3 % at worst.
 Vec3f pulled_to_farthest(const Vec3f& start, std::span<const Spheref> children) {
   constexpr int steps = 16, first_share = 8;
   Vec3 center(start), best = center;
@@ -184,8 +185,8 @@ PaperRules::PaperRules(const Binding& binding)
   }
   bind_links(binding);
 
-  // What a parent divides by are its children's spheres at rest, whatever rule makes them: ratios at rest are then
-  // exactly 1 in every mixture. So rest spheres are settled from the leaves up.
+  // A parent divides by its children's spheres at rest, whatever rule makes them: ratios at rest are then exactly 1 in
+  // every mixture. So rest spheres are computed from the leaves up.
   rest_spheres_.assign(binding.spheres.begin(), binding.spheres.end());
   for (auto n = nodes_.rbegin(); n != nodes_.rend(); ++n) {
     n->rest_sum = weighted_sum(*n, binding.local.points());
@@ -230,7 +231,7 @@ void PaperRules::bind_links(const Binding& binding) {
                       : n.rule == Rule::approach1 ? options.approach1_weights
                                                   : RuleOptions::Weights::uniform;
     const std::vector<double> weights = link_weights(mesh, tree.spheres[n.node], vertices, kind, areas);
-    // In the order of points: what is near in the tree is then near in memory.
+    // Sorted by point: neighbors in the tree are then neighbors in memory.
     std::vector<std::pair<std::uint32_t, float>> links;
     for (std::size_t i = 0; i < vertices.size(); ++i)
       links.emplace_back(binding.local.point_of(vertices[i]), static_cast<float>(weights[i]));
@@ -263,7 +264,7 @@ void PaperRules::bind_rest(const Binding& binding, Node& n) {
 }
 
 // Adds (d' + k) / (d + k) with k = (floor r - d)+ to the ratios of a node: 1 at rest, and never so
-// large for a near vertex as d' / d. With floor 0 it is the paper's. What is too small to divide by never counts.
+// large for a near vertex as d' / d. With floor 0 it is the paper's. Distances too small to divide by never count.
 void PaperRules::add_ratio(Node& n, float rest_distance) {
   const float raise = std::max(0.0f, static_cast<float>(distance_floor_) * n.rest.radius - rest_distance);
   const float divisor = rest_distance + raise;
@@ -302,9 +303,9 @@ void PaperRules::update_level(std::size_t level, const RuleFrame& frame, std::sp
   });
 }
 
-// In double: a root may sum up a hundred thousand vertices.
+// The sum is in double: a root may sum up a hundred thousand vertices.
 Vec3 PaperRules::weighted_sum(const Node& n, std::span<const LocalPoint> points) const noexcept {
-  Vec3 sums[2]{};  // so that an addition need not wait for the one before
+  Vec3 sums[2]{};  // two, so that an addition need not wait for the last one
   for (std::uint32_t i = n.link_begin; i < n.link_end; i += 2)
     for (std::uint32_t k = 0; k < 2; ++k) {
       const LocalPoint& p = points[points_[i + k]];

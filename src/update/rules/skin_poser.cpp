@@ -12,8 +12,8 @@
 namespace morula::detail {
 namespace {
 
-// As for modes: with a rest body within largest_local_coordinate, all that is computed stays far inside the range of
-// float.
+// Like the limit for modes: with a rest body within largest_local_coordinate, all computed values stay far inside the
+// range of float.
 constexpr double largest_displacement = 0x1p55;
 
 }  // namespace

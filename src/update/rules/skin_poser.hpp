@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Skin poser: the transforms that can move a body with a skin, and where its origin goes.
+// Skin poser: the transforms that can move a body with a skin, and the origin that follows them.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
@@ -14,13 +14,13 @@ namespace morula::detail {
 /// of every vertex that facets use are finite and add up to 1 within 1e-6.
 void require_skin(const Skin& skin, const MeshView& mesh);
 
-/// (T - 1) p: how far a transform displaces a point. Exactly zero where T is the identity.
+/// (T - 1) p: displacement of a point by a transform. Exactly zero if T is the identity.
 inline Vec3 displacement(const AffineTransform& t, const Vec3& p) {
   return (t.columns[0] - Vec3{1, 0, 0}) * p.x + (t.columns[1] - Vec3{0, 1, 0}) * p.y +
          (t.columns[2] - Vec3{0, 0, 1}) * p.z + t.translation;
 }
 
-/// Where vertex i is: the very routine of all who move it.
+/// Position of vertex i: all code that moves it calls this routine.
 inline Vec3 skinned_vertex(const Skin& skin, std::size_t i, const Vec3& rest,
                            std::span<const AffineTransform> transforms) {
   Vec3 moved = rest;
@@ -29,15 +29,15 @@ inline Vec3 skinned_vertex(const Skin& skin, std::size_t i, const Vec3& rest,
   return moved;
 }
 
-/// What is common to all nodes at some transforms.
+/// Values that all nodes share at some transforms.
 struct BonePose {
   std::span<const AffineTransform> transforms;
-  Vec3 origin;  ///< of the spheres, as LocalPoints has it for the moved positions, bit for bit
+  Vec3 origin;  ///< origin of the spheres, as LocalPoints computes it for the moved positions, bit for bit
 };
 
 class SkinPoser {
  public:
-  /// used_vertices: those of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
+  /// used_vertices: vertices of facets; the lowest guides the origin. rest_origin, size: as in LocalPoints.
   SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin& skin,
             std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size);
 

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The rule `skinned`: spheres that are moved and resized by the weights that move the surface [jones2017], and look at
-// no vertex. An approximation: nothing makes a sphere contain what it owns.
+// The rule `skinned`: spheres that are moved and resized by the weights that move the surface [jones2017], and that
+// read no vertex. It is an approximation: nothing makes a sphere contain its region.
 //
-// Jones et al. fit the spheres to a few example poses beforehand and blend those centers and radii. A skin has no
+// Jones et al. fit the spheres to a few example poses in advance and blend those centers and radii. A skin has no
 // examples, only transforms. With w_b the mean weight of bone b over the distinct corners that a node owns, and
 // B = sum w_b T_b, the node takes
 //   c' = B c,   r' = |B| r,   |B| the largest stretch of the linear part, at most 3 % more (largest_stretch).
-// Where all bones of a node move alike, that is what the surface does. Where they turn against each other, B shrinks as
-// the skin itself does, and corners whose weights differ from the mean may be left outside.
+// If all bones of a node move alike, the surface does the same. If they turn against each other, B shrinks as the skin
+// itself does, and corners whose weights differ from the mean may be left outside.
 #include <algorithm>
 
 #include "parallel/interruption.hpp"
@@ -27,7 +27,7 @@ struct Share {
   double weight;
 };
 
-// Adds up weights of one node after the other.
+// Sum of the weights of one node after the other.
 class ShareSum {
  public:
   ShareSum(const Skin& skin, const Cover& cover)
@@ -95,11 +95,11 @@ class SkinnedRule final : public RuleEngine {
  private:
   struct Node {
     std::uint32_t node;        // ascending
-    std::uint32_t begin, end;  // of its shares
-    Sphere rest;               // the tree's
+    std::uint32_t begin, end;  // range of its shares
+    Sphere rest;               // sphere of the tree
   };
 
-  // Differences from the identity are added up: with none of them, the sphere is that of rest, bit for bit.
+  // Differences from the identity are added up: without any, the sphere is that of rest, bit for bit.
   Spheref sphere_of(const Node& n, const RuleFrame& frame) const noexcept {
     std::array<Vec3, 3> columns{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
     const std::array<Vec3, 3> identity = columns;
@@ -111,7 +111,7 @@ class SkinnedRule final : public RuleEngine {
       place += share.weight * displacement(t, n.rest.center);
     }
     const Vec3 center = place - frame.origin;
-    // Adding zero makes a negative zero positive, as the other rules do.
+    // Adding zero makes a negative zero positive, like the other rules.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
     const double radius = largest_stretch(columns) * n.rest.radius + distance(Vec3(nearest), center);
     return {nearest, rounded_up(std::min(radius, static_cast<double>(largest_radius)))};
