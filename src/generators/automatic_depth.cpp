@@ -46,7 +46,7 @@ class ExpectedPatches {
   struct Extent {
     double longest, height;
   };
-  std::vector<Extent> extents_;  // of the facets
+  std::vector<Extent> extents_;  // extents of the facets
   double surface_ = 0, diagonal_;
 };
 

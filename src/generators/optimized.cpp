@@ -340,7 +340,7 @@ std::size_t medial_samples(const Effort& effort, const BuildRun& run) {
 struct OptimizedInput {
   const FitInput& fit;
   const Effort& effort;
-  const std::vector<Sphere>& balls;  // inscribed, of the whole object
+  const std::vector<Sphere>& balls;  // inscribed balls of the whole object
   Workers& workers;
 };
 

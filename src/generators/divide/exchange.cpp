@@ -287,7 +287,7 @@ class Exchange {
   const ObjectLines& lines_;
   std::vector<BuildNode>& nodes_;
   double pad_;
-  std::vector<Box> boxes_;  // of regions
+  std::vector<Box> boxes_;  // boxes of regions
 };
 
 }  // namespace

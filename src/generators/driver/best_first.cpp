@@ -136,7 +136,7 @@ class Pruner {
 
   std::vector<Grown>& nodes_;
   const LeafScore& score_;
-  std::vector<Candidates> candidates_;  // of each node
+  std::vector<Candidates> candidates_;  // candidates of each node
   std::vector<std::uint32_t> parent_;
   std::set<std::pair<double, std::uint32_t>> queue_;  // the cheapest first
 };

@@ -50,7 +50,7 @@ class UnionVolume {
 
   const ObjectLines& lines_;
   int stride_, middle_;
-  std::vector<Sphere> last_;  // in lattice coordinates, sorted
+  std::vector<Sphere> last_;  // spheres in lattice coordinates, sorted
   std::array<Axis, 3> axes_;
   // Chords of the lines of one row.
   std::vector<Chord> chords_;  // room for one of each sphere on each line

@@ -193,7 +193,7 @@ void ChildFit::try_changes(int count, int move_every) {
   if (count <= 0) return;
   ChildState::Snapshot best = state_.snapshot();
   double least = objective();
-  std::vector<float> growth_if_removed;  // in that state
+  std::vector<float> growth_if_removed;  // growth in that state
   for (int trial = 0; trial < count; ++trial) {
     if (trial % move_every != 0) {
       nudge();

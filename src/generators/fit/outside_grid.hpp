@@ -71,7 +71,7 @@ class OutsideGrid {
   };
   struct Chord {
     float from, to;
-    std::int32_t next;  // on the same line
+    std::int32_t next;  // next chord on the same line
   };
   // Chords of balls on the lines of one axis: outside_together() fills it for one axis after the other.
   struct Chords {
@@ -89,7 +89,7 @@ class OutsideGrid {
     std::uint16_t begin = 0, end = 0;
     bool operator==(const Extent&) const = default;
   };
-  // Zeros that cost nothing before they are looked at: around slender bodies most lines never are, and their steps
+  // Zeros that cost nothing before they are read: around slender bodies most lines are never read, and their steps
   // would be hundreds of megabytes.
   class ZeroSteps {
    public:
@@ -121,7 +121,7 @@ class OutsideGrid {
   const ObjectLines& lines_;
   Place place_;
   std::array<int, 3> count_{};
-  std::array<std::size_t, 3> step_{};     // of balls_over_
+  std::array<std::size_t, 3> step_{};     // steps of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest
   std::vector<std::uint8_t> full_along_;  // per cell: bit k where the line of axis k is known to leave no space
   std::array<Axis, 3> axes_;

@@ -214,7 +214,7 @@ class AdaptiveMedial {
   Box box_;
   VoronoiBalls diagram_;
   std::vector<Slot> slots_;
-  std::vector<std::uint32_t> nearest_point_;  // of each sample, among the diagram's
+  std::vector<std::uint32_t> nearest_point_;  // nearest point of each sample, among the diagram's
   std::vector<double> nearest_squared_;
 };
 

@@ -184,7 +184,7 @@ class Bursting {
     double cost;
     std::uint32_t rank;
     std::uint32_t member;
-    std::uint32_t number;  // of the member's entries; only its last one counts
+    std::uint32_t number;  // number of the member's entries; only its last one counts
     bool operator<(const Entry& other) const {
       return std::tie(other.rank, other.cost, other.member, other.number) < std::tie(rank, cost, member, number);
     }

@@ -16,7 +16,7 @@ namespace morula::detail {
 namespace {
 
 struct Candidate {
-  std::vector<Vec3> centers;  // in the coordinates of the axes
+  std::vector<Vec3> centers;  // centers in the coordinates of the axes
   double radius = std::numeric_limits<double>::infinity();
 };
 

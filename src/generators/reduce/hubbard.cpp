@@ -220,7 +220,7 @@ class Hubbard {
   };
 
   const ReducerInput& node_;
-  std::vector<Vec3> points_, normals_;  // of the node's samples; the diagram's number of them
+  std::vector<Vec3> points_, normals_;  // samples of the node and their normals; the diagram's number of them
   std::vector<Group> groups_;
   std::size_t alive_ = 0;
   std::priority_queue<Entry> heap_;

@@ -213,7 +213,7 @@ class Spawn {
 
   const ReducerInput& node_;
   std::vector<Seed> seeds_;
-  std::vector<double> remoteness_;  // of each sample from the mean, squared
+  std::vector<double> remoteness_;  // squared distance of each sample from the mean
 };
 
 }  // namespace

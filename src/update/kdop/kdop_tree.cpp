@@ -60,7 +60,7 @@ struct KDopTree::State {
   int k;
   std::vector<Vec3> directions;
   LocalPoints local;
-  std::vector<std::uint32_t> leaves;  // in the order of the ownership
+  std::vector<std::uint32_t> leaves;  // leaves in the order of the ownership
   // Points leaf after leaf: consecutive ones as runs, others in a list, padded to whole groups.
   std::vector<std::uint32_t> run_begin{0}, point_begin{0}, points{};
   std::vector<PointRun> runs{};

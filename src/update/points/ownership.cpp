@@ -171,7 +171,7 @@ Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder
   std::vector<std::uint32_t> owner(mesh.vertex_count(), none);  // last leaf seen to own a vertex
   NeededCuts needed_cuts(mesh, cover, tolerance);
   std::vector<std::uint32_t> cuts, cut_begin{0};  // cover corners, leaf after leaf
-  std::vector<std::uint32_t> vertices;            // of one leaf
+  std::vector<std::uint32_t> vertices;            // vertices of one leaf
 
   // Vertices come first: cut points get the numbers after the last of them.
   for (std::uint32_t k = 0; k < order.leaves.size(); ++k) {
@@ -250,7 +250,7 @@ void share_levels(const MeshView& mesh, const SphereTree& tree, const Cover& cov
       // mutant owned-cuts-forgotten-above: `(p >= vertex_count && needed_by[p] != node)` -> `p >= vertex_count`
       if (seen_by[p] != node || (p >= vertex_count && needed_by[p] != node)) continue;
       from[i] = level;
-      seen_by[p] = none;  // in the first leaf alone
+      seen_by[p] = none;  // a point stays in the first leaf alone
     }
   }
 }

@@ -125,7 +125,7 @@ NearbyPoints::NearbyPoints(const MeshView& rest, const SphereTree& tree, const L
     : rest_(rest), ownership_(&ownership) {
   for (std::size_t k = 0; k < order.leaves.size(); ++k) {
     const Vec3& center = tree.spheres[order.leaves[k]].center;
-    double squared = -1;  // of a leaf without vertices
+    double squared = -1;  // value of a leaf without vertices
     for (const std::uint32_t p : ownership.of_leaf(k))
       if (p < ownership.vertices.size())
         squared = std::max(squared, squared_distance(rest.positions[ownership.vertices[p]], center));

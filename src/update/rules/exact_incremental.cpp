@@ -73,7 +73,8 @@ void IncrementalExact::move_centers(const Frame& frame, std::span<const std::uin
   for (std::size_t j = 0; j < nodes.size(); ++j) {
     Vec3f& kept = frame.spheres[frame.walk.nodes()[nodes[j]]].center;
     const Vec3f now{centers[j].x, centers[j].y, centers[j].z};
-    // In double, where no square vanishes; the walk's bounds pay for narrowing it (incremental_walk.cpp).
+    // Distances are in double, where no square vanishes; the walk's bounds pay for narrowing them
+    // (incremental_walk.cpp).
     // mutant moved-a-little-less: `distance` -> `0.98 * distance`
     if (now != kept) moved_.push_back({nodes[j], static_cast<float>(distance(Vec3(now), Vec3(kept)))});
     kept = now;

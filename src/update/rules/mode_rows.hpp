@@ -36,8 +36,8 @@ ModeRow mode_row(std::span<const Vec3> displacements);
 /// direction, as across a patch that is nearly flat, the determined part is completed to a rotation.
 class LinearFit {
  public:
-  /// places: of the owned corners about the node's center at rest. extent: the largest |component| of the vectors whose
-  /// differences they are.
+  /// places: positions of the owned corners about the node's center at rest. extent: the largest |component| of the
+  /// vectors whose differences they are.
   LinearFit(std::vector<Vec3> places, double extent);
   /// The call overwrites the displacements.
   LinearModeRow row(std::span<Vec3> displacements) const;
