@@ -59,7 +59,7 @@ std::vector<Step> available(std::vector<Step> steps, const std::vector<std::stri
   return steps;
 }
 
-/// The mesh that lies beside its tree under the same name, or the word MESH.
+/// The mesh next to its tree under the same name, or the word MESH.
 std::string mesh_beside(const fs::path& tree) {
   for (const MeshFileKind& kind : mesh_file_kinds()) {
     const fs::path mesh = fs::path(tree).replace_extension(kind.extension);

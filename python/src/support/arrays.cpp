@@ -394,7 +394,7 @@ BorrowedMesh mesh_of_arrays(nb::handle given_positions, nb::handle given_facets,
   return {std::move(positions), std::move(facets)};
 }
 
-/// Triangles of a meshio.Mesh: of all its blocks, one after the other. Those of a single block are not copied.
+/// Triangles of a meshio.Mesh: of all its blocks, one after the other. A single block is not copied.
 BorrowedMesh mesh_of_cells(nb::handle given, const std::string& name) {
   Positions positions(nb::object(given.attr("points")), (name + ".points").c_str());
   std::vector<Facets> blocks;

@@ -163,8 +163,8 @@ View<double, -1, 3> column3(std::span<const Record> records, const Row* first, n
   return View<double, -1, 3>(reinterpret_cast<const double*>(first), 2, shape, owner, strides);
 }
 
-/// The mesh of a call: a view of the Mesh or the arrays that are given, with what keeps them where they are. Arrays are
-/// copied only where Positions and Facets have to.
+/// The mesh of a call: a view of the given Mesh or arrays, and their owners. Arrays are copied only if Positions or
+/// Facets cannot borrow them.
 class BorrowedMesh {
  public:
   explicit BorrowedMesh(std::shared_ptr<const Mesh> mesh) : mesh_(std::move(mesh)), view_(*mesh_) {}
