@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Decompresses bytes that zlib compressed (RFC 1950 and 1951).
+// Inflates a zlib stream (RFC 1950 and 1951). Own code, so that file reading needs no library on any platform; zlib is
+// the oracle of its tests.
 #pragma once
 
 #include <optional>
