@@ -285,7 +285,7 @@ for mesh in copied:
     assert (done.stdout, done.stderr) == ("read\n" + 3 * "copied\n", "")
 
 
-#: What is made of a mesh and asked later, by name: what makes it, and what it is asked.
+#: Objects that outlive their mesh, by name: a function that makes the object, and one that returns its later results.
 KEEPERS = {
     "Body": (lambda mesh, parts: morula.Body(mesh, parts.model), lambda body, parts: [
         body.copy_spheres(), body.mesh, morula.estimate_looseness(body, parts.frames[1]), morula.Collider(body).vertices(),
@@ -340,7 +340,7 @@ def test_nothing_reads_arrays_after_the_call(name, real, parts):
     wanted = plain(ask(make(parts.mesh, parts), parts))
     positions, facets = parts.mesh.positions.astype(real), parts.mesh.facets.astype(numpy.int32)
     kept = make((positions, facets), parts)
-    # A solver's memory: it goes on being written to, with facets that name no vertex, and is gone at last.
+    # The caller overwrites the arrays with invalid values and frees them, as a solver may.
     positions[:] = numpy.nan
     facets[:] = -1
     del positions, facets
