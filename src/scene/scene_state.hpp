@@ -37,8 +37,7 @@ struct SceneBody {
                                    ///< as moved
   bool has_moved = false;          ///< true if it has moved in this update
   BodyStamp stamp{};
-  Sphere around{};       ///< the ball that the box contains
-  FacetShares shares{};  ///< shares of the collider, once surfaces were requested
+  Sphere around{};  ///< the ball that the box contains
 
   bool is_looked_at() const {
     return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
@@ -137,7 +136,6 @@ struct ShapeTouches {
 struct ExtrasWork {
   ExtrasPool pool;
   std::vector<PairFront*> due;
-  std::vector<std::uint32_t> places;  ///< places of bodies whose shares have to be updated
 };
 
 /// A scene between two updates. An update fills it in this order: read_bodies() `reads_`, then `bodies`; list_near()
@@ -186,7 +184,6 @@ struct SceneState {
   void look_at_roots(Workers& workers);
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
-  void follow_shares(Workers& workers);
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;
 

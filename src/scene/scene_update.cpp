@@ -159,21 +159,6 @@ void SceneState::look_at_roots(Workers& workers) {
   }
 }
 
-// The shares of a body serve all of its pairs, so they are updated before pairs are refined in parallel.
-void SceneState::follow_shares(Workers& workers) {
-  extras_.places.clear();
-  for (const PairFront* front : extras_.due)
-    for (const std::uint32_t place : {front->id_a().place, front->id_b().place})
-      if (const SceneBody& body = bodies[place]; body.collider->has_surface() && !body.shares.is_of(*body.collider))
-        extras_.places.push_back(place);
-  std::sort(extras_.places.begin(), extras_.places.end());
-  extras_.places.erase(std::unique(extras_.places.begin(), extras_.places.end()), extras_.places.end());
-  workers.run(extras_.places.size(), [&](std::size_t i) {
-    SceneBody& body = bodies[extras_.places[i]];
-    body.shares.follow(*body.collider);
-  });
-}
-
 void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers) {
   extras_.due.clear();
   // Reserves for the most that so many pairs can have.
@@ -187,14 +172,13 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
       return x->priority.importance > y->priority.importance;
     });
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
-  if (options.surfaces) follow_shares(used_workers);
   const auto is_late = [&] { return by_time && now() >= deadline; };
   used_workers.run(extras_.due.size(), [&](std::size_t i) {
     // Crossings are computed outside any budget.
     if (!options.find_crossings && is_late()) return;
     PairFront& front = *extras_.due[i];
     const ExtrasPool::Loan extras(extras_.pool);
-    front.add_extras(options, bodies[front.id_a().place].shares, bodies[front.id_b().place].shares, *extras, is_late);
+    front.add_extras(options, *extras, is_late);
   });
 }
 
@@ -266,7 +250,6 @@ void SceneState::start_over() noexcept {
   near.pairs.clear(), near.next.clear(), refinement_.forget(), extras_.due.clear();
   fronts.forget();
   extras_.pool.forget();
-  for (SceneBody& body : bodies) body.shares = {};
   to_publish_ = {};
   // mutant scene-interrupted-untold: `is_interrupted = true` -> `true`
   renewal.everything = is_interrupted = true;

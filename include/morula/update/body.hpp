@@ -160,6 +160,8 @@ class Body {
   /// Identifies the tree and its regions: equal for bodies of one tree, at any positions.
   std::uint64_t cover_id() const;
 
+  /// The tree that the body follows, with its cover.
+  const CoveredTree& model() const;
   const SphereTree& rest_tree() const;
   const Cover& cover() const;
   const UpdateOptions& options() const;
