@@ -33,6 +33,18 @@ struct ContactQuery::State {
     front_from_outside = lacks_contacts = false;
   }
 
+  // Keeps the memory of the lists.
+  void clear_contacts() noexcept {
+    contacts.contacts.clear();
+    contacts.surfaces.clear();
+    contacts.crossings.clear();
+    contacts.crossings_begin.clear();
+    contacts.achieved_level.clear();
+    contacts.finished_count = 0;
+    contacts.finished = false;
+    contacts.pair_tests = 0;
+  }
+
   using Code = Status::Code;
 
   Status usable() const {
@@ -117,7 +129,7 @@ struct ContactQuery::State {
       walk.start(asked, false, workers, contacts);
     else
       descend(asked);
-    walk.front.pairs.clear();
+    walk.end_front();
   }
 
   /// Runs a call: work(), if the bodies and then fits() are ok.
@@ -163,14 +175,14 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
                                 ": it must be finite and not negative");
   require_idle(state_->call);
   state_->walk.pairs.push_back({&a, &b, weight});
-  state_->walk.front.pairs.clear();
+  state_->walk.end_front();
   state_->walk.extras.forget();
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);
 }
 
 void ContactQuery::clear() {
   require_idle(state_->call);
-  state_->walk.front.pairs.clear();
+  state_->walk.end_front();
   state_->walk.extras.forget();
   state_->walk.pairs.clear();
 }
@@ -185,6 +197,8 @@ const CollideOptions& ContactQuery::options() const {
   return state_->options;
 }
 
+  state_->clear_contacts();
+  state_->contacts.containment.clear();
 ContactStatus ContactQuery::run(Workers& workers) {
   State& s = *state_;
   return s.fresh([&] { s.run(s.options, workers); });
@@ -199,12 +213,8 @@ Status ContactQuery::warm_up(Workers& workers) {
     s.walk.start(all, true, workers, s.contacts);
   });
   if (!status) return status;
-  s.walk.front.pairs.clear();
-  s.contacts.contacts.clear();
-  s.contacts.surfaces.clear();
-  s.contacts.crossings.clear();
-  s.contacts.finished_count = 0;
-  s.contacts.finished = false;
+  s.walk.end_front();
+  s.clear_contacts();
   return {};
 }
 

@@ -521,6 +521,38 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   EXPECT_TRUE(query.start());
 }
 
+TEST_F(TwoBodies, after_clear_nothing_refers_to_the_removed_pairs) {
+  const Specimen small("bar", 4, test::quick);
+  ContactQuery query({.surfaces = true, .containment = true});
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.start());
+  ASSERT_FALSE(query.contacts().contacts.empty());
+  query.clear();
+  const auto expect_nothing = [&] {
+    const Contacts& left = query.contacts();
+    EXPECT_TRUE(left.contacts.empty() && left.surfaces.empty() && left.containment.empty());
+    EXPECT_EQ(left.finished_count, 0u);
+    EXPECT_FALSE(left.finished);
+    EXPECT_EQ(query.front(), Front{});
+    std::vector<FrontPair> cut{{}};
+    query.cut(cut);
+    EXPECT_TRUE(cut.empty());
+    EXPECT_THROW(query.surface(0), std::invalid_argument);
+    EXPECT_EQ(query.resume().code, Code::no_front);
+    EXPECT_EQ(query.carry().code, Code::no_front);
+  };
+  expect_nothing();
+  // Nodes of the removed bodies would be out of range of these.
+  query.add(*small.collider, *small.collider);
+  expect_nothing();
+  ASSERT_TRUE(query.start());
+  ContactQuery fresh({.surfaces = true, .containment = true});
+  fresh.add(*small.collider, *small.collider);
+  ASSERT_TRUE(fresh.start());
+  EXPECT_EQ(query.front(), fresh.front());
+  EXPECT_EQ(query.contacts().contacts.size(), fresh.contacts().contacts.size());
+}
+
 // What a front says about bodies cannot be checked, but none makes a query read where it should not.
 TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
   ContactQuery maker({.budget = 3000});

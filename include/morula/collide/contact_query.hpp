@@ -34,6 +34,7 @@ class ContactQuery {
   /// Adds a pair and returns its number, from 0. Colliders are borrowed until clear(). weight: factor of
   /// Priority::importance, finite, not negative; otherwise throws std::invalid_argument. Ends the front.
   std::uint32_t add(const Collider& a, const Collider& b, double weight = 1);
+  /// Removes all pairs, with the front and the contacts, which refer to them. Keeps the memory.
   void clear();
   /// Sets the options of the next call. Throws like the constructor.
   void set_options(CollideOptions options);

@@ -83,6 +83,8 @@ class FrontWalk {
   void list_finished(const CollideOptions& options, Contacts& result);
   void cut(std::vector<FrontPair>& list);
   /// Discards the front, and all memory that an exception may have left in any state.
+  /// Discards the front; keeps its memory.
+  void end_front() noexcept;
   void forget() noexcept;
 
  private:
