@@ -75,8 +75,8 @@ struct ContactQuery::State {
     return {};
   }
 
-  // ok if the front belongs to these bodies and options, and to the present frame when it is to be continued.
-  Status fits(bool same_frame) const {
+  // ok if the front is one of these bodies; same_frame: and of their present frame and transforms.
+  Status is_of_bodies(bool same_frame) const {
     const Front& front = walk.front;
     if (front.pairs.empty()) return {Code::no_front};
     if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
@@ -95,10 +95,22 @@ struct ContactQuery::State {
       if (const Code code = side(front.pairs[i].b, *walk.pairs[i].b); code != Code::ok)
         return {.code = code, .pair = i};
     }
-    if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
-      return {Code::other_options};
+    return {};
+  }
+
+  // ok if no index of the front, which is of these bodies, is out of range.
+  Status is_in_range() const {
     if (front_from_outside && !walk.is_well_formed()) return {Code::bad_front};
     return {};
+  }
+
+  // ok if the front belongs to these bodies and options, and to the present frame when it is to be continued.
+  Status fits(bool same_frame) const {
+    if (const Status status = is_of_bodies(same_frame); !status) return status;
+    const Front& front = walk.front;
+    if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
+      return {Code::other_options};
+    return is_in_range();
   }
 
   // Descends depth-first, without a queue or a front.
@@ -185,6 +197,8 @@ void ContactQuery::clear() {
   state_->walk.end_front();
   state_->walk.extras.forget();
   state_->walk.pairs.clear();
+  state_->clear_contacts();
+  state_->contacts.containment.clear();
 }
 
 void ContactQuery::set_options(CollideOptions options) {
@@ -197,8 +211,6 @@ const CollideOptions& ContactQuery::options() const {
   return state_->options;
 }
 
-  state_->clear_contacts();
-  state_->contacts.containment.clear();
 ContactStatus ContactQuery::run(Workers& workers) {
   State& s = *state_;
   return s.fresh([&] { s.run(s.options, workers); });
@@ -278,6 +290,10 @@ void ContactQuery::set_front(Front front) {
 void ContactQuery::cut(std::vector<FrontPair>& pairs) const {
   const StandardFloats standard;
   require_idle(state_->call);
+  if (state_->front_from_outside && !state_->walk.front.pairs.empty()) {
+    require_good(state_->is_of_bodies(false));
+    require_good(state_->is_in_range());
+  }
   state_->walk.cut(pairs);
 }
 

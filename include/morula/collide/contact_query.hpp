@@ -68,10 +68,12 @@ class ContactQuery {
   ContactSurface surface(std::size_t contact);
 
   const Front& front() const;
-  /// Replaces the query's own front; resume() and carry() check it.
+  /// Replaces the query's own front. resume(), carry() and cut() check that it belongs to the pairs and that no index
+  /// of it is out of range; its verdicts are taken as they are.
   void set_front(Front front);
   /// The complete cut: separated, finished and waiting pairs; each final pair is in it or below exactly one pair of it.
-  /// Colliders must be current.
+  /// Empty without a front. Colliders must be current. Throws std::invalid_argument for a front of set_front() that is
+  /// of other bodies or has indices out of range.
   void cut(std::vector<FrontPair>& pairs) const;
 
  private:
