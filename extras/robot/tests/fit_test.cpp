@@ -202,6 +202,29 @@ TEST(FitSpheres, refuses_what_makes_no_sense) {
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.clip_margin = 0}), std::invalid_argument);
 }
 
+TEST(FitSpheres, every_method_fits_with_the_options_as_they_are) {
+  for (const Method method : all_methods()) {
+    const robot::RobotSpheres fitted =
+        robot::fit_spheres(gripper_robot, {.spheres = 6, .skip = {"left"}, .method = method});
+    EXPECT_TRUE(fitted.covered()) << name(method);
+    const robot::RobotSpheres standard =
+        robot::fit_spheres(gripper_robot, {.spheres = 6,
+                                           .skip = {"left"},
+                                           .method = method,
+                                           .quality = method == Method::optimized ? Quality::fast : Quality::standard});
+    ASSERT_EQ(fitted.links.size(), standard.links.size());
+    for (std::size_t i = 0; i < fitted.links.size(); ++i)
+      EXPECT_EQ(fitted.links[i].spheres, standard.links[i].spheres) << name(method);
+  }
+  try {
+    robot::fit_spheres(gripper_robot, {.method = Method::grid, .quality = Quality::fast});
+    ADD_FAILURE() << "a quality that the method does not have";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "quality fast is for method optimized; method grid has one way only: leave the quality out");
+  }
+}
+
 /// All pairs of all spheres, nothing left out.
 bool touch_anyhow(const robot::LinkSpheres& a, const robot::LinkSpheres& b, const std::vector<RigidTransform>& poses) {
   for (const Sphere& s : a.spheres) {

@@ -58,6 +58,11 @@ void require_sense(const Robot& robot, const FitOptions& o) {
   if (o.max_radius && *o.max_radius < o.min_radius) {
     throw std::invalid_argument("the largest radius is below the smallest");
   }
+  if (o.method != Method::optimized && o.quality && *o.quality != Quality::standard) {
+    throw std::invalid_argument(
+        fmt::format("quality {} is for method optimized; method {} has one way only: leave the quality out",
+                    name(*o.quality), name(o.method)));
+  }
   if (o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
     throw std::invalid_argument("say how many spheres, or how far they may stick out");
   }
@@ -222,10 +227,8 @@ class Fitter {
     demand.fixed = link.surface.spheres.size();
     demand.has_mesh = !link.surface.mesh.facets.empty();
     if (!demand.has_mesh) return demand;
-    BuildOptions build_options{.method = o_.method,
-                               .seed = o_.seed,
-                               .quality = o_.method == Method::optimized ? Quality::draft : o_.quality,
-                               .stop = o_.stop};
+    BuildOptions build_options{
+        .method = o_.method, .seed = o_.seed, .quality = quality(Quality::draft), .stop = o_.stop};
     std::array<double, 4> volumes{};
     for (std::size_t k = 0; k < volumes.size(); ++k) {
       if (Demand::counts[k] == 1) {
@@ -246,6 +249,11 @@ class Fitter {
 
   static std::vector<Sphere> leaves(const CoveredTree& model) {
     return level_set_spheres(model.tree, model.tree.level_count() - 1);
+  }
+
+  /// The quality for a build; the methods other than optimized have only one.
+  Quality quality(Quality of_optimized) const {
+    return o_.method == Method::optimized ? of_optimized : Quality::standard;
   }
 
   CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
@@ -288,7 +296,10 @@ class Fitter {
   void fit_new(LinkSpheres& link, std::size_t budget) const {
     link.spheres = link.surface.spheres;
     if (!link.surface.mesh.facets.empty()) {
-      BuildOptions options{.method = o_.method, .seed = o_.seed, .quality = o_.quality, .stop = o_.stop};
+      BuildOptions options{.method = o_.method,
+                           .seed = o_.seed,
+                           .quality = quality(o_.quality.value_or(Quality::fast)),
+                           .stop = o_.stop};
       options.max_protrusion = o_.max_protrusion;
       if (o_.max_protrusion_share) {
         Box box;

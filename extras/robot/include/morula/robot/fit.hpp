@@ -44,7 +44,8 @@ struct FitOptions {
   std::optional<double> clip_margin{};
   std::size_t inner = 0;  ///< largest number of additional spheres inside the shapes of each link
   Method method = Method::optimized;
-  Quality quality = Quality::fast;
+  /// Quality of the method optimized; no value: fast. The other methods have only one, `standard`.
+  std::optional<Quality> quality{};
   std::uint64_t seed = 1;
   double density = 1000;  ///< density of links without a mass, mass per mesh unit³
   std::stop_token stop{};
