@@ -168,7 +168,23 @@ TEST(FitSpheres, kept_spheres_cover_only_where_they_do_so_as_floats) {
     return robot::fit_spheres(ball, {.fixed_spheres = {{"ball", {Sphere{{0, 0, 0}, radius}}}}});
   };
   EXPECT_FALSE(kept(0.7).covered());
+  EXPECT_GT(kept(0.7).links[0].figures.uncovered_distance, 0);
+  EXPECT_LT(kept(0.7).links[0].figures.uncovered_distance, 1e-6);
+  EXPECT_NEAR(kept(0.45).links[0].figures.uncovered_distance, 0.25, 1e-6);
   EXPECT_TRUE(kept(0.701).covered());
+  EXPECT_EQ(kept(0.701).links[0].figures.uncovered_distance, 0);
+  // The sphere that reaches farthest out of all given ones counts, next to a polyhedron that is covered.
+  robot::Robot both = ball;
+  robot::Shape box;
+  box.kind = robot::Shape::Kind::box;
+  box.size = {0.2, 0.2, 0.2};
+  shape.origin.translation = {3, 0, 0};
+  both.links[0].collision = {shape, box};
+  const std::vector<Sphere> given{{{0, 0, 0}, 1}, {{3, 0, 0.5}, 0.7}};
+  const robot::RobotSpheres apart = robot::fit_spheres(both, {.fixed_spheres = {{"ball", given}}});
+  EXPECT_FALSE(apart.covered());
+  EXPECT_NEAR(apart.links[0].figures.uncovered_distance, 0.5, 1e-6);
+  shape.origin = {};
   // So for polyhedra: the corner of a box, and the sphere through it.
   shape.kind = robot::Shape::Kind::box;
   shape.size = {2.4, 3.2, 0.0001};
@@ -194,6 +210,7 @@ TEST(FitSpheres, refuses_what_makes_no_sense) {
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.padding = -1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.spheres = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.fixed_spheres = {{"base", {}}}}), std::invalid_argument);
   // Absent limits are absent, not 0.
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_total = 0}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_protrusion = 0}), std::invalid_argument);

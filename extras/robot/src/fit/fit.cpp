@@ -36,7 +36,11 @@ void require_sense(const Robot& robot, const FitOptions& o) {
     require_link(name, "spheres");
     if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
   }
-  for (const auto& kept : o.fixed_spheres) require_link(kept.first, "fixed_spheres");
+  for (const auto& [name, spheres] : o.fixed_spheres) {
+    require_link(name, "fixed_spheres");
+    if (spheres.empty())
+      throw std::invalid_argument(fmt::format("fixed_spheres: link {} has none; skip the link instead", name));
+  }
   for (const auto& [name, planes] : o.clip) {
     require_link(name, "clip");
     for (const ClipPlane& plane : planes) {
@@ -402,9 +406,14 @@ class Fitter {
     const double allowance = float_allowance(extent_of(link.spheres));
     // mutant robot-kept-as-floats: `allowance` -> `0 * allowance`
     for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
+    // A sphere among the shapes is covered if one sphere contains it; otherwise no point of it is farther from the
+    // spheres than it reaches out of any of them.
     for (const Sphere& own : surface.spheres) {
-      const auto contains = [&](const Sphere& s) { return distance(s.center, own.center) + own.radius <= s.radius; };
-      if (!std::any_of(certified.begin(), certified.end(), contains)) figures.covered = false;
+      double least = std::numeric_limits<double>::infinity();
+      for (const Sphere& s : certified) least = std::min(least, distance(s.center, own.center) + own.radius - s.radius);
+      if (!(least > 0)) continue;
+      figures.covered = false;
+      figures.uncovered_distance = std::max(figures.uncovered_distance, least);
     }
     figures.solid = union_mass(link.spheres);
     if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
@@ -429,7 +438,7 @@ class Fitter {
     } else {
       const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
-      figures.uncovered_distance = cover.uncovered_distance;
+      figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));

@@ -55,7 +55,8 @@ struct FitOptions {
 struct LinkFigures {
   std::size_t facets = 0;
   bool covered = false;  ///< proven: every point of the shapes is in a sphere, even if numbers are read as float
-  /// Largest distance of a point of the shapes from the spheres, mesh units; 0 if covered.
+  /// Largest distance of a point of the shapes from the spheres, mesh units; for spheres among the shapes an upper
+  /// bound of it; 0 if covered.
   double uncovered_distance = 0;
   /// Upper bounds of the spheres' protrusion (r + φ(c))⁺, mesh units.
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;
