@@ -486,8 +486,13 @@ std::size_t RobotSpheres::inner_count() const {
 
 RobotSpheres RobotSpheres::with_inner_spheres() const {
   RobotSpheres result;
+  result.notes = notes;
+  result.visual = visual;
   for (const LinkSpheres& link : links) {
-    if (link.inner.empty()) continue;
+    if (link.inner.empty()) {
+      result.notes.insert(result.notes.end(), link.notes.begin(), link.notes.end());
+      continue;
+    }
     result.links.push_back(link);
     result.links.back().spheres = link.inner;
   }

@@ -86,13 +86,14 @@ struct LinkSpheres {
 
 struct RobotSpheres {
   std::vector<LinkSpheres> links;  ///< links with shapes, without skipped links, in the robot's order
-  std::vector<std::string> notes;  ///< notes about the other links
+  std::vector<std::string> notes;  ///< notes about the robot and the other links
   bool visual = false;             ///< the spheres cover the visual shapes instead of the collision shapes
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;
-  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some.
+  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some; the notes of
+  /// the others become notes of the robot.
   RobotSpheres with_inner_spheres() const;
 };
 
