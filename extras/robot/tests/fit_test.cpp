@@ -130,6 +130,45 @@ TEST(FitSpheres, a_common_budget_is_kept_and_goes_where_it_helps) {
   EXPECT_LT(volume(shared), volume(even));
 }
 
+TEST(FitSpheres, a_common_budget_includes_links_with_a_number_or_spheres_of_their_own) {
+  const robot::RobotSpheres some = robot::fit_spheres(arm_robot, {.spheres = 6, .quality = Quality::draft});
+  robot::FitOptions o{.max_total = 40, .quality = Quality::draft};
+  o.fixed_spheres["upper"] = some.of(arm_robot.find_link("upper"))->spheres;
+  o.link_spheres = {{"forearm", 9}};
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, o);
+  EXPECT_EQ(fitted.of(arm_robot.find_link("upper"))->spheres, o.fixed_spheres["upper"]);
+  EXPECT_LE(fitted.of(arm_robot.find_link("forearm"))->spheres.size(), 9u);
+  EXPECT_LE(fitted.sphere_count(), 40u);
+  EXPECT_GE(fitted.sphere_count(), 28u);
+  EXPECT_TRUE(fitted.notes.empty()) << fitted.notes[0];
+  o.max_total = 12;
+  const robot::RobotSpheres more = robot::fit_spheres(arm_robot, o);
+  EXPECT_GT(more.sphere_count(), 12u);
+  ASSERT_EQ(more.notes.size(), 1u);
+  EXPECT_TRUE(more.notes[0].starts_with("the robot has " + std::to_string(more.sphere_count()) +
+                                        " spheres, and the largest total is 12: "))
+      << more.notes[0];
+}
+
+TEST(FitSpheres, progress_ascends_and_ends_at_1_once) {
+  Workers three(3);
+  for (const std::optional<std::size_t> total : {std::optional<std::size_t>(), std::optional<std::size_t>(30)}) {
+    std::vector<double> shares;
+    robot::FitOptions o{.spheres = 2, .max_total = total, .quality = Quality::draft};
+    o.link_spheres = {{"forearm", 3}};
+    o.progress = [&](double share, const std::string&) { shares.push_back(share); };
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, o, three);
+    ASSERT_FALSE(shares.empty());
+    EXPECT_GT(shares[0], 0);
+    for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_LT(shares[i - 1], shares[i]);
+    EXPECT_EQ(shares.back(), 1);
+    const auto groups = static_cast<std::size_t>(
+        std::count_if(fitted.links.begin(), fitted.links.end(),
+                      [](const robot::LinkSpheres& link) { return link.same_shape_as == robot::none; }));
+    EXPECT_EQ(shares.size(), total ? 2 * groups - 1 : groups) << "the link with a number of its own takes no share";
+  }
+}
+
 TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
   const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 5});
   const robot::LinkSpheres &left = *fitted.of(gripper_robot.find_link("left")),

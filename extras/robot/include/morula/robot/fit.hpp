@@ -22,10 +22,12 @@ struct ClipPlane {
 
 struct FitOptions {
   std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as max_protrusion needs
-  /// Largest number of spheres of the whole robot, 1 or more. Each next sphere goes to the link where it reduces
-  /// outside volume most.
+  /// Largest number of spheres of the whole robot, 1 or more, including `link_spheres` and `fixed_spheres`. Each next
+  /// sphere goes to the link where it reduces outside volume most. If the links need more, they get more, and a note
+  /// says so.
   std::optional<std::size_t> max_total{};
-  std::map<std::string, std::size_t> link_spheres{};  ///< largest number for single links, instead of the two above
+  /// Largest number for single links, in place of `spheres` and of a share of `max_total`.
+  std::map<std::string, std::size_t> link_spheres{};
   /// Largest protrusion, above 0, mesh units; links then use as few spheres as they can.
   std::optional<double> max_protrusion{};
   std::optional<double> max_protrusion_share{};  ///< largest protrusion as a share of the diagonal of each link's box
@@ -49,7 +51,8 @@ struct FitOptions {
   std::uint64_t seed = 1;
   double density = 1000;  ///< density of links without a mass, mass per mesh unit³
   std::stop_token stop{};
-  std::function<void(double share, const std::string& link)> progress{};  ///< called on any thread, one call at a time
+  /// Called on any thread, one call at a time, with the completed share of the work, which ascends to 1 at the end.
+  std::function<void(double share, const std::string& link)> progress{};
 };
 
 struct LinkFigures {
