@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <morula/geometry/inspect.hpp>
 #include <morula/study/run.hpp>
 #include <morula/update/body.hpp>
@@ -55,6 +57,23 @@ TEST(StudyPlan, samples_go_out_or_there_and_back) {
   plan.measured = {0, 2};
   EXPECT_EQ(plan.measured_samples(), (std::vector<std::size_t>{0, 2}));
   EXPECT_EQ(plan.levels(), (std::vector<std::size_t>{2, 3}));
+}
+
+TEST(StudyPlan, fresh_trees_end_at_the_full_amount_also_there_and_back) {
+  for (const bool and_back : {false, true}) {
+    for (const std::size_t samples : {3, 5, 8, 13, 25}) {
+      Plan plan;
+      plan.samples = samples;
+      plan.and_back = and_back;
+      for (const Method method : {Method::medial, Method::octree}) {
+        const Source source{.method = std::string(name(method)), .generator = method};
+        const std::vector<std::size_t> fresh_at = plan.fresh_samples(source);
+        EXPECT_EQ(fresh_at.front(), 0u);
+        EXPECT_EQ(plan.parameters().at(fresh_at.back()), 1) << samples << and_back;
+        EXPECT_TRUE(std::is_sorted(fresh_at.begin(), fresh_at.end(), std::less_equal<>()));
+      }
+    }
+  }
 }
 
 TEST(StudyPlan, the_prism_is_closed_and_has_its_volume) {

@@ -85,8 +85,10 @@ std::vector<double> Plan::parameters() const {
 std::vector<std::size_t> Plan::fresh_samples(const Source& source) const {
   std::vector<std::size_t> list{0};
   const std::size_t poses = source.named() == Method::medial ? fresh_poses : 1;
+  const std::vector<double> amounts = parameters();
+  const auto full = static_cast<std::size_t>(std::max_element(amounts.begin(), amounts.end()) - amounts.begin());
   for (std::size_t i = 1; i <= poses; ++i) {
-    const std::size_t sample = i * (samples - 1) / poses;
+    const std::size_t sample = i * full / poses;
     if (sample != list.back()) list.push_back(sample);
   }
   return list;

@@ -130,8 +130,8 @@ struct Plan {
 
   /// Parameters of the samples: 0 at rest, 1 at the full amount; one per sample.
   std::vector<double> parameters() const;
-  /// The samples at which new trees are built, rest first. Builds take most of a study's time, so only the trees of
-  /// Fig. 2 a and b get more samples than the full amount.
+  /// The samples at which new trees are built: rest first, and the first one at the full amount last. Builds take most
+  /// of a study's time, so only the trees of Fig. 2 a and b get more samples than the full amount.
   std::vector<std::size_t> fresh_samples(const Source& source) const;
   /// The samples to measure, ascending.
   std::vector<std::size_t> measured_samples() const;
