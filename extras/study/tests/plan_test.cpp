@@ -76,6 +76,24 @@ TEST(StudyPlan, fresh_trees_end_at_the_full_amount_also_there_and_back) {
   }
 }
 
+TEST(StudyPlan, the_origin_of_a_sph_file_is_the_one_that_its_name_says) {
+  const Mesh prism = needle_prism(8);
+  const Vec3 point{1, -0.5, 1e-3};
+  using Kind = SphOrigin::Kind;
+  EXPECT_EQ(name(SphOrigin{Kind::none, point}), "none");
+  EXPECT_EQ((SphOrigin{Kind::none, point}.of(prism)), (Vec3{0, 0, 0}));
+  EXPECT_EQ(name(SphOrigin{Kind::box_center, point}), "bbox-center");
+  EXPECT_EQ((SphOrigin{Kind::box_center, point}.of(prism)), bounding_box(prism).center());
+  EXPECT_EQ(name(SphOrigin{Kind::point, point}), "1,-0.5,0.001");
+  EXPECT_EQ((SphOrigin{Kind::point, point}.of(prism)), point);
+}
+
+TEST(StudyPlan, axes_have_four_names) {
+  std::set<std::string_view> names;
+  for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::automatic}) names.insert(name(axis));
+  EXPECT_EQ(names, (std::set<std::string_view>{"x", "y", "z", "auto"}));
+}
+
 TEST(StudyPlan, the_prism_is_closed_and_has_its_volume) {
   const MeshReport report = inspect(needle_prism(16));
   ASSERT_TRUE(report.has_volume());

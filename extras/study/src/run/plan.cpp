@@ -60,7 +60,15 @@ std::string FollowRule::title() const {
 }
 
 Vec3 SphOrigin::of(const Mesh& mesh) const {
-  return kind == Kind::box_center ? bounding_box(mesh).center() : point;
+  switch (kind) {
+    case Kind::none:
+      break;
+    case Kind::box_center:
+      return bounding_box(mesh).center();
+    case Kind::point:
+      return point;
+  }
+  return {0, 0, 0};
 }
 
 std::string name(const SphOrigin& origin) {

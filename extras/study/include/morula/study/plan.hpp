@@ -81,8 +81,9 @@ enum class ErrorUnit : std::uint8_t {
 struct SphOrigin {
   enum class Kind : std::uint8_t { none, box_center, point };
   Kind kind = Kind::none;
-  Vec3 point{0, 0, 0};  ///< the origin for `point`
+  Vec3 point{0, 0, 0};  ///< the origin for `point`; without effect for other kinds
 
+  /// The origin for a mesh; 0 for `none`.
   Vec3 of(const Mesh& mesh) const;
 };
 /// The name: "none", "bbox-center" or "x,y,z".
