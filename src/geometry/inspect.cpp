@@ -18,7 +18,8 @@ using namespace detail;
 namespace {
 
 void inspect_edges(const MeshView& mesh, const Connectivity& connectivity, MeshReport& report) {
-  report.closed = report.oriented = true;
+  report.closed = connectivity.edge_count() > 0;
+  report.oriented = true;
   AskNowAndThen ask_now_and_then(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
     ask_now_and_then();

@@ -67,7 +67,7 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
   const SceneState& s = state_->idle("first_hit");
   SceneRayHit hit{.status = s.current()};
   if (!hit.status) return hit;
-  if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3{} || !(ray.t_end >= 0)) {
+  if (!is_usable(ray)) {
     hit.status.code = Status::Code::bad_shape;
     return hit;
   }
@@ -95,8 +95,9 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
 SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
   SceneState& s = state_->idle("touch");
   return touch_all(s, shape, true, options, [&](double margin) {
-    const double offset = shape.offset + margin * scaled_length(shape.normal);
-    s.broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
+    const HalfSpace unit = scaled(shape);
+    const double offset = unit.offset + margin * length(unit.normal);
+    s.broad.find_behind(unit.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
   });
 }
 

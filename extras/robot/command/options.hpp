@@ -23,7 +23,7 @@ struct RobotArguments {
   std::optional<double> max_radius, clip_margin;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report
   std::string geometry = "collision";
-  std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: fast, where the method has a choice
+  std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: that of FitOptions
   std::size_t samples = robot::SelfCollisionOptions{}.samples;
   std::size_t seed = 1, inner = 0;
   bool page = false, all_formats = false, trees = false, json = false;  // trees: as --tree link

@@ -16,7 +16,8 @@
 
 namespace morula {
 
-/// The half space normal . x <= offset: all points behind a plane. The normal may have any length except 0.
+/// The half space normal . x <= offset: all points behind a plane. The normal may have any length except 0; the plane
+/// is nearer than 2^200 to the origin.
 struct HalfSpace {
   Vec3 normal{0, 0, 1};
   double offset = 0;
@@ -88,7 +89,8 @@ Touch touch(const Collider& body, const ConvexHull& shape, const TouchOptions& o
 
 /// The points origin + t direction, 0 <= t <= t_end. {p, q - p, 1} is the segment from p to q.
 struct Ray {
-  Vec3 origin{}, direction{0, 0, 1};  ///< direction of any length except 0
+  /// The largest |component| of the direction is above 2^-200 and below 2^200, so that t stays in range.
+  Vec3 origin{}, direction{0, 0, 1};
   double t_end = std::numeric_limits<double>::infinity();
 };
 

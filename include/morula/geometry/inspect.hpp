@@ -8,7 +8,8 @@
 
 namespace morula {
 
-/// Facets with a repeated index have no edges: they count as degenerate and are otherwise ignored.
+/// Facets with a repeated index have no edges, so only the counts of edges, of fans and what follows from them ignore
+/// these facets. They count as degenerate, and like other facets in all other counts.
 struct [[nodiscard]] MeshReport {
   std::size_t vertex_count = 0;
   std::size_t facet_count = 0;
@@ -21,7 +22,7 @@ struct [[nodiscard]] MeshReport {
   std::size_t duplicate_facets = 0;      ///< facets with the same three vertices as an earlier one
   std::size_t duplicate_vertices = 0;    ///< vertices at exactly the position of an earlier vertex, used or not
   std::size_t unused_vertices = 0;       ///< vertices of no facet
-  bool closed = false;                   ///< every edge has an even number of facets
+  bool closed = false;                   ///< there are edges, and every edge has an even number of facets
   /// Facets that share an edge agree on the outer side: every edge is traversed equally often in both directions,
   /// except for one facet if their number is odd. An open mesh can be oriented; a Moebius strip cannot.
   bool oriented = false;
@@ -30,7 +31,7 @@ struct [[nodiscard]] MeshReport {
   double area = 0;
   double volume = 0;  ///< signed volume, mesh units³; meaningful only if has_volume()
 
-  /// The mesh is closed and oriented, so inside and outside are well defined.
+  /// The mesh is closed and oriented, so inside and outside are well defined. False for a mesh without edges.
   bool has_volume() const { return closed && oriented; }
 };
 

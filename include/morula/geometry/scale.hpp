@@ -34,8 +34,8 @@ inline constexpr float largest_radius = 0x1p60f;
 /// Throws std::invalid_argument, with the remedy, unless the largest |coordinate| of the vertices that facets use is 0
 /// or in the range. The mesh must have passed require_usable.
 void require_usable_scale(const MeshView& mesh);
-/// True if the sphere is finite and its numbers do not exceed the upper end of the range. Small spheres, and radii of
-/// 0, are usable.
+/// True if the sphere is finite, its radius is not negative, and its numbers do not exceed the upper end of the range.
+/// Small spheres, and radii of 0, are usable.
 bool has_usable_scale(const Sphere& sphere);
 
 /// The length of any finite vector to a few ulps: no square vanishes or overflows. Infinite if the length exceeds

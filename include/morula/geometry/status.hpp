@@ -38,7 +38,7 @@ struct [[nodiscard]] Status {
     // Queries
     bad_option,  ///< not a number, negative where it must not be, or a vertex out of range
     bad_shape,   ///< plane, sphere, capsule, ray or point that is not finite, of negative radius, without direction, or
-                 ///< 2^200 or more away
+                 ///< 2^200 or more away; ray with a direction out of range (Ray)
     bad_level,   ///< level that neither tree of a pair has
     // Fronts
     no_front,         ///< no search was started

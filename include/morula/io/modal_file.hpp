@@ -30,7 +30,8 @@ struct ModalCoordinates {
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count);
 
 /// Writes float64 arrays that read_modes and read_coordinates read back to the bit. The write is atomic and replaces an
-/// existing file. Throws FileError if the file cannot be written, std::invalid_argument for sizes that do not match.
+/// existing file. Throws FileError if the file cannot be written; std::invalid_argument for data that they reject:
+/// sizes that do not match, no mode or no frame, numbers that are not finite.
 void write_modes(const std::filesystem::path& path, const Modes& modes);
 void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates);
 

@@ -306,6 +306,14 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
   extras.add(pairs, options, &meter, result);
 }
 
+void FrontWalk::end_front() noexcept {
+  front.pairs.clear();
+  front.opened.clear();
+  front.masks.clear();
+  front.waiting.clear();
+  front.next_order = 0;
+}
+
 void FrontWalk::forget() noexcept {
   front = Front{};
   extras.forget();

@@ -81,7 +81,10 @@ class FrontWalk {
   bool is_well_formed() const;
   /// Lists only the finished contacts of the front, which belongs to the present frame.
   void list_finished(const CollideOptions& options, Contacts& result);
+  /// Lists the cut of the front, which belongs to these pairs; nothing without a front.
   void cut(std::vector<FrontPair>& list);
+  /// Discards the front; keeps its memory.
+  void end_front() noexcept;
   /// Discards the front, and all memory that an exception may have left in any state.
   void forget() noexcept;
 

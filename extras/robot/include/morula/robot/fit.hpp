@@ -22,10 +22,12 @@ struct ClipPlane {
 
 struct FitOptions {
   std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as max_protrusion needs
-  /// Largest number of spheres of the whole robot, 1 or more. Each next sphere goes to the link where it reduces
-  /// outside volume most.
+  /// Largest number of spheres of the whole robot, 1 or more, including `link_spheres` and `fixed_spheres`. Each next
+  /// sphere goes to the link where it reduces outside volume most. If the links need more, they get more, and a note
+  /// says so.
   std::optional<std::size_t> max_total{};
-  std::map<std::string, std::size_t> link_spheres{};  ///< largest number for single links, instead of the two above
+  /// Largest number for single links, in place of `spheres` and of a share of `max_total`.
+  std::map<std::string, std::size_t> link_spheres{};
   /// Largest protrusion, above 0, mesh units; links then use as few spheres as they can.
   std::optional<double> max_protrusion{};
   std::optional<double> max_protrusion_share{};  ///< largest protrusion as a share of the diagonal of each link's box
@@ -44,17 +46,20 @@ struct FitOptions {
   std::optional<double> clip_margin{};
   std::size_t inner = 0;  ///< largest number of additional spheres inside the shapes of each link
   Method method = Method::optimized;
-  Quality quality = Quality::fast;
+  /// Quality of the method optimized; no value: fast. The other methods have only one, `standard`.
+  std::optional<Quality> quality{};
   std::uint64_t seed = 1;
   double density = 1000;  ///< density of links without a mass, mass per mesh unit³
   std::stop_token stop{};
-  std::function<void(double share, const std::string& link)> progress{};  ///< called on any thread, one call at a time
+  /// Called on any thread, one call at a time, with the completed share of the work, which ascends to 1 at the end.
+  std::function<void(double share, const std::string& link)> progress{};
 };
 
 struct LinkFigures {
   std::size_t facets = 0;
   bool covered = false;  ///< proven: every point of the shapes is in a sphere, even if numbers are read as float
-  /// Largest distance of a point of the shapes from the spheres, mesh units; 0 if covered.
+  /// Largest distance of a point of the shapes from the spheres, mesh units; for spheres among the shapes an upper
+  /// bound of it; 0 if covered.
   double uncovered_distance = 0;
   /// Upper bounds of the spheres' protrusion (r + φ(c))⁺, mesh units.
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;
@@ -84,13 +89,14 @@ struct LinkSpheres {
 
 struct RobotSpheres {
   std::vector<LinkSpheres> links;  ///< links with shapes, without skipped links, in the robot's order
-  std::vector<std::string> notes;  ///< notes about the other links
+  std::vector<std::string> notes;  ///< notes about the robot and the other links
   bool visual = false;             ///< the spheres cover the visual shapes instead of the collision shapes
   std::size_t sphere_count() const;
   bool covered() const;
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;
-  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some.
+  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some; the notes of
+  /// the others become notes of the robot.
   RobotSpheres with_inner_spheres() const;
 };
 

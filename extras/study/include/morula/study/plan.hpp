@@ -81,8 +81,9 @@ enum class ErrorUnit : std::uint8_t {
 struct SphOrigin {
   enum class Kind : std::uint8_t { none, box_center, point };
   Kind kind = Kind::none;
-  Vec3 point{0, 0, 0};  ///< the origin for `point`
+  Vec3 point{0, 0, 0};  ///< the origin for `point`; without effect for other kinds
 
+  /// The origin for a mesh; 0 for `none`.
   Vec3 of(const Mesh& mesh) const;
 };
 /// The name: "none", "bbox-center" or "x,y,z".
@@ -130,8 +131,8 @@ struct Plan {
 
   /// Parameters of the samples: 0 at rest, 1 at the full amount; one per sample.
   std::vector<double> parameters() const;
-  /// The samples at which new trees are built, rest first. Builds take most of a study's time, so only the trees of
-  /// Fig. 2 a and b get more samples than the full amount.
+  /// The samples at which new trees are built: rest first, and the first one at the full amount last. Builds take most
+  /// of a study's time, so only the trees of Fig. 2 a and b get more samples than the full amount.
   std::vector<std::size_t> fresh_samples(const Source& source) const;
   /// The samples to measure, ascending.
   std::vector<std::size_t> measured_samples() const;

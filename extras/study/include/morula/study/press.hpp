@@ -73,7 +73,7 @@ struct PressCell {
   std::vector<PressFigures> figures;
 };
 
-/// The name: "x", "y" or "z".
+/// The name: "x", "y", "z" or "auto".
 std::string_view name(Axis axis);
 
 }  // namespace morula::study

@@ -24,7 +24,8 @@ struct TreeLevel {
 struct TreeFigures {
   std::size_t source = 0;
   std::vector<TreeLevel> levels;
-  double build_seconds = 0;  ///< seconds of the build, if the plan requests times
+  /// Seconds of the build; 0 for a tree from a file or from the cache, and if the plan requests no times.
+  double build_seconds = 0;
 };
 
 /// A motion or press that is impossible for a body, and the reason.
