@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Contacts in every frame, of several pairs of bodies under one budget; queries can be interrupted and resumed.
+//
+//   morula::ContactQuery query({.budget = std::chrono::microseconds(200)});
+//   query.add(a, b);                           // once: colliders follow their bodies
+//   const auto status = query.run();           // every frame
+//   if (!status) std::puts(message(status).c_str());
+//   for (const morula::Contact& contact : query.contacts().contacts) std::printf("depth %g\n", contact.depth);
 #pragma once
 
 #include <memory>

@@ -5,6 +5,13 @@
 // All of these queries are about the body's surface, not its interior: a sphere inside a closed body that does not
 // reach a wall touches nothing. InsideQuery tests the interior (containment.hpp). Surfaces may be open. Shapes are in
 // world coordinates; the transform of its collider places a body.
+//
+//   const morula::Touch floor = morula::touch(a, morula::HalfSpace{.normal = {0, 0, 1}, .offset = 0});
+//   if (floor.touches) std::printf("%g below the floor\n", floor.deepest->depth);
+//   morula::TouchQuery tool;  // keeps its memory from frame to frame
+//   if (tool.run(a, morula::Capsule{{0, 0, 1}, {0, 0, 2}, 0.1}).proven_clear) std::puts("the tool is clear of the body");
+//   const morula::RayHit hit = morula::first_hit(a, {.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+//   if (hit.first) std::printf("the ray hits facet %u\n", hit.first->point.facet);
 #pragma once
 
 #include <limits>

@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Modal models on disk: NumPy arrays of modes, and of their coordinates frame by frame.
+//
+//   const morula::Modes modes = morula::read_modes("modes.npy", mesh);
+//   const morula::ModalCoordinates motion = morula::read_coordinates("motion.npy", modes.mode_count);
+//   morula::Body body(mesh, morula::build(mesh), {.rules = {morula::Rule::modal}, .modes = modes});
+//   for (std::size_t frame = 0; frame < motion.frame_count(); ++frame)
+//     if (const auto status = body.update_modal(motion.frame(frame)); !status) std::puts(message(status).c_str());
 #pragma once
 
 #include <morula/geometry/mesh.hpp>

@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Spheres for a robot: a set for every link that covers its shapes, proven for the exact numbers in files.
+//
+//   const morula::robot::Robot arm = morula::robot::read_robot("arm.urdf");
+//   const morula::robot::RobotSpheres spheres = morula::robot::fit_spheres(arm, {.spheres = 16});
+//   for (const morula::robot::LinkSpheres& link : spheres.links)
+//     std::printf("%s: %zu spheres\n", arm.links[link.link].name.c_str(), link.spheres.size());
+//   if (!spheres.covered()) std::puts("the shapes of a link are not covered");
 #pragma once
 
 #include <functional>
@@ -55,6 +61,12 @@ struct FitOptions {
   std::function<void(double share, const std::string& link)> progress{};
 };
 
+struct RobotSpheres;
+
+/// Fits spheres to all links. Throws std::invalid_argument for options out of range and for missing links, FileError
+/// for meshes that cannot be used, BuildStopped. The result has the same bits for any number of workers.
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
+
 struct LinkFigures {
   std::size_t facets = 0;
   bool covered = false;  ///< proven: every point of the shapes is in a sphere, even if numbers are read as float
@@ -99,9 +111,5 @@ struct RobotSpheres {
   /// the others become notes of the robot.
   RobotSpheres with_inner_spheres() const;
 };
-
-/// Fits spheres to all links. Throws std::invalid_argument for options out of range and for missing links, FileError
-/// for meshes that cannot be used, BuildStopped. The result has the same bits for any number of workers.
-RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula::robot

@@ -1,6 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Plan of a study: bodies × trees × motions × rules, and their measurements, as plain values.
+//
+//   morula::study::Plan plan;
+//   plan.bodies = {{"limb", mesh}};
+//   plan.sources = morula::study::sources_of(plan.bodies, morula::study::paper_methods());  // a tree by each method
+//   plan.motions = morula::study::paper_motions();
+//   plan.rules = {morula::Rule::approach2, morula::Rule::exact};
+//   std::printf("%zu samples of each motion\n", plan.parameters().size());
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Run of a study: trees, then all cells, in parallel, and from the cache if it has them.
+//
+//   morula::study::Plan plan{.bodies = {{"limb", mesh}}, .motions = morula::study::paper_motions()};
+//   plan.sources = morula::study::sources_of(plan.bodies, {morula::Method::medial, morula::Method::optimized});
+//   plan.rules = {morula::Rule::approach2, morula::Rule::exact};
+//   const morula::study::Cache cache("study-cache");  // a later run takes finished cells from it
+//   const morula::study::Result result = morula::study::run(plan, morula::serial_workers(), {.cache = &cache});
+//   std::printf("%zu cells, %zu from the cache\n", result.cell_count(), result.taken_from_cache);
 #pragma once
 
 #include <functional>
@@ -13,6 +20,28 @@
 #include <string>
 
 namespace morula::study {
+
+/// Called with the completed share and the present step, one call at a time, on any thread.
+using Progress = std::function<void(double share, std::string what)>;
+
+struct RunOptions {
+  const Cache* cache = nullptr;  ///< nullptr: no cache
+  std::stop_token stop{};
+  Progress progress{};  ///< may be empty
+};
+
+struct Result;
+
+/// Runs a study. The figures are the same for any number of workers and interruptions; times differ. Throws Stopped;
+/// std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for a plan that
+/// refers to missing entries.
+Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
+
+/// A stop was requested; finished cells are kept.
+class Stopped : public std::runtime_error {
+ public:
+  Stopped() : std::runtime_error("study: stopped on request") {}
+};
 
 /// One level of one tree at rest.
 struct TreeLevel {
@@ -49,26 +78,6 @@ struct Result {
   /// The run with this key; nullptr if there is none.
   const MotionRun* find(const MotionRunKey& key) const;
 };
-
-/// A stop was requested; finished cells are kept.
-class Stopped : public std::runtime_error {
- public:
-  Stopped() : std::runtime_error("study: stopped on request") {}
-};
-
-/// Called with the completed share and the present step, one call at a time, on any thread.
-using Progress = std::function<void(double share, std::string what)>;
-
-struct RunOptions {
-  const Cache* cache = nullptr;  ///< nullptr: no cache
-  std::stop_token stop{};
-  Progress progress{};  ///< may be empty
-};
-
-/// Runs a study. The figures are the same for any number of workers and interruptions; times differ. Throws Stopped;
-/// std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for a plan that
-/// refers to missing entries.
-Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
 /// Nodes and void spheres per level.
 std::vector<TreeLevel> tree_levels(const Mesh& mesh, const CoveredTree& model);
