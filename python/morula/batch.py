@@ -367,7 +367,7 @@ def run(
         resume: continue with the results in the folder. Results that are damaged or without a tree are built again, with a warning.
         retry: like resume, and retry failed meshes.
         no_trees: write only the table.
-        measure: adds the columns closed, looseness, uncovered_area, gap and protrusion; the last four also per level.
+        measure: adds the columns closed, looseness, uncovered_area, uncovered_distance and protrusion; the last four also per level.
         archives: packs trees into trees/KK.tar at the end, by the first two digits of their keys, for file systems that are slow
             with many files. tree_of() reads them.
         storage_options: options of fsspec, for a manifest, meshes and an output with URLs (`s3://bucket/meshes`). Workers read

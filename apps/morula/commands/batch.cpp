@@ -314,7 +314,7 @@ int report_batch(const BatchArguments& o, const Work& work, std::size_t kept, co
                 {"statuses", tables.statuses},
                 {"table", table.string()}});
   } else {
-    fmt::print("{}, {} built now, {} kept from before\n", counted(work.rows.size(), "mesh", "meshes"),
+    fmt::print("{}, {} built, {} kept\n", counted(work.rows.size(), "mesh", "meshes"),
                work.waiting.size(), kept);
     for (const auto& [status, count] : tables.statuses) fmt::print("  {:<14} {}\n", status, count);
     fmt::print("table: {}\n", table.string());

@@ -68,7 +68,7 @@ std::vector<robot::OutputFile> inner_files_of(const robot::Description& d,
   return files;
 }
 
-/// No file that is written may be one that is read: asked before the work begins.
+/// Throws UsageError when an output would replace an input. Called before the work begins.
 void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};

@@ -56,7 +56,7 @@ struct HeldScene : Exchanging {
   }
   void require_idle() const {
     if (is_updating)
-      throw std::runtime_error("accepts: the scene that asks it may not be changed or asked for contacts");
+      throw std::runtime_error("accepts: its scene cannot be changed or queried during the call");
   }
   /// A filter often refers to its scene.
   void visit(References& references) const {

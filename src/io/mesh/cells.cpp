@@ -197,7 +197,7 @@ void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& rea
     if (!std::binary_search(parts.begin(), parts.end(), key)) ++shells;
   }
   if (shells > 0)
-    reading.info.notes.push_back(counted(shells, "triangle") + " of shells beside the solids " +
+    reading.info.notes.push_back(counted(shells, "triangle") + " of shells besides the solids " +
                                  (shells == 1 ? "lies on no face of them and is" : "lie on no face of them and are") +
                                  " left out; save the shells as a file of their own");
 }

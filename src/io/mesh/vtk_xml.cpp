@@ -202,7 +202,7 @@ class XmlReader {
         continue;
       }
       if (tag.name == "Piece") {
-        if (in_piece_) tags_.fail("a piece inside a piece");
+        if (in_piece_) tags_.fail("a <Piece> inside a <Piece>");
         in_piece_ = true;
         arrays_.clear();
         point_count_ = count(tag, "NumberOfPoints");
@@ -214,8 +214,8 @@ class XmlReader {
         arrays_[std::string(group_) + "/" + (group_ == "Points" ? "" : std::string(tag["Name"]))] = tag;
       }
     }
-    if (in_piece_) tags_.fail("the file ends inside a piece; it was cut short");
-    if (!has_piece_) tags_.fail("the file has no piece; it was cut short");
+    if (in_piece_) tags_.fail("the file ends inside a <Piece>; it was cut short");
+    if (!has_piece_) tags_.fail("the file has no <Piece>; it was cut short");
     mesh_.facets = surface_.facets(mesh_.positions, reading);
     return std::move(mesh_);
   }
@@ -372,14 +372,14 @@ class XmlReader {
   }
 
   void finish_piece() {
-    if (!in_piece_) tags_.fail("the end of a piece that did not begin");
+    if (!in_piece_) tags_.fail("</Piece> without <Piece>");
     in_piece_ = false;
     has_piece_ = true;
     const std::uint64_t first = mesh_.vertex_count();
     if (point_count_ > std::numeric_limits<std::uint32_t>::max() - first) tags_.fail("more points than 32 bits count");
     if (point_count_ > 0) {
       const Tag* const points = array("Points/");
-      if (points == nullptr) tags_.fail("a piece has points, but no array of them");
+      if (points == nullptr) tags_.fail("a <Piece> has points, but no array of them");
       const std::string_view components = (*points)["NumberOfComponents"];
       if (components != "3")
         tags_.fail_at(points->begin, "points of " + in_quotes(components) + " components; they need 3");
@@ -418,7 +418,7 @@ class XmlReader {
     const std::vector<double> ends = numbers(*offsets, needs_types ? cell_count_ : no_limit);
     const std::vector<double> kinds = needs_types ? numbers(*types, cell_count_) : std::vector<double>();
     if (needs_types && (ends.size() != cell_count_ || kinds.size() != cell_count_))
-      tags_.fail_at(offsets->begin, "a piece of " + std::to_string(cell_count_) + " cells has " +
+      tags_.fail_at(offsets->begin, "a <Piece> of " + std::to_string(cell_count_) + " cells has " +
                                         std::to_string(ends.size()) + " offsets and " + std::to_string(kinds.size()) +
                                         " types");
     const std::vector<double> points = numbers(*corners, no_limit);
@@ -436,7 +436,7 @@ class XmlReader {
       for (std::size_t k = begin; k < end; ++k) {
         if (!(points[k] >= 0 && points[k] < static_cast<double>(point_count_)) || points[k] != std::floor(points[k]))
           tags_.fail_at(corners->begin, "cell " + std::to_string(i) + " refers to a point that is not among the " +
-                                            std::to_string(point_count_) + " of its piece, counted from 0");
+                                            std::to_string(point_count_) + " of its <Piece>, counted from 0");
         cell.push_back(static_cast<std::uint32_t>(first + static_cast<std::uint64_t>(points[k])));
       }
       begin = end;

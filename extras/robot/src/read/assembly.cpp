@@ -99,7 +99,7 @@ void note_other_shapes(const tinyxml2::XMLElement& taken, const std::string& lin
 }
 
 std::string unread_shape_note(const std::string& link, const FileError& error) {
-  return fmt::format("a shape of {} that is not asked for is left out: {}", link, error.what());
+  return fmt::format("a shape of {} that is not requested is left out: {}", link, error.what());
 }
 
 std::string_view name(Shape::Kind kind) {

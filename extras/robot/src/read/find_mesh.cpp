@@ -127,7 +127,7 @@ fs::path find_mesh(const std::string& name, const fs::path& robot_file, std::spa
   const RobotFolders folders(robot_file, package_paths);
   const FileReference reference = parse_file_reference(name);
   const bool in_package = reference.scheme == "package" || reference.scheme == "model";
-  if (!in_package && !reference.scheme.empty()) search.refuse("is not on this disk: save it beside the robot's file");
+  if (!in_package && !reference.scheme.empty()) search.refuse("is not on this disk: save it next to the robot's file");
   for (const std::string& path : reference.paths) {
     if (in_package ? find_in_package(search, split(path), folders) : find_by_path(search, path, folders)) {
       return search.found();
