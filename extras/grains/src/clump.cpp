@@ -92,7 +92,7 @@ std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o
 
 void measure(const MeshView& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
   for (const Sphere& s : clump.spheres) {
-    ask_to_go_on();
+    check_interrupt();
     clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
   }
   if (clump.kind == ClumpKind::cover) {

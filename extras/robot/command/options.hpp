@@ -40,6 +40,6 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
 /// Folders of packages: those of --package-path, then those of the environment of ROS.
 std::vector<std::filesystem::path> package_paths(const RobotArguments& o);
 /// kind: "link" or "robot".
-bool wants_tree(const RobotArguments& o, std::string_view kind);
+bool writes_tree(const RobotArguments& o, std::string_view kind);
 
 }  // namespace morula::cli

@@ -147,7 +147,7 @@ class Stream {
   /// Decodes more bytes; returns false if there are none. Other arrays may follow in the same text, and then text that
   /// is no base64.
   bool decode() {
-    ask_to_go_on();
+    check_interrupt();
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     // It decodes many groups at once, because each call moves the rest once.
     for (int groups = 0; groups < 4096; ++groups) {
@@ -315,9 +315,9 @@ class XmlReader {
 
   template <class Value>
   void load_all(std::string_view bytes, std::vector<double>& values) const {
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (std::size_t at = 0; at + sizeof(Value) <= bytes.size(); at += sizeof(Value)) {
-      ask_now_and_then();
+      poll_interrupt();
       values.push_back(static_cast<double>(load<Value>(bytes.data() + at, order_)));
     }
   }
@@ -328,9 +328,9 @@ class XmlReader {
     const std::string name = in_quotes(tag["Name"].empty() ? std::string_view("Points") : tag["Name"]);
     if (tag["format"] == "ascii") {
       const std::string_view text = tags_.text_after(tag);
-      AskNowAndThen ask_now_and_then(1u << 14);
+      InterruptPoller poll_interrupt(1u << 14);
       for (std::size_t at = 0;;) {
-        ask_now_and_then();
+        poll_interrupt();
         at = text.find_first_not_of(blanks, at);
         if (at == text.npos) break;
         const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
@@ -388,9 +388,9 @@ class XmlReader {
         tags_.fail_at(points->begin, "the array of points has " + std::to_string(values.size()) + " numbers, not the " +
                                          std::to_string(3 * point_count_) + " of " + std::to_string(point_count_) +
                                          " points");
-      AskNowAndThen ask_now_and_then(1u << 16);
+      InterruptPoller poll_interrupt(1u << 16);
       for (std::size_t i = 0; i < values.size(); i += 3) {
-        ask_now_and_then();
+        poll_interrupt();
         const Vec3 p{values[i], values[i + 1], values[i + 2]};
         if (!is_finite(p))
           tags_.fail_at(points->begin, "point " + std::to_string(i / 3) +
@@ -424,9 +424,9 @@ class XmlReader {
     const std::vector<double> points = numbers(*corners, no_limit);
     std::vector<std::uint32_t> cell;
     std::size_t begin = 0;
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (std::size_t i = 0; i < ends.size(); ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       if (!(ends[i] >= static_cast<double>(begin) && ends[i] <= static_cast<double>(points.size())) ||
           ends[i] != std::floor(ends[i]))
         tags_.fail_at(offsets->begin, "offset " + std::to_string(i) + " is out of place; offsets go up to " +
