@@ -114,14 +114,14 @@ struct ContactQuery::State {
   }
 
   // Descends depth-first, without a queue or a front.
-  void descend(const CollideOptions& asked) {
+  void descend(const CollideOptions& given) {
     contacts.contacts.clear();
     contacts.surfaces.clear();
     contacts.pair_tests = 0;
     contacts.achieved_level.clear();
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      ask_to_go_on();
-      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, asked.margin, asked.level.value_or(leaf_level));
+      check_interrupt();
+      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, given.margin, given.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
                                make_room(contacts.contacts);
                                Contact& contact = contacts.contacts.emplace_back();
@@ -133,14 +133,14 @@ struct ContactQuery::State {
     }
     contacts.finished_count = contacts.contacts.size();
     contacts.finished = true;
-    walk.extras.add(walk.pairs, asked, nullptr, contacts);
+    walk.extras.add(walk.pairs, given, nullptr, contacts);
   }
 
-  void run(const CollideOptions& asked, Workers& workers) {
-    if (!asked.budget.is_unlimited() || asked.refresh_children)
-      walk.start(asked, false, workers, contacts);
+  void run(const CollideOptions& given, Workers& workers) {
+    if (!given.budget.is_unlimited() || given.refresh_children)
+      walk.start(given, false, workers, contacts);
     else
-      descend(asked);
+      descend(given);
     walk.end_front();
   }
 

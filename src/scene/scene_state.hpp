@@ -58,10 +58,10 @@ BodyStamp stamp_of(const Collider& collider);
 Sphere ball_around(const Collider& collider, double margin);
 Box box_around(const Sphere& ball);
 
-inline SceneStatus refusal(const Status& status, std::optional<BodyId> offender = {}) {
-  SceneStatus refused{status};
-  refused.offender = offender;
-  return refused;
+inline SceneStatus rejection(const Status& status, std::optional<BodyId> offender = {}) {
+  SceneStatus rejected{status};
+  rejected.offender = offender;
+  return rejected;
 }
 
 /// Two bodies whose boxes overlap, by place.
@@ -113,15 +113,15 @@ class PublishedPairs {
   /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::id and began.
   void add(ScenePair pair);
   void finish();
-  void commit() noexcept { told_.swap(next_told_); }
+  void commit() noexcept { reported_.swap(next_reported_); }
 
  private:
   std::vector<ScenePair> pairs_;
   std::vector<EndedPair> ended_;
   /// The touches that an update has published and none has ended, ascending; the list that an update makes of them.
   /// They are separate from fronts and lists, so that an update that fails loses none.
-  std::vector<EndedPair> told_, next_told_;
-  std::size_t walked_ = 0;  ///< number of touches in told_ that precede the pairs added so far, or belong to them
+  std::vector<EndedPair> reported_, next_reported_;
+  std::size_t walked_ = 0;  ///< number of touches in reported_ that precede the pairs added so far, or belong to them
   std::uint64_t next_touch_ = 1;
 };
 

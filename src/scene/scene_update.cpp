@@ -46,7 +46,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     }
   });
   for (std::uint32_t place = 0; place < bodies.size(); ++place)
-    if (!reads_.found[place].status) return refusal(reads_.found[place].status, id_of(place));
+    if (!reads_.found[place].status) return rejection(reads_.found[place].status, id_of(place));
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     SceneBody& body = bodies[place];
     const BodyRead& read = reads_.found[place];
@@ -63,13 +63,13 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
 }
 
 bool SceneState::has_callbacks(const Workers& workers) const {
-  return options.accepts || options.clock || workers.is_of_host() || asked_now() != nullptr;
+  return options.accepts || options.clock || workers.is_of_host() || active_interruption() != nullptr;
 }
 
 SceneStatus SceneState::unmoved() const {
   for (std::uint32_t place = 0; place < bodies.size(); ++place)
     if (bodies[place].collider != nullptr && reads_.as_read[place].has_moved())
-      return refusal({.code = Status::Code::changed_during_call}, id_of(place));
+      return rejection({.code = Status::Code::changed_during_call}, id_of(place));
   return {};
 }
 
@@ -189,7 +189,7 @@ void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneS
 }
 
 void PublishedPairs::start() {
-  next_told_.clear();
+  next_reported_.clear();
   walked_ = 0;
 }
 
@@ -197,16 +197,16 @@ void PublishedPairs::start() {
 void PublishedPairs::add(ScenePair pair) {
   const auto ids = [](const EndedPair& touch) { return std::pair(touch.a, touch.b); };
   const std::pair bodies(pair.a, pair.b);
-  while (walked_ < told_.size() && ids(told_[walked_]) < bodies) ended_.push_back(told_[walked_++]);
-  const bool stays = walked_ < told_.size() && ids(told_[walked_]) == bodies;
-  pair.id = stays ? told_[walked_++].id : next_touch_++;
+  while (walked_ < reported_.size() && ids(reported_[walked_]) < bodies) ended_.push_back(reported_[walked_++]);
+  const bool stays = walked_ < reported_.size() && ids(reported_[walked_]) == bodies;
+  pair.id = stays ? reported_[walked_++].id : next_touch_++;
   pair.began = !stays;
-  next_told_.push_back({pair.a, pair.b, pair.id});
+  next_reported_.push_back({pair.a, pair.b, pair.id});
   pairs_.push_back(pair);
 }
 
 void PublishedPairs::finish() {
-  ended_.insert(ended_.end(), told_.begin() + static_cast<std::ptrdiff_t>(walked_), told_.end());
+  ended_.insert(ended_.end(), reported_.begin() + static_cast<std::ptrdiff_t>(walked_), reported_.end());
   std::sort(ended_.begin(), ended_.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
 }
 

@@ -182,7 +182,7 @@ std::vector<fs::path> package_paths(const RobotArguments& o) {
   return paths;
 }
 
-bool wants_tree(const RobotArguments& o, std::string_view kind) {
+bool writes_tree(const RobotArguments& o, std::string_view kind) {
   return (o.trees && kind == "link") || std::find(o.tree_kinds.begin(), o.tree_kinds.end(), kind) != o.tree_kinds.end();
 }
 

@@ -37,7 +37,7 @@ void FrontWalk::adopt(Front other) {
   opened_before_.clear();
   roots_before_.assign(front.pairs.size(), none);
   for (Front::Waiting& pair : front.waiting) pair.before = none;
-  keeps_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
+  records_paths_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
 }
 
 void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {

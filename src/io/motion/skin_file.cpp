@@ -123,9 +123,9 @@ Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {
                     ", bones) for the vertices of the mesh, one bone or more, is needed");
   Skin skin{.bone_count = static_cast<std::size_t>(bone_count), .begin = {0}};
   const std::vector<double> values = read_npy_values(source, array, 0, mesh.vertex_count() * skin.bone_count);
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     const std::span<const double> row = std::span(values).subspan(v * skin.bone_count, skin.bone_count);
     double sum = 0;
     if (!is_row(row, sum))
@@ -150,9 +150,9 @@ BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_cou
                     std::to_string(bone_count) + ", 3, 4) for the bones of the skin, one frame or more, is needed");
   BoneFrames result{bone_count, {}};
   const std::vector<double> values = read_npy_values(source, array, 0, array.shape[0] * bone_count * 12);
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < array.shape[0] * bone_count; ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const std::span<const double> m = std::span(values).subspan(12 * i, 12);
     AffineTransform t;
     for (std::size_t k = 0; k < 3; ++k) t.columns[k] = {m[k], m[4 + k], m[8 + k]};

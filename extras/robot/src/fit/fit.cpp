@@ -360,7 +360,7 @@ class Fitter {
       if (o_.clip_margin && !planes_of(link).empty()) keep_from_planes(link, *model);
       if (!model->report.complete) {
         link.notes.push_back(
-            fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
+            fmt::format("link {}: the spheres exceed the largest protrusion; allow more of them", name_of(link)));
       }
       const std::vector<Sphere> fitted = leaves(*model);
       link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
@@ -430,7 +430,7 @@ class Fitter {
       model = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
     }
     if (!fits(model)) {
-      link.notes.push_back(fmt::format("link {}: spheres are larger than asked for; allow larger ones", name_of(link)));
+      link.notes.push_back(fmt::format("link {}: spheres exceed the largest radius; allow larger ones", name_of(link)));
     }
   }
 
