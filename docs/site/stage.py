@@ -13,6 +13,7 @@ import shutil
 import sys
 import textwrap
 
+import cpp_reference
 import python_reference
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -25,7 +26,7 @@ def main():
     (folder / "pictures").mkdir(parents=True)
     for picture in (ROOT / "docs/pictures").iterdir():
         shutil.copy(picture, folder / "pictures")
-    for extra in ("mark.svg", "file_worker.js"):
+    for extra in ("mark.svg", "file_worker.js", "site.css"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
     pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
@@ -81,6 +82,9 @@ def main():
 
     stub = ROOT / "build/release/python/morula/_morula/__init__.pyi"
     (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
+
+    for name, text in cpp_reference.reference(ROOT, {source: f"[{titles[name]}]({name})" for source, name in pages.items()}).items():
+        (folder / name).write_text(text)
 
     if faults:
         sys.exit("\n".join(faults))
