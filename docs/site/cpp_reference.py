@@ -217,7 +217,16 @@ class Writer:
         return blocks
 
 
-def reference(root: pathlib.Path, site_pages: dict[str, str]) -> dict[str, str]:
-    """The texts of all pages by file name."""
-    writer = Writer(pages_of(root), site_pages)
-    return {file: writer.page(file) for file in writer.pages}
+class Reference:
+    """All pages: `texts` by file name. site_pages: links to other pages, by the paths that comments mention."""
+
+    def __init__(self, root: pathlib.Path, site_pages: dict[str, str]):
+        writer = Writer(pages_of(root), site_pages)
+        self.texts = {file: writer.page(file) for file in writer.pages}
+        self.targets = writer.targets
+
+    def target(self, name: str) -> str | None:
+        """Page and anchor of a name with `::`; empty for names of others, none for one that a type of ours does not have."""
+        name = name.removeprefix("morula::")
+        owner = name.rpartition("::")[0]
+        return self.targets.get(name) or (None if owner in self.targets else "")

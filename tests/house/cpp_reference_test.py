@@ -133,7 +133,7 @@ oracle = Oracle(paths | {"morula/morula.h": c_header})
 oracle.parse(paths.values(), ["c++", "-std=c++20", "-nostdinc", "-nostdinc++", *system, *folders])
 oracle.parse([c_header], ["c", "-nostdinc", *system])
 
-pages = cpp_reference.reference(root, {})
+pages = cpp_reference.Reference(root, {}).texts
 messages = faults(pages, oracle)
 if messages or len(oracle.found) < 1000:
     sys.exit("\n".join(messages[:40]) + f"\nreference: {len(messages)} faults, {len(oracle.found)} names")
