@@ -13,6 +13,7 @@ import shutil
 import sys
 import textwrap
 
+import cpp_reference
 import python_reference
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -25,7 +26,7 @@ def main():
     (folder / "pictures").mkdir(parents=True)
     for picture in (ROOT / "docs/pictures").iterdir():
         shutil.copy(picture, folder / "pictures")
-    for extra in ("mark.svg", "file_worker.js"):
+    for extra in ("mark.svg", "file_worker.js", "site.css"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
     pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
@@ -60,6 +61,15 @@ def main():
             text = titles[name]
         return f"[{text}]({target})"
 
+    reference = cpp_reference.Reference(ROOT, {source: f"[{titles[name]}]({name})" for source, name in pages.items()})
+
+    def referred(source, code):
+        """A name of C++ as a link to the reference; in other links it stays as it is."""
+        name = reference.target(code[1]) if code[1] else ""
+        if name is None and source != "CHANGELOG.md":
+            faults.append(f"{source}: {code[1]} is not in the reference of C++")
+        return f"[{code[0]}]({name})" if name else code[0]
+
     def tabs(block):
         """Blocks of code with a name each in bold, as tabs of the site."""
         text = re.sub(r"(?m)^<!--.*-->\n", "", block[1])
@@ -71,6 +81,7 @@ def main():
         pieces = re.split(r"(?m)(^```.*?^```$)", (ROOT / source).read_text(), flags=re.S)
         for i in range(0, len(pieces), 2):
             pieces[i] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", lambda m: rewritten(source, m[1], m[2]), pieces[i])
+            pieces[i] = re.sub(r"\[[^][]*\]\([^()\s]+\)|`((?:\w+::)+\w+)[^`]*`", lambda m: referred(source, m), pieces[i])
         (folder / name).write_text(re.sub(r"(?ms)^<!-- tabs -->\n(.*?)^<!-- end tabs -->$", tabs, "".join(pieces)))
 
     (folder / "source").mkdir()
@@ -81,6 +92,9 @@ def main():
 
     stub = ROOT / "build/release/python/morula/_morula/__init__.pyi"
     (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
+
+    for name, text in reference.texts.items():
+        (folder / name).write_text(text)
 
     if faults:
         sys.exit("\n".join(faults))

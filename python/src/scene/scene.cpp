@@ -132,7 +132,7 @@ void bind_scene_bodies(Class& scene) {
                                            "collider() then returns it"},
                                           {"is_static", doc::SceneBodyOptions_is_static},
                                           {"category", doc::SceneBodyOptions_category},
-                                          {"with_", "`with` of C++"},
+                                          {"mask", "the groups whose bodies it may touch, one bit per group"},
                                           {"weight", doc::SceneBodyOptions_weight},
                                           {"user_data", doc::SceneBodyOptions_user_data}})
               .c_str())
