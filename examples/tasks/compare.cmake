@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-# The tasks print the same in C++ and in C, on the files that docs/how-to/tasks.md makes first.
+# The tasks print the same in C++ and in C, on the files that docs/reference/c.md makes first.
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 foreach(body limb tool)

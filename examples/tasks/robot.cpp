@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The task "robot" of docs/how-to/tasks.md in C++; robot.py does the same and prints the same numbers. Run it in a
+// The task "robot" of docs/reference/c.md in C++; robot.py does the same and prints the same numbers. Run it in a
 // folder with arm.urdf.
 #include <cstdio>
 #include <morula/robot/sphere_robot.hpp>

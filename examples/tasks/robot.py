@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""The task "robot" of docs/how-to/tasks.md in Python; robot.cpp does the same and prints the same numbers. Run it in a folder
+"""The task "robot" of docs/reference/c.md in Python; robot.cpp does the same and prints the same numbers. Run it in a folder
 with arm.urdf."""
 
 import numpy

@@ -1,6 +1,6 @@
 /* SPDX-FileCopyrightText: 2026 The Morula authors */
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tasks of docs/how-to/tasks.md in C; tasks.cpp and tasks.py do the same and print the same numbers. Run it in a folder
+/* The tasks of docs/reference/c.md in C; tasks.cpp and tasks.py do the same and print the same numbers. Run it in a folder
  * with limb.obj, tool.obj and their trees, limb.morula and tool.morula. */
 #include <math.h>
 #include <morula/morula.h>

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tasks of docs/how-to/tasks.md: the three languages print the same, and what they print is right by oracles that share no
+"""The tasks of docs/reference/c.md: the three languages print the same, and what they print is right by oracles that share no
 code with the library."""
 
 import contextlib

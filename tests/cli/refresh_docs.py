@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what the commands print today into a page of docs: every line "$ ..." of a console block is run, in order, in
 one folder, blocks marked `sh` between them, and what follows it is replaced.
-Usage: refresh_docs.py path/to/morula docs/reference/cli_build.md"""
+Usage: refresh_docs.py path/to/morula docs/reference/cli.md"""
 import os
 import pathlib
 import subprocess

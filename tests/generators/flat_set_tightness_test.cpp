@@ -104,7 +104,7 @@ struct Case {
   Quality quality;
 };
 
-// Sizes that every larger set is compared with (docs/how-to/build.md). Between others, luck may show.
+// Sizes that every larger set is compared with (docs/how-to/choosing.md). Between others, luck may show.
 bool compared_with(std::size_t spheres) {
   return std::has_single_bit(spheres) || spheres == 3 || spheres == 6;
 }

@@ -49,7 +49,7 @@ double region_reach(const Collider& collider, std::uint32_t node, const Vec3& di
 /// where both spheres bulge with their regions, and the latter where one stands off its region by its radius, as it
 /// does where its center lies in the surface. It is also the former where the regions do not face each other. The depth
 /// is at most (depth - E_a - E_b)⁺, E the excess of a sphere: its protrusion beyond the farthest corner of its facets,
-/// along the contact. docs/explanation/contact_surfaces.md has errors.
+/// along the contact. docs/explanation/fronts.md has errors.
 ContactSurface contact_surface(const Collider& a, std::uint32_t node_a, const Collider& b, std::uint32_t node_b,
                                const Vec3& point, const Vec3& sphere_normal, double depth, SurfaceScratch& scratch);
 

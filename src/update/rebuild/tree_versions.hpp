@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The trees of a rebuilt body, and the choice of the one that serves: docs/how-to/rebuild.md#how-a-tree-is-chosen.
+// The trees of a rebuilt body, and the choice of the one that serves:
+// docs/explanation/update_cost.md#how-a-rebuilt-body-chooses-its-tree.
 #pragma once
 
 #include <cstdint>

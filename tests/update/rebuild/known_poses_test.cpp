@@ -303,7 +303,7 @@ TEST(KnownPoses, are_looked_at_again_when_the_body_comes_closer) {
   }
 }
 
-// docs/how-to/rebuild.md#how-a-tree-is-chosen
+// docs/explanation/update_cost.md#how-a-rebuilt-body-chooses-its-tree
 TEST(KnownPoses, of_large_bodies_one_is_looked_at_in_a_frame) {
   Heap heap(4, 40);
   const std::vector<Vec3> loose_in_all = between(heap.poses[0], heap.poses[1], 1.5);
