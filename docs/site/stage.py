@@ -45,6 +45,8 @@ def main():
             return pages[target] + (f"#{anchor}" if anchor else "")
         if target.startswith("docs/pictures/"):
             return target.removeprefix("docs/")
+        if header := reference.targets.get(target.rpartition("include/morula/")[2] if "include/morula/" in target else ""):
+            return header
         if not (ROOT / target).is_file():
             faults.append(f"{source}: a link to {link}")
             return link
