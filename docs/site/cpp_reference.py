@@ -143,7 +143,7 @@ class Writer:
         return text + ("  \n    " + "\n\n    ".join(paragraphs) if paragraphs else "")
 
     def declarations(self, items: list[headers.Item], level: int, owner: str, file: str) -> list[str]:
-        """Functions, constants and aliases of one heading: those that stand together, then their comment."""
+        """Functions, constants and aliases of one heading. A comment follows its declaration and the overloads below it."""
         names = list(dict.fromkeys(name for item in items for name in item.names))
         titles = [name for name in names if name[0] != "~" and name != "operator="] or names
         first, *others = [anchor for item in items for anchor in self.anchors[id(item)]]
@@ -151,7 +151,8 @@ class Writer:
         blocks, together = [f"{'#' * level} {title} {{#{first} .name}}"], []
         for i, item in enumerate(items):
             together.append(item)
-            if i + 1 == len(items) or not items[i + 1].joined:
+            following = items[i + 1] if i + 1 < len(items) else None
+            if not following or not following.joined or any(part.comment for part in together) and following.names != item.names:
                 blocks.append("```cpp\n" + "\n".join(part.code for part in together) + "\n```")
                 blocks += [block for part in together for block in self.described(part.comment, owner, file)]
                 together = []

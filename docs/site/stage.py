@@ -3,7 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lays out the pages of the site: README, the pages of docs and those beside README in one folder, with their links.
 
-A link to another page leads to that page, one to a source leads to a copy of that source. A link to nothing is an error.
+A link to another page leads to that page, one to a public header and a name of C++ such as `Body::update` to the
+reference, one to another source to a copy of that source. A link to nothing is an error, and so is a name that a class
+of ours does not have.
 usage: stage.py FOLDER
 """
 import pathlib
@@ -45,6 +47,8 @@ def main():
             return pages[target] + (f"#{anchor}" if anchor else "")
         if target.startswith("docs/pictures/"):
             return target.removeprefix("docs/")
+        if header := reference.targets.get(target.rpartition("include/morula/")[2] if "include/morula/" in target else ""):
+            return header
         if not (ROOT / target).is_file():
             faults.append(f"{source}: a link to {link}")
             return link
