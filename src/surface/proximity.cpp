@@ -35,8 +35,8 @@ struct ProximityQuery::State {
     query.forget();
     once.clear();
   }
-  template <class Call>
-  SurfaceQueryStatus run_call(CallKind kind, const Call& call) {
+  template <class Step>
+  SurfaceQueryStatus run_call(CallKind kind, const Step& step) {
     const auto nearest = [distance = options.distance](const SurfaceTreeState& a, const SurfaceTreeState& b,
                                                        const FeaturePair& pair) {
       const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
@@ -44,7 +44,7 @@ struct ProximityQuery::State {
       return found.distance <= distance ? std::optional(found) : std::nullopt;
     };
     return call_of(*this, kind, [&] {
-      const SurfaceQueryStatus status = call(one_by_one(nearest));
+      const SurfaceQueryStatus status = step(one_by_one(nearest));
       if (status && options.nearest_features_once) keep_nearest_features_once();
       return status;
     });
