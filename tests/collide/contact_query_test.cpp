@@ -567,7 +567,7 @@ TEST_F(TwoBodies, after_clear_nothing_refers_to_the_removed_pairs) {
     EXPECT_EQ(left.finished_count, 0u);
     EXPECT_FALSE(left.finished);
     EXPECT_EQ(query.front(), Front{});
-    std::vector<FrontPair> cut{{}};
+    std::vector<FrontPair> cut(1);
     query.cut(cut);
     EXPECT_TRUE(cut.empty());
     EXPECT_THROW(query.surface(0), std::invalid_argument);

@@ -217,7 +217,7 @@ TEST(Inspect, facets_with_a_repeated_index_count_except_for_edges_and_fans) {
   EXPECT_EQ(report.boundary_edges + report.nonmanifold_edges + report.misoriented_edges, 0u);
   EXPECT_EQ(report.nonmanifold_vertices, 0u);
   EXPECT_TRUE(report.has_volume());
-  EXPECT_DOUBLE_EQ(report.volume, ball.volume);
+  EXPECT_NEAR(report.volume, ball.volume, 1e-12);
 }
 
 TEST(Inspect, a_facet_turned_over_misorients_its_three_edges) {

@@ -66,7 +66,7 @@ TEST(StudyPlan, fresh_trees_end_at_the_full_amount_also_there_and_back) {
       plan.samples = samples;
       plan.and_back = and_back;
       for (const Method method : {Method::medial, Method::octree}) {
-        const Source source{.method = std::string(name(method)), .generator = method};
+        const Source source{.body = 0, .method = std::string(name(method)), .generator = method, .file = {}};
         const std::vector<std::size_t> fresh_at = plan.fresh_samples(source);
         EXPECT_EQ(fresh_at.front(), 0u);
         EXPECT_EQ(plan.parameters().at(fresh_at.back()), 1) << samples << and_back;
