@@ -29,7 +29,8 @@ struct ClipPlane {
 struct FitOptions {
   std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as the largest protrusion requires
   /// Largest number of spheres of the whole robot, 1 or more; `spheres` then has no effect. Every link gets at least
-  /// one; each further sphere goes to the link where it reduces the estimated outside volume most.
+  /// one, also beyond this number; each further sphere goes to the link where it reduces the estimated outside volume
+  /// most.
   std::optional<std::size_t> max_total{};
   /// Largest number of spheres of single links, by name, 1 or more; it replaces the two numbers above for these links.
   std::map<std::string, std::size_t> link_spheres{};
