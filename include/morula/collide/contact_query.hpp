@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contacts in every frame, of several pairs of bodies under one budget; queries can be interrupted and resumed.
+// Contact query: the contacts of several pairs of bodies in every frame, under one budget. A call that its budget ends
+// can be resumed.
 //
 //   morula::ContactQuery query({.budget = std::chrono::microseconds(200)});
 //   query.add(a, b);                           // once: colliders follow their bodies
@@ -18,67 +19,76 @@ namespace morula {
 
 /// A rejection, or the progress of the call.
 struct [[nodiscard]] ContactStatus : Status {
-  bool finished = false;       ///< every contact is final, as in Contacts::finished
-  std::size_t pair_tests = 0;  ///< pair tests of this call
+  bool finished = false;       ///< true: all contacts are final, as in Contacts::finished
+  std::size_t pair_tests = 0;  ///< number of pair tests in this call
 };
 
-/// A contact query owns pairs of bodies, the front and all memory: a call allocates nothing if the memory suffices. All
-/// pairs share one queue and one budget. A rejected call changes nothing.
+/// Finds the contacts of a list of pairs of bodies. All pairs share one queue and one budget. The query keeps its front
+/// and its memory, so a call that needs no more memory than earlier ones allocates nothing. A rejected call changes
+/// nothing. Only one thread may use a query at a time; workers share its work.
 ///
-/// The result of every call is sound: each crossing lies within a pair of contacts(). An exception of a callback
-/// (refresh_children, clock, executor) leaves the query without contacts and front; resume() and carry() are then
-/// rejected. A callback that moves a body of the query has the same effect: the call fails with changed_during_call. A
-/// callback must not call the query itself: such a call is rejected, by std::invalid_argument if it returns no status.
+/// After every call, also one that its budget ended, each crossing of the bodies lies within a contact of contacts(),
+/// if the spheres of the bodies cover. If a callback (refresh_children, clock, executor) throws, the query has no
+/// contacts and no front, and rejects resume() and carry(). A callback that moves a body of the query has the same
+/// effect: the call returns changed_during_call. A callback must not call the query: it rejects such a call, with
+/// std::invalid_argument from functions that return no status.
 class ContactQuery {
  public:
-  /// Throws std::invalid_argument, naming the option, as collide() does.
+  /// Throws std::invalid_argument, with the option, for a negative or infinite margin and for a negative budget, like
+  /// collide().
   explicit ContactQuery(CollideOptions options = {});
   ~ContactQuery();
   ContactQuery(ContactQuery&&) noexcept;
   ContactQuery& operator=(ContactQuery&&) noexcept;
 
-  /// Adds a pair and returns its number, from 0. Colliders are borrowed until clear(). weight: factor of
-  /// Priority::importance, finite, not negative; otherwise throws std::invalid_argument. Ends the front.
+  /// Adds a pair, and returns its number: 0 for the first. The query borrows the colliders until clear(). weight:
+  /// factor of Priority::importance; throws std::invalid_argument if it is negative or not finite. The front is lost,
+  /// so call run() or start() next.
   std::uint32_t add(const Collider& a, const Collider& b, double weight = 1);
   /// Removes all pairs, with the front and the contacts, which refer to them. Keeps the memory.
   void clear();
-  /// Sets the options of the next call. Throws like the constructor.
+  /// Sets the options for the next call. Throws like the constructor.
   void set_options(CollideOptions options);
   const CollideOptions& options() const;
 
-  /// Prepares the memory and the tables of the bodies, so that the first call is as quick as later ones. Keeps no front
-  /// and no contacts. Cost: a whole query.
+  /// Allocates the memory and makes the tables of the bodies, so that the first call is as fast as later ones. Keeps no
+  /// front and no contacts. Cost: that of run() and start() without a budget.
   Status warm_up(Workers& workers = serial_workers());
 
-  /// Finds all contacts of the pairs in their present state and keeps no front: the quickest way to a complete result.
-  /// Contacts are listed pair by pair, depth-first, by the nodes of b, then of a. With a budget or `refresh_children`
-  /// their order is that of start().
+  /// Finds the contacts of all pairs in their present state, and keeps no front: the fastest call for a complete
+  /// result. The order of contacts is by pair, then depth-first by the nodes of b, then of a. With a budget or
+  /// `refresh_children` the order is that of start().
   ContactStatus run(Workers& workers = serial_workers());
-  /// Starts from the roots and keeps a front for resume() and carry().
+  /// Finds the contacts like run(), from the roots down, and keeps a front for resume() and carry().
   ContactStatus start(Workers& workers = serial_workers());
-  /// Continues from the front, with a new budget. Rejected if a body was updated or has another transform.
+  /// Continues the last call from its front, with a new budget. Rejects a body that was updated or has another
+  /// transform since that call.
   ContactStatus resume(Workers& workers = serial_workers());
-  /// Begins the next frame from the front: pairs are opened without a test if the motion of the bodies since the test
-  /// cannot change a verdict. A finished call has the same contacts as start(). Pairs that have separated are dropped
-  /// with all pairs below them, so the front never outgrows a fresh one. With `refresh_children`, which can hide
-  /// motion, all pairs are tested. Cost besides tests: linear in nodes that moved.
+  /// Finds the contacts of the next frame, starting at the front of the last call instead of the roots. It skips tests
+  /// whose result the motion of the bodies since the last test cannot change. If the call finishes, its contacts are
+  /// those of start(). Pairs that are apart leave the front, with all pairs below them, so the front does not grow
+  /// beyond that of start(). With `refresh_children`, which can hide motion, it tests all pairs. Cost besides tests:
+  /// linear in the nodes that moved.
   ContactStatus carry(Workers& workers = serial_workers());
 
-  /// Contacts of the last call that was not rejected.
+  /// The contacts of the last call that was not rejected.
   const Contacts& contacts() const;
-  /// The contacts, moved out of the query; contacts() is empty afterwards.
+  /// Moves the contacts out of the query; contacts() is empty afterwards.
   Contacts take_contacts();
-  /// The surface of a contact of contacts(). A contact that is not finished may take as long as the whole query,
-  /// because all facets of both nodes are read. Throws std::invalid_argument if run() with `surfaces` would be
-  /// rejected, and for an index out of range. Colliders must be current.
+  /// Computes the surface of a contact. contact: index in contacts().contacts. Throws std::invalid_argument for an
+  /// index out of range, and for bodies that run() with CollideOptions::surfaces rejects. The bodies must be in the
+  /// state of the last call. Cost: linear in the facets of both nodes, so a contact that is not finished may cost as
+  /// much as the whole query.
   ContactSurface surface(std::size_t contact);
 
+  /// The front of the last call; empty if there is none.
   const Front& front() const;
-  /// Replaces the query's own front. resume(), carry() and cut() check that it belongs to the pairs and that no index
-  /// of it is out of range; its verdicts are taken as they are.
+  /// Replaces the front of the query, such as by an earlier front(). resume(), carry() and cut() check that it belongs to
+  /// the pairs and that its indices are in range; they take its verdicts as they are.
   void set_front(Front front);
-  /// The complete cut: separated, finished and waiting pairs; each final pair is in it or below exactly one pair of it.
-  /// Empty without a front. Colliders must be current. Throws std::invalid_argument for a front of set_front() that is
+  /// Writes the cut of the last call to `pairs`: the pairs of nodes at which the search has ended or waits, which are
+  /// apart, finished or waiting. Each final pair is in the cut, or below exactly one pair of it. Empty without a front.
+  /// The bodies must be in the state of the last call. Throws std::invalid_argument for a front of set_front() that is
   /// of other bodies or has indices out of range.
   void cut(std::vector<FrontPair>& pairs) const;
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Modal models on disk: NumPy arrays of modes, and of their coordinates frame by frame.
+// Modal models on disk: a NumPy array of modes, and one of coordinates for each frame of a motion.
 //
 //   const morula::Modes modes = morula::read_modes("modes.npy", mesh);
 //   const morula::ModalCoordinates motion = morula::read_coordinates("motion.npy", modes.mode_count);
@@ -15,30 +15,34 @@
 
 namespace morula {
 
-/// Reads modes. path: a .npy of float32 or float64 in C order, shape (modes, vertices, 3): displacements in mesh units
-/// per unit of a mode's coordinate. Throws FileError that names the file, the actual and the required shape, or the
-/// first number that is not finite.
+/// Reads the modes of a mesh from a .npy file of float32 or float64 in C order and of the shape (modes, vertices, 3):
+/// the displacement of each vertex at coordinate 1 of each mode, mesh units. Throws FileError for a file that is
+/// missing or no such array, for another shape, with both shapes, and for a number that is not finite, with its index.
 Modes read_modes(const std::filesystem::path& path, const MeshView& mesh);
 
-/// Coordinates of a motion, one per frame and mode.
+/// The coordinates of a motion: one number per frame and mode.
 struct ModalCoordinates {
   std::size_t mode_count = 0;
-  std::vector<double> coordinates;  ///< frame after frame
+  std::vector<double> coordinates;  ///< frame after frame, mode_count numbers each
 
   std::size_t frame_count() const { return mode_count == 0 ? 0 : coordinates.size() / mode_count; }
+  /// The coordinates of a frame, for Body::update_modal().
   std::span<const double> frame(std::size_t i) const {
     return std::span(coordinates).subspan(i * mode_count, mode_count);
   }
 };
 
-/// Reads coordinates. path: a .npy of float32 or float64 in C order, shape (frames, modes), at least one frame. Throws
-/// FileError like read_modes.
+/// Reads the coordinates of a motion from a .npy file of float32 or float64 in C order and of the shape (frames,
+/// modes), with at least one frame. mode_count: Modes::mode_count. Throws FileError like read_modes().
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count);
 
-/// Writes float64 arrays that read_modes and read_coordinates read back to the bit. The write is atomic and replaces an
-/// existing file. Throws FileError if the file cannot be written; std::invalid_argument for data that they reject:
-/// sizes that do not match, no mode or no frame, numbers that are not finite.
+/// Writes modes as a .npy of float64, from which read_modes() returns the same bits. The write is atomic: the path has
+/// the old file until the new one is complete. Throws FileError if the file cannot be written, and
+/// std::invalid_argument for data that read_modes() rejects: sizes that do not match, no mode, numbers that are not
+/// finite.
 void write_modes(const std::filesystem::path& path, const Modes& modes);
+/// Writes coordinates as a .npy of float64, from which read_coordinates() returns the same bits. Otherwise like
+/// write_modes().
 void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates);
 
 }  // namespace morula

@@ -25,8 +25,9 @@ class SignedDistance {
   /// shells, and a shell inside a shell of the same orientation, fail that test. A closed mesh that is inside out is
   /// recognized by its negative volume, and gets the signs of the mesh with reversed facets.
   ///
-  /// Copies the required data, so the mesh may be destroyed afterwards. Throws std::invalid_argument for a mesh that
-  /// require_usable() or require_usable_scale() rejects. Cost: that of a TriangleBvh and of inspect().
+  /// Copies the required data, so the mesh may be destroyed afterwards. require_usable() must accept the mesh. Throws
+  /// std::invalid_argument for a mesh that require_usable_scale() rejects. Cost: that of a TriangleBvh and of
+  /// inspect().
   explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
   /// Uses the given method for any mesh.
   SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());

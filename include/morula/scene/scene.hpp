@@ -99,7 +99,7 @@ struct [[nodiscard]] SceneRayHit {
   SceneStatus status;
   std::optional<BodyId> body{};     ///< body that the ray hits first, of equals the lowest by place; no value: no hit
   std::optional<RayPoint> first{};  ///< first hit; no value if there is none
-  bool certified = false;           ///< true: the spheres of all tested bodies cover, so no hit is missed
+  bool certified = false;           ///< true: the spheres of all bodies cover, so no hit is missed
 };
 
 /// A body that a shape touches or may touch.
