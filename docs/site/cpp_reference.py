@@ -16,6 +16,8 @@ import headers
 FOLDERS = ["geometry", "parallel", "tree", "generators", "update", "collide", "surface", "scene", "query", "medial", "accuracy", "deform",
            "io", "robot", "grains", "study", "page"]
 OVERVIEW, C_PAGE = "cpp_reference.md", "c_reference.md"
+SIGNS = {"()": "call", "[]": "index", "->": "arrow", "+": "plus", "-": "minus", "*": "times", "/": "over", "=": "equals", "!": "not",
+         "<": "less", ">": "greater", "&": "reference", "~": "destructor"}
 INTRODUCTION = """\
 `#include <morula/morula.hpp>` has all headers of the library; a single header works as well. Robots, grains, the study and
 the page are extras with targets of their own. All names are in namespace `morula`; those of robots are in `morula::robot`,
@@ -51,6 +53,12 @@ def sentence(opening: list[str]) -> str:
     return re.split(r"(?<=[.:]) (?=[A-Z ])|(?<=\.)$", text, maxsplit=1)[0].rstrip(":")
 
 
+def anchor_of(name: str) -> str:
+    """A name as an anchor: letters, digits, _ and - alone."""
+    spelled = re.sub("|".join(map(re.escape, SIGNS)), lambda match: f" {SIGNS[match[0]]} ", name)
+    return re.sub(r"(?:\s|::)+", "-", spelled.strip()).lower()
+
+
 def escaped(text: str) -> str:
     return re.sub(r"([\\*_{}\[\]<>#|~])", r"\\\1", text)
 
@@ -81,7 +89,7 @@ class Writer:
     def find_anchors(self, file: str, item: headers.Item, owner: str) -> None:
         self.anchors[id(item)] = []
         for name in item.names:
-            stem = slug = f"{item.scope}::{owner}{name}".removeprefix("::").replace("::", "-").replace(" ", "-").lower()
+            stem = slug = anchor_of(f"{item.scope}::{owner}{name}".removeprefix("::"))
             number = 1
             while slug in self.taken:
                 number += 1

@@ -36,7 +36,7 @@ def packed(text):
 def name_of(cursor):
     name = re.sub(r"\bmorula::(\w+::)*", "", cursor.spelling)
     name = name if "operator" in name else re.sub(r"<.*", "", name)
-    return re.sub(r" (?=[&*])", "", name).replace(" ", "-").lower()
+    return re.sub(r" (?=[&*])", "", name)
 
 
 def declaration(cursor, source):
@@ -86,7 +86,7 @@ class Oracle:
         if not is_new:
             return
         text = "" if is_constant else declaration(cursor, source.decode("latin-1")).encode("latin-1").decode()
-        self.found.append((header, "-".join([*scope, name_of(cursor)]), packed(text)))
+        self.found.append((header, cpp_reference.anchor_of("::".join([*scope, name_of(cursor)])), packed(text)))
         if cursor.kind in TYPES:
             for child in cursor.get_children():
                 self.visit(child, [*scope, name_of(cursor)])
@@ -108,6 +108,7 @@ def faults(pages, oracle):
     for header in sorted(oracle.sources.values()):
         header, part = header[0], found.get(header[0], "")
         on_page = re.findall(r'\{#(?!header-)([^ }]*)(?: \.name)?\}|<a id="([^"]*)">', part)
+        messages += [f"{header}: an anchor that pages cannot have: {pair}" for pair in on_page if not re.fullmatch(r"[\w-]+", "".join(pair))]
         names = collections.Counter(re.sub(r"-\d+$", "", first or second) for first, second in on_page)
         expected = collections.Counter(name for where, name, _ in oracle.found if where == header)
         messages += [f"{header}: {name}: {names[name]} times on the page, {expected[name]} in the header"
