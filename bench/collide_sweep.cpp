@@ -75,7 +75,7 @@ RigidTransform anywhere(Random& random, double reach) {
 }
 
 struct Tally {
-  std::atomic<std::size_t> crossings{0}, poses_crossing{0}, answers{0}, missed{0}, refused{0}, other_end{0},
+  std::atomic<std::size_t> crossings{0}, poses_crossing{0}, answers{0}, missed{0}, rejected{0}, other_end{0},
       other_pairs{0};
 };
 
@@ -96,7 +96,7 @@ void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tall
   };
   const auto see = [&] {
     crossings = brute_force::crossings(a.collider, b.collider);
-    tally.refused += !exact.run(a.collider, b.collider);
+    tally.rejected += !exact.run(a.collider, b.collider);
     tally.other_pairs += !std::equal(crossings.begin(), crossings.end(), exact.pairs().begin(), exact.pairs().end());
     tally.crossings += crossings.size();
     tally.poses_crossing += !crossings.empty();
@@ -109,7 +109,7 @@ void try_pose(Actor& a, Actor& b, CrossingQuery& exact, std::uint64_t seed, Tall
   query.add(a.collider, b.collider);
   const auto interrupt = [&] { query.set_options({.budget = random.next() % (all_tests + 1), .priority = priority}); };
   const auto done = [&](const ContactStatus& status) {
-    tally.refused += !status;
+    tally.rejected += !status;
     judge(query.contacts());
   };
   const auto to_the_end = [&] {
@@ -158,7 +158,7 @@ Result sweep_poses(std::size_t poses, const Settings& settings) {
   }));
   result.expect(tally.missed == 0, std::to_string(tally.missed) + " crossings missed");
   result.expect(tally.other_pairs == 0, "other facet pairs than by brute force");
-  result.expect(tally.refused == 0, "a query was refused");
+  result.expect(tally.rejected == 0, "a query was rejected");
   result.expect(tally.other_end == 0, "an interrupted query ended elsewhere");
   result.expect(tally.crossings > poses, "hardly anything crossed");
   result.figures = {{"poses", static_cast<double>(2 * poses)},

@@ -92,7 +92,7 @@ class Swaying {
   double rhythm_;
 };
 
-// A stage of a body's life, in a process of its own, so that its memory can be told from that of others.
+// A stage of a body's life, in a process of its own, so that its memory is measured apart from that of others.
 struct Stage {
   const char* name;
   /// What is timed, after `prepare`; returns whether the result is right.
@@ -151,7 +151,7 @@ std::vector<Stage> stages() {
          const CoveredTree model = build(mesh, octree);
          std::vector<LevelMeasure> levels;
          const double seconds = processor_seconds_of([&] { levels = measure(mesh, model.tree, {}, serial_workers()); });
-         for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is bare");
+         for (const LevelMeasure& level : levels) result.expect(level.coverage.covered, "surface is uncovered");
          return seconds;
        }},
   };
@@ -183,11 +183,11 @@ std::optional<std::pair<Outcome, double>> in_a_process(const Mesh& mesh, const S
   }
   close(ends[1]);
   Outcome outcome;
-  const bool told = child > 0 && read(ends[0], &outcome, sizeof outcome) == sizeof outcome;
+  const bool has_outcome = child > 0 && read(ends[0], &outcome, sizeof outcome) == sizeof outcome;
   close(ends[0]);
   int status = 0;
   rusage usage{};
-  if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0 || !told) return std::nullopt;
+  if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0 || !has_outcome) return std::nullopt;
   return std::pair(outcome, 1024.0 * static_cast<double>(usage.ru_maxrss));
 }
 
@@ -208,7 +208,7 @@ std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const S
                 .item = fmt::format("{} bodies, {} frames", body_count, frames),
                 .mesh = fmt::format("limb of {} facets, {} nodes", mesh.facet_count(), model->tree.node_count())};
   Random random(1);
-  std::size_t bare = 0, refused = 0, not_certified = 0, samples = 0, contacts = 0;
+  std::size_t uncovered = 0, rejected = 0, not_certified = 0, samples = 0, contacts = 0;
   // Queries settle what they keep within the first frames.
   const std::size_t settled = frames / 10;
   std::optional<std::size_t> heap_before, memory_before;
@@ -216,21 +216,22 @@ std::vector<Result> run_load(std::size_t body_count, std::size_t frames, const S
   const double wall = seconds_of([&] {
     for (std::size_t frame = 0; frame < frames; ++frame) {
       const double seconds = processor_seconds_of([&] {
-        for (const auto& body : bodies) refused += !body->move(frame);
+        for (const auto& body : bodies) rejected += !body->move(frame);
       });
       result.seconds.push_back(seconds);
       const ContactStatus status = frame == 0 ? query.start(*settings.workers) : query.carry(*settings.workers);
-      refused += !status;
+      rejected += !status;
       contacts += query.contacts().contacts.size();
-      for (int k = 0; k < 20; ++k, ++samples) bare += !bodies[random.next() % body_count]->covers_somewhere(random);
+      for (int k = 0; k < 20; ++k, ++samples)
+        uncovered += !bodies[random.next() % body_count]->covers_somewhere(random);
       not_certified += !bodies[frame % body_count]->is_certified();
       if (frame == settled) heap_before = allocated_bytes(), memory_before = resident_bytes();
       if (frame > settled && frame % 50 == 0) memory_most = std::max(memory_most, resident_bytes().value_or(0));
     }
   });
   const std::optional<std::size_t> heap_after = allocated_bytes();
-  result.expect(refused == 0, fmt::format("{} updates or queries refused", refused));
-  result.expect(bare == 0, fmt::format("{} of {} points bare", bare, samples));
+  result.expect(rejected == 0, fmt::format("{} updates or queries rejected", rejected));
+  result.expect(uncovered == 0, fmt::format("{} of {} points uncovered", uncovered, samples));
   result.expect(not_certified == 0, fmt::format("{} frames not certified", not_certified));
   const double count = static_cast<double>(body_count);
   result.figures = {{"us/body", 1e6 * median(result.seconds) / count},

@@ -61,7 +61,7 @@ def study(path, args):
     def looseness(positions, spheres):
         return meter.measure_open(positions, spheres, resolution=args.resolution).looseness
 
-    over_fresh, over_paper, bare = [], [], 0
+    over_fresh, over_paper, uncovered = [], [], 0
     for i, positions in enumerate(motion):
         body.update(positions)
         tree = body.current_tree()
@@ -75,7 +75,7 @@ def study(path, args):
         paper.update(positions)
         of_paper = paper.current_tree()
         over_paper.append(ours / looseness(positions, leaves(of_paper.spheres, of_paper)))
-        bare = max(bare, morula.coverage(mesh_now, leaves(of_paper.spheres, of_paper)).uncovered_area)
+        uncovered = max(uncovered, morula.coverage(mesh_now, leaves(of_paper.spheres, of_paper)).uncovered_area)
     # What others on the machine cost is not meant: frame by frame the least of some rounds.
     least = [math.inf] * len(motion)
     for _ in range(args.rounds):
@@ -87,8 +87,8 @@ def study(path, args):
     print(f"{path}: {len(facets)} facets, {len(frames)} keys, {len(motion)} frames, {leaves(home.tree.spheres, home.tree).shape[0]} leaves")
     print(f"  known poses {len(model.poses)}, made in {making:.1f} s; changes {body.report.pose_switches}")
     print(f"  over a fresh tree: median {statistics.median(over_fresh):.2f}, worst {max(over_fresh):.2f}, of {len(over_fresh)} frames")
-    print(f"  over approach 2: median {statistics.median(over_paper):.2f}, worst {max(over_paper):.2f}, which leaves up to {100 * bare:.1f} % bare")
-    print(f"  a frame: {usual / 1000:.0f} us, the longest {max(least) / usual:.2f} times that; bare frames 0")
+    print(f"  over approach 2: median {statistics.median(over_paper):.2f}, worst {max(over_paper):.2f}, which leaves up to {100 * uncovered:.1f} % uncovered")
+    print(f"  a frame: {usual / 1000:.0f} us, the longest {max(least) / usual:.2f} times that; uncovered frames 0")
 
 
 def main():

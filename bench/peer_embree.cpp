@@ -223,7 +223,7 @@ std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b
 std::unique_ptr<Peer> make_embree(const Mesh& mesh) {
   return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC);
 }
-std::unique_ptr<Peer> make_embree_anew(const Mesh& mesh) {
+std::unique_ptr<Peer> make_embree_rebuilt(const Mesh& mesh) {
   return std::make_unique<Embree>(mesh, RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_LOW);
 }
 

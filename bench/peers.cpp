@@ -48,7 +48,7 @@ std::unique_ptr<Peer> make_embree(const Mesh&) {
 std::unique_ptr<Peer> make_embree_robust(const Mesh&) {
   return nullptr;
 }
-std::unique_ptr<Peer> make_embree_anew(const Mesh&) {
+std::unique_ptr<Peer> make_embree_rebuilt(const Mesh&) {
   return nullptr;
 }
 #endif

@@ -85,6 +85,6 @@ std::unique_ptr<Peer> make_bullet(const Mesh& mesh);
 std::unique_ptr<Peer> make_embree(const Mesh& mesh);
 std::unique_ptr<Peer> make_embree_robust(const Mesh& mesh);
 /// Its builder of Morton codes in every frame instead of refits.
-std::unique_ptr<Peer> make_embree_anew(const Mesh& mesh);
+std::unique_ptr<Peer> make_embree_rebuilt(const Mesh& mesh);
 
 }  // namespace morula::bench

@@ -54,7 +54,7 @@ set(common_update fitted_body)
 set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates)
-set(common_io asking_text first_bytes byte_reader byte_source json_checks number_text text_scanner whole_file)
+set(common_io interruptible_text first_bytes byte_reader byte_source json_checks number_text text_scanner whole_file)
 
 if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)

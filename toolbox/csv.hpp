@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// CSV files: cells that hold what would end them.
+// CSV files: cells with commas, quotes and line breaks.
 #pragma once
 
 #include <string>

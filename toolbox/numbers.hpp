@@ -15,7 +15,7 @@ std::string percent(double share);
 std::string seconds(double value);
 /// "1 sphere", "2 spheres"; `many` when the plural is not the singular with an s.
 std::string counted(std::size_t count, const std::string& one, const std::string& many = {});
-/// As many digits as reading back needs for the same bits.
+/// The digits that reading back needs for the same bits.
 std::string exact_digits(double value);
 
 /// 64-bit hashes as JSON has them: "0x…", since numbers of JSON readers often have 53 bits.

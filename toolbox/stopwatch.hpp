@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Stopwatch: wall time of what is done in between; and the median of several times.
+// Stopwatch: wall time between two calls; and the median of several times.
 #pragma once
 
 #include <algorithm>

@@ -19,7 +19,7 @@ constexpr double other_height = 92;
 constexpr double between = 26;
 constexpr double bottom = 46;
 
-// Okabe and Ito's colors, told apart by the color blind; black and yellow replaced for pages of either shade.
+// Okabe and Ito's colors, which color-blind readers distinguish; black and yellow replaced for pages of either shade.
 constexpr std::array<std::string_view, 8> palette{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                   "#e69f00", "#56b4e9", "#8c6d4f", "#808080"};
 

@@ -43,7 +43,7 @@ const context = await browser.newContext({ viewport: { width: 1120, height: 376 
 const sheet = await context.newPage();
 const half = (name, { png, share, loose }, color) => `
   <figure><div><img src="data:image/png;base64,${png}"></div>
-  <figcaption><b>${name}</b><span>looseness ${loose}</span><span style="color:${color}">${share === '0' ? 'no surface is bare' : `${share} of the surface is bare`}</span></figcaption></figure>`;
+  <figcaption><b>${name}</b><span>looseness ${loose}</span><span style="color:${color}">${share === '0' ? 'the whole surface is covered' : `${share} of the surface is uncovered`}</span></figcaption></figure>`;
 await sheet.setContent(`<style>
   body { margin: 0; background: #fff; display: flex; font: 16px 'DejaVu Sans', sans-serif; color: #1b2026 }
   figure { margin: 0; width: 560px; white-space: nowrap } figure div { width: 560px; height: 330px; overflow: hidden; position: relative }

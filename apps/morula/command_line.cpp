@@ -39,7 +39,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
 }
 
 /// The check comes ahead of parsing, because an error in parsing has to be reported in the same form.
-bool wants_json(int argc, char** argv) {
+bool has_json_option(int argc, char** argv) {
   return std::any_of(argv + 1, argv + std::max(argc, 1),
                      [](const char* word) { return std::string(word) == "--json"; });
 }
@@ -69,7 +69,7 @@ void print_first(const std::string& text) {
 }
 
 /// For a first word that is no command: the error, and unless messages are JSON the commands to paste.
-int refuse_word(const CLI::App& app, const std::vector<std::string>& words, std::size_t at, bool as_json) {
+int reject_word(const CLI::App& app, const std::vector<std::string>& words, std::size_t at, bool as_json) {
   std::vector<std::string> options;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
@@ -79,7 +79,7 @@ int refuse_word(const CLI::App& app, const std::vector<std::string>& words, std:
 }
 
 int run(int argc, char** argv, bool parse_only) {
-  const bool as_json = wants_json(argc, argv);
+  const bool as_json = has_json_option(argc, argv);
   write_messages_as_json(as_json);
   CLI::App app{"Sphere trees that cover a triangle mesh, certified, while it deforms.", "morula"};
   app.set_version_flag("--version", fmt::format("morula {}", version));
@@ -126,7 +126,7 @@ int run(int argc, char** argv, bool parse_only) {
   const std::vector<std::string> words(argv + 1, argv + argc), commands = command_names(app);
   const std::size_t place = command_place(app, words);
   if (place < words.size() && std::find(commands.begin(), commands.end(), words[place]) == commands.end())
-    return refuse_word(app, words, place, as_json);
+    return reject_word(app, words, place, as_json);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -38,7 +38,7 @@ void verify(const Input& input, const CoveredTree& model, Workers& workers, Resu
   result.expect(certificate.covered, "surface outside the spheres");
   for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
     const Coverage c = coverage(input.mesh, level_set_spheres(model.tree, level), workers);
-    result.expect(c.covered && c.uncovered_area == 0, fmt::format("level {} leaves surface bare", level));
+    result.expect(c.covered && c.uncovered_area == 0, fmt::format("level {} leaves surface uncovered", level));
   }
 }
 

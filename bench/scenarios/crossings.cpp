@@ -171,7 +171,7 @@ std::vector<Result> run_crossings(const Input& input, const Settings& settings) 
       }
     }
   });
-  own.expect(moved, "an update was refused");
+  own.expect(moved, "an update was rejected");
   own.expect(same, "other pairs in a repeated frame");
   trees.expect(same_of_trees, "not the pairs of the sphere trees");
   deep.expect(same_of_deep, "not the pairs of the sphere trees");

@@ -20,7 +20,7 @@
 namespace morula::bench {
 namespace {
 
-// Slow answers are asked for this many of each item's questions, or a quarter of them.
+// Slow answers are checked for this many of each item's questions, or a quarter of them.
 constexpr std::size_t checked_distances = 12;
 
 Vec3 random_point(Random& random, double reach) {
@@ -121,7 +121,7 @@ class Scene {
       Result result{.scenario = "distance", .item = name + ", " + what, .mesh = input_.name};
       DistanceQuery query;
       double sphere_tests = 0, facet_tests = 0;
-      std::size_t asked = 0, crossing = 0, unsound = 0, loose = 0;
+      std::size_t checked = 0, crossing = 0, unsound = 0, loose = 0;
       for (const RigidTransform& start : transforms) {
         b_.set_transform(start);
         require(query.run(a_, b_, options).status);  // memory, and where frames are coherent the last answer
@@ -134,7 +134,7 @@ class Scene {
           sphere_tests += static_cast<double>(found.sphere_tests);
           facet_tests += static_cast<double>(found.facet_tests);
           crossing += found.crossing;
-          if (asked++ % std::max<std::size_t>(1, count_ * static_cast<std::size_t>(warm_steps + 1) / checks_) != 0)
+          if (checked++ % std::max<std::size_t>(1, count_ * static_cast<std::size_t>(warm_steps + 1) / checks_) != 0)
             continue;
           const double expected = found.crossing ? 0 : slow_distance(world_mesh(b_), TriangleBvh(world_mesh(a_)));
           unsound += found.lower > expected + slack || found.upper < expected - slack;
@@ -162,14 +162,14 @@ class Scene {
     return thread_seconds() - start;
   }
 
-  // ask(i): the answer; agrees(i, answer): slow.
-  template <class Ask, class Agrees>
-  void item(const std::string& name, const Ask& ask, const Agrees& agrees) {
+  // query(i): the answer; agrees(i, answer): slow.
+  template <class Query, class Agrees>
+  void item(const std::string& name, const Query& query, const Agrees& agrees) {
     Result result{.scenario = "distance", .item = name, .mesh = input_.name};
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < count_; ++i) {
-      auto answer = ask(i);
-      result.seconds.push_back(thread_seconds_of([&] { answer = ask(i); }));
+      auto answer = query(i);
+      result.seconds.push_back(thread_seconds_of([&] { answer = query(i); }));
       if (i % std::max<std::size_t>(1, count_ / checks_) == 0) wrong += !agrees(i, answer);
     }
     result.expect(wrong == 0, std::to_string(wrong) + " answers differ from brute force");
@@ -290,7 +290,7 @@ class Scene {
   Frame positions_;
   Collider a_, b_;
   double size_;
-  std::size_t count_ = 0, checks_ = 0;  // questions of each item; those asked twice
+  std::size_t count_ = 0, checks_ = 0;  // questions of each item; those checked twice
   std::vector<Result> results_;
 };
 

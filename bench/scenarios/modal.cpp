@@ -65,7 +65,7 @@ Result modal_by(const std::string& item, const UpdateOptions& options, const Inp
   for (std::size_t f = 0; f < modal_frames; ++f) {
     frames.push_back(coordinates_of(f, options.modes.mode_count));
     status = body.update_modal(frames.back());
-    result.expect(static_cast<bool>(status), "an update was refused");
+    result.expect(static_cast<bool>(status), "an update was rejected");
     hashes.push_back(body.hash());
     move_by_modes(options.modes, input.mesh.positions, frames.back(), moved.positions);
     body.copy_spheres(spheres);

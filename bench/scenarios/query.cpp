@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenario query: what builders and measures ask a mesh, in and around its box, against brute force.
+// Scenario query: queries of builders and measures, in and around the box of a mesh, compared with brute force.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace morula::bench {
 namespace {
 
-// Brute force looks at every facet: of all questions only these many, spread over the points, are asked twice.
+// Brute force looks at every facet: of all questions only these many, spread over the points, are checked twice.
 constexpr std::size_t checked_balls = 64;
 
 /// Uniform in the box grown by a tenth of its diagonal; the radii reach from the surface to a twentieth of it.
@@ -33,8 +33,8 @@ std::vector<Sphere> balls_about(const Mesh& mesh, std::size_t count) {
 
 /// Times answer(ball) over all balls, then has agrees(ball, answer) look at some of them.
 template <class Answer, class Agrees>
-Result ask(std::string item, const Input& input, const std::vector<Sphere>& balls, const Settings& settings,
-           const Answer& answer, const Agrees& agrees) {
+Result run_query(std::string item, const Input& input, const std::vector<Sphere>& balls, const Settings& settings,
+                 const Answer& answer, const Agrees& agrees) {
   using Value = decltype(answer(balls.front()));
   Result result{.scenario = "query", .item = std::move(item), .mesh = input.name};
   std::vector<Value> answers(balls.size());
@@ -44,10 +44,10 @@ Result ask(std::string item, const Input& input, const std::vector<Sphere>& ball
     });
   });
   const std::size_t step = std::max<std::size_t>(1, balls.size() / checked_balls);
-  std::size_t wrong = 0, asked = 0;
-  for (std::size_t i = 0; i < balls.size(); i += step, ++asked) wrong += !agrees(balls[i], answers[i]);
+  std::size_t wrong = 0, checked = 0;
+  for (std::size_t i = 0; i < balls.size(); i += step, ++checked) wrong += !agrees(balls[i], answers[i]);
   if (wrong > 0)
-    result.faults.push_back(std::to_string(wrong) + " of " + std::to_string(asked) +
+    result.faults.push_back(std::to_string(wrong) + " of " + std::to_string(checked) +
                             " answers differ from brute force");
   result.figures = {{"questions", static_cast<double>(balls.size())},
                     {"ns/question", 1e9 * median(result.seconds) / static_cast<double>(balls.size())}};
@@ -74,7 +74,7 @@ std::vector<Result> run_query(const Input& input, const Settings& settings) {
     std::uint32_t facet;
     double squared_distance;
   };
-  results.push_back(ask(
+  results.push_back(run_query(
       "closest point", input, balls, settings,
       [&](const Sphere& ball) {
         const auto found = bvh.closest_point(ball.center);
@@ -85,13 +85,13 @@ std::vector<Result> run_query(const Input& input, const Settings& settings) {
         return found.facet == expected.facet && found.squared_distance == expected.squared_distance;
       }));
 
-  results.push_back(ask(
+  results.push_back(run_query(
       "winding number", input, balls, settings, [&](const Sphere& ball) { return bvh.winding_number(ball.center); },
       [&](const Sphere& ball, double found) {
         return std::abs(found - brute_force::winding_number(mesh, ball.center)) < 0.05;
       }));
 
-  results.push_back(ask(
+  results.push_back(run_query(
       "facets touching a ball", input, balls, settings,
       [&](const Sphere& ball) {
         thread_local std::vector<std::uint32_t> facets;
@@ -110,7 +110,7 @@ std::vector<Result> run_query(const Input& input, const Settings& settings) {
   if (!has_volume) return results;
 
   const double inside = signed_volume(mesh) > 0 ? 1.0 : -1.0;
-  results.push_back(ask(
+  results.push_back(run_query(
       "signed distance", input, balls, settings, [&](const Sphere& ball) { return object(ball.center); },
       [&](const Sphere& ball, double found) {
         const bool is_inside = inside * brute_force::winding_number(mesh, ball.center) > 0.5;
@@ -120,7 +120,7 @@ std::vector<Result> run_query(const Input& input, const Settings& settings) {
 
   // Brute force samples the ball: a few hundred points for each, so the comparison is a coarse one.
   constexpr std::size_t samples = 400;
-  results.push_back(ask(
+  results.push_back(run_query(
       "volume inside", input, balls, settings, [&](const Sphere& ball) { return inside_volume(object, ball); },
       [&](const Sphere& ball, double found) {
         const double share = found / volume(ball);

@@ -3,8 +3,8 @@
 // Scenario rebuild: one second of motion at 60 frames a second and one of rest at its end, with rebuilds on a second
 // core or a share of one as they come, with trees for principal strains, or with trees made beforehand for poses of the
 // motion and nothing rebuilt, each with standard and high effort; leaf looseness beside a fresh build's at the same
-// pose, and beside approach 2, which may leave surface bare; and how long the longest frame takes beside the median
-// one.
+// pose, and beside approach 2, which may leave surface uncovered; and how long the longest frame takes beside the
+// median one.
 #include <algorithm>
 #include <cmath>
 #include <morula/accuracy/looseness.hpp>
@@ -70,12 +70,12 @@ class Comparison {
   /// The last frame is the one a second after the motion.
   void report(const std::vector<RebuiltFrame>& frames, Result& result) {
     std::vector<double> over_fresh, over_paper;
-    double bare = 0, error = 0;
+    double uncovered = 0, error = 0;
     for (const RebuiltFrame& frame : frames) {
       const Figures now = measured(frame);
       over_fresh.push_back(now.ours / now.fresh);
       over_paper.push_back(now.ours / now.paper);
-      bare = std::max(bare, now.paper_bare);
+      uncovered = std::max(uncovered, now.paper_uncovered);
       if (now.ours < 1.5) error = std::max(error, std::abs(frame.estimate / now.ours - 1));
     }
     const double after = over_fresh.back();
@@ -88,13 +88,13 @@ class Comparison {
                       {"over approach 2, worst", *std::max_element(over_paper.begin(), over_paper.end())},
                       {"frames tighter than approach 2", static_cast<double>(tighter)},
                       {"frames compared", static_cast<double>(over_paper.size())},
-                      {"approach 2 uncovered area, largest", bare},
+                      {"approach 2 uncovered area, largest", uncovered},
                       {"estimate off by, largest", error}};
   }
 
  private:
   struct Figures {
-    double ours, fresh, paper, paper_bare;
+    double ours, fresh, paper, paper_uncovered;
   };
 
   double leaf_looseness(const Mesh& mesh, const SphereTree& tree) const {
@@ -178,7 +178,7 @@ Result rebuilt_over(const NamedMotion& motion, const Setting& setting, RebuildEf
     const double before = thread_seconds();
     status = body.update(positions, *settings.workers);
     result.seconds.push_back(thread_seconds() - before);
-    result.expect(static_cast<bool>(status), "an update was refused");
+    result.expect(static_cast<bool>(status), "an update was rejected");
     body.body().copy_spheres(spheres);
     covered = covered && certify(body.body().cover(), positions, spheres, *settings.workers).covered;
     if (frame == frame_count || (frame <= frames_per_second && frame % compared_every(settings) == 0))

@@ -106,7 +106,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
         if (frame == 0) m.id = scene.add(m.collider, {.user_data = i});
       }
       // The first frame makes memory.
-      if (frame == 0) result.expect(static_cast<bool>(scene.update(*settings.workers)), "the scene was refused");
+      if (frame == 0) result.expect(static_cast<bool>(scene.update(*settings.workers)), "the scene was rejected");
       SceneStatus status;
       result.seconds.push_back(seconds_of([&] { status = scene.update(*settings.workers); }));
       if (spinning != nullptr) spinning->seconds.push_back(seconds_of([&] { spin(*settings.workers); }));

@@ -67,12 +67,12 @@ Result update_by(Rule rule, const Input& input, const CoveredTree& model, const 
   bool covered = true;
   for (const Frame& frame : frames) {
     status = body.update(frame);
-    result.expect(static_cast<bool>(status), "an update was refused");
+    result.expect(static_cast<bool>(status), "an update was rejected");
     hashes.push_back(body.hash());
     body.copy_spheres(spheres);
     covered = covered && certify(body.cover(), frame, spheres, *settings.workers).covered;
   }
-  // The other rules promise nothing; how much they leave bare is for `measure` to say.
+  // The other rules promise nothing; how much they leave uncovered is for `measure` to say.
   if (rule == Rule::exact) result.expect(covered, "surface outside the spheres");
   result.expect(hashes.front() == hashes.back(), "back at rest the spheres are not those of rest");
 

@@ -89,7 +89,7 @@ Contender contender(const VolumeKind& kind, const Input& input, const CoveredTre
     c.hashes.push_back(c.volumes->hash());
     c.covers = c.covers && c.volumes->covers(frame);
   }
-  c.result.expect(updated, "an update was refused");
+  c.result.expect(updated, "an update was rejected");
   // Approach 2 promises no cover.
   if (kind.name != "spheres, approach2") c.result.expect(c.covers, "surface outside the volumes");
   c.result.expect(c.hashes.front() == c.hashes.back(), "back at rest the volumes are not those of rest");

@@ -3,7 +3,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lays out the pages of the site: README, the pages of docs and those beside README in one folder, with their links.
 
-A link to another page leads to that page, one to a source leads to a copy of that source. A link to nothing is an error.
+A link to another page leads to that page, one to a public header and a name of C++ such as `Body::update` to the
+reference, one to another source to a copy of that source. A link to nothing is an error, and so is a name that a class
+of ours does not have.
 usage: stage.py FOLDER
 """
 import pathlib
@@ -13,6 +15,7 @@ import shutil
 import sys
 import textwrap
 
+import cpp_reference
 import python_reference
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -25,7 +28,7 @@ def main():
     (folder / "pictures").mkdir(parents=True)
     for picture in (ROOT / "docs/pictures").iterdir():
         shutil.copy(picture, folder / "pictures")
-    for extra in ("mark.svg", "file_worker.js"):
+    for extra in ("mark.svg", "file_worker.js", "site.css"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
     pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
@@ -44,6 +47,8 @@ def main():
             return pages[target] + (f"#{anchor}" if anchor else "")
         if target.startswith("docs/pictures/"):
             return target.removeprefix("docs/")
+        if header := reference.targets.get(target.rpartition("include/morula/")[2] if "include/morula/" in target else ""):
+            return header
         if not (ROOT / target).is_file():
             faults.append(f"{source}: a link to {link}")
             return link
@@ -60,6 +65,15 @@ def main():
             text = titles[name]
         return f"[{text}]({target})"
 
+    reference = cpp_reference.Reference(ROOT, {source: f"[{titles[name]}]({name})" for source, name in pages.items()})
+
+    def referred(source, code):
+        """A name of C++ as a link to the reference; in other links it stays as it is."""
+        name = reference.target(code[1]) if code[1] else ""
+        if name is None and source != "CHANGELOG.md":
+            faults.append(f"{source}: {code[1]} is not in the reference of C++")
+        return f"[{code[0]}]({name})" if name else code[0]
+
     def tabs(block):
         """Blocks of code with a name each in bold, as tabs of the site."""
         text = re.sub(r"(?m)^<!--.*-->\n", "", block[1])
@@ -71,6 +85,7 @@ def main():
         pieces = re.split(r"(?m)(^```.*?^```$)", (ROOT / source).read_text(), flags=re.S)
         for i in range(0, len(pieces), 2):
             pieces[i] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", lambda m: rewritten(source, m[1], m[2]), pieces[i])
+            pieces[i] = re.sub(r"\[[^][]*\]\([^()\s]+\)|`((?:\w+::)+\w+)[^`]*`", lambda m: referred(source, m), pieces[i])
         (folder / name).write_text(re.sub(r"(?ms)^<!-- tabs -->\n(.*?)^<!-- end tabs -->$", tabs, "".join(pieces)))
 
     (folder / "source").mkdir()
@@ -81,6 +96,9 @@ def main():
 
     stub = ROOT / "build/release/python/morula/_morula/__init__.pyi"
     (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
+
+    for name, text in reference.texts.items():
+        (folder / name).write_text(text)
 
     if faults:
         sys.exit("\n".join(faults))

@@ -28,12 +28,12 @@ AffineTransform turn_about(const Vec3& point, const Vec3& axis, double angle) {
   return t;
 }
 
-/// Pieces of one mesh: a finger is a tube with round ends and three bones, one after the other.
+/// Parts of one mesh: a finger is a tube with round ends and three bones, one after the other.
 class Hand {
  public:
   Mesh mesh;
   Skin skin;
-  std::vector<int> piece;  // by vertex: a finger, or 5 for the palm
+  std::vector<int> part;  // by vertex: a finger, or 5 for the palm
 
   Hand() {
     skin.bone_count = 1 + 3 * fingers;  // bone 0 is the palm, which rests
@@ -81,9 +81,9 @@ class Hand {
     skin.bones.push_back(bone);
     skin.weights.push_back(weight);
   }
-  void end_vertex(int of_piece) {
+  void end_vertex(int of_part) {
     skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
-    piece.push_back(of_piece);
+    part.push_back(of_part);
   }
 
   void add_finger(int f) {
@@ -162,9 +162,9 @@ int main() {
   const Hand hand;
   SurfaceTree tree(hand.mesh);
   std::printf("%zu vertices, %zu facets\n", hand.mesh.positions.size(), hand.mesh.facets.size());
-  const auto piece_of = [&](PairKind kind, bool is_a, std::uint32_t number) {
-    if (kind == PairKind::edge_edge) return hand.piece[tree.edges()[number][0]];
-    return hand.piece[kind == PairKind::vertex_facet && is_a ? number : tree.facets()[number][0]];
+  const auto part_of = [&](PairKind kind, bool is_a, std::uint32_t number) {
+    if (kind == PairKind::edge_edge) return hand.part[tree.edges()[number][0]];
+    return hand.part[kind == PairKind::vertex_facet && is_a ? number : tree.facets()[number][0]];
   };
 
   std::array<std::size_t, 2> most_crossings{};
@@ -191,7 +191,7 @@ int main() {
         if (stops) {
           if (!tree.update(now, next) || !swept.run(tree)) return 1;
           for (const SweptPair& pair : swept.pairs())
-            for (const int of : {piece_of(pair.kind, true, pair.a), piece_of(pair.kind, false, pair.b)})
+            for (const int of : {part_of(pair.kind, true, pair.a), part_of(pair.kind, false, pair.b)})
               if (of < fingers && moves[static_cast<std::size_t>(of)])
                 moves[static_cast<std::size_t>(of)] = false, again = true;
         }
@@ -207,11 +207,11 @@ int main() {
       most_crossings[stops] = std::max(most_crossings[stops], all.size());
       std::set<std::array<int, 2>> together;
       for (const ProximityPair& pair : near.pairs()) {
-        const int a = piece_of(pair.kind, true, pair.a), b = piece_of(pair.kind, false, pair.b);
+        const int a = part_of(pair.kind, true, pair.a), b = part_of(pair.kind, false, pair.b);
         together.insert({std::min(a, b), std::max(a, b)});
       }
       if (frame % 10 == 0)
-        std::printf("%s, frame %2d: %4zu near pairs of features, %zu pairs of pieces together, %zu crossings\n",
+        std::printf("%s, frame %2d: %4zu near pairs of features, %zu pairs of parts together, %zu crossings\n",
                     stops ? "stopping" : "freely  ", frame, near.pairs().size(), together.size(), all.size());
       if (stops) touched = together;
     }

@@ -35,15 +35,16 @@ int main() {
 
   // Top down, only where needed: is anything of the body above this plane?
   std::vector<std::uint32_t> open{0};
-  std::size_t asked = 0, leaves = 0;
+  std::size_t requested = 0, leaves = 0;
   while (!open.empty()) {
     const std::uint32_t node = open.back();
     open.pop_back();
     const morula::Sphere s = body.modal_sphere(node, q);
-    ++asked;
+    ++requested;
     if (s.center.y + s.radius < 0.9) continue;
     leaves += model.tree.is_leaf(node);
     for (std::uint32_t c = 0; c < model.tree.child_count[node]; ++c) open.push_back(model.tree.first_child[node] + c);
   }
-  std::printf("%zu leaves may be above, %zu spheres of %zu were asked for\n", leaves, asked, model.tree.node_count());
+  std::printf("%zu leaves may be above, %zu spheres of %zu were requested\n", leaves, requested,
+              model.tree.node_count());
 }

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The library in one include. Robots, clumps, the study and the page have their own headers, in robot, grains, study
-// and page.
+// The whole library in one include. The extras have their own headers: morula/robot (robots), morula/grains (clumps of
+// spheres), morula/study and morula/page.
 #pragma once
 
-// MSVC defines a macro of its own for the language version, unless /Zc:__cplusplus is given.
+// MSVC keeps __cplusplus at 199711 without /Zc:__cplusplus; _MSVC_LANG has its language version.
 #if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
 #error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
 #endif

@@ -73,13 +73,13 @@ def reworded(function: Any, given: list[Any], named: dict[str, Any], text: str, 
     return f"{label}: {'; '.join(best)}. It takes {takes}"
 
 
-def refused(kind: type) -> str:
+def rejected(kind: type) -> str:
     """The message of a TypeError of a call of this class, or of a derived one, which only functions create."""
-    return _refusal(next(base for base in kind.__mro__ if base.__module__.startswith(_morula.__name__)))
+    return _rejection(next(base for base in kind.__mro__ if base.__module__.startswith(_morula.__name__)))
 
 
 @functools.cache
-def _refusal(own: type) -> str:
+def _rejection(own: type) -> str:
     name = re.compile(rf"(?<!typing\.)\b{own.__name__}\b")
     given = re.compile(rf"(\w+): [\w.]*Callable\[\[[^\]]*\b{own.__name__}\b")
     sources: dict[str, _Place] = {}

@@ -51,7 +51,7 @@ engine.start_workers_as(sys.executable, [sys.executable, "-m", "morula"])
 class _Mesh(NamedTuple):
     name: str  # as the table has it
     place: Place
-    refusal: str = ""
+    rejection: str = ""
     is_checked: bool = False  # has to lie in the roots
 
 
@@ -81,19 +81,19 @@ def _checked_words(options: Mapping[str, Any], arguments: Mapping[str, Any]) -> 
 
 def _meshes_in_folder(place: Place) -> list[_Mesh]:
     if place.local is not None:
-        return [_Mesh(name, Place(path), refusal, True) for name, _, path, refusal in engine.manifest(place.local)]
+        return [_Mesh(name, Place(path), rejection, True) for name, _, path, rejection in engine.manifest(place.local)]
     known = set(_morula.readable_mesh_extensions().split())
     found = [Place(path, place.options) for path in place.files()]
     return [_Mesh(engine.text_of_name(mesh.name_in(place).encode()), mesh) for mesh in found if mesh.suffix in known]
 
 
-def _mesh_named(name: str, reference: str, path: pathlib.Path, refusal: str, folder: Place) -> _Mesh:
+def _mesh_named(name: str, reference: str, path: pathlib.Path, rejection: str, folder: Place) -> _Mesh:
     """The mesh that a row of a manifest names."""
     if "://" in reference and not reference.startswith("file://"):
         return _Mesh(name, Place(reference, folder.options))
     if folder.local is None and "://" not in reference and not os.path.isabs(reference):
         return _Mesh(name, folder / reference)
-    return _Mesh(name, Place(path), refusal, True)
+    return _Mesh(name, Place(path), rejection, True)
 
 
 def _meshes_of(manifest: Manifest, storage_options: Mapping[str, Any] | None) -> tuple[list[_Mesh], Place | None]:
@@ -138,7 +138,7 @@ def _keys_of(meshes: list[_Mesh], words: list[str], roots: list[pathlib.Path]) -
     keys = [("", "")] * len(meshes)
     for is_checked in (True, False):
         here = {i: mesh.place.local for i, mesh in enumerate(meshes) if mesh.place.local is not None and mesh.is_checked == is_checked}
-        found = engine.keys([(path, meshes[i].refusal) for i, path in here.items()], words, roots if is_checked else None)
+        found = engine.keys([(path, meshes[i].rejection) for i, path in here.items()], words, roots if is_checked else None)
         for i, key in zip(here, found):
             keys[i] = key
     for i, mesh in enumerate(meshes):
@@ -367,7 +367,7 @@ def run(
         resume: continue with the results in the folder. Results that are damaged or without a tree are built again, with a warning.
         retry: like resume, and retry failed meshes.
         no_trees: write only the table.
-        measure: adds the columns closed, looseness, uncovered_area, gap and protrusion; the last four also per level.
+        measure: adds the columns closed, looseness, uncovered_area, uncovered_distance and protrusion; the last four also per level.
         archives: packs trees into trees/KK.tar at the end, by the first two digits of their keys, for file systems that are slow
             with many files. tree_of() reads them.
         storage_options: options of fsspec, for a manifest, meshes and an output with URLs (`s3://bucket/meshes`). Workers read

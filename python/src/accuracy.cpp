@@ -37,11 +37,11 @@ struct Posture {
 constexpr const char* grid_text =
     "voxels along the longest side of the box of the spheres; with voxel_edge, mesh units, a fixed lattice instead";
 
-/// Binds measure() and similar functions, for a tree or for spheres: `read` converts the argument, `ask` measures
+/// Binds measure() and similar functions, for a tree or for spheres: `read` converts the argument, `measure` measures
 /// without the GIL.
-template <class Given, class Read, class Ask>
+template <class Given, class Read, class Measure>
 void bind_measure(nb::module_& m, const char* name, const char* subject, const char* subject_type, const char* result,
-                  const char* text, const Read& read, const Ask& ask) {
+                  const char* text, const Read& read, const Measure& measure) {
   const std::string signature =
       std::string("def ") + name + "(mesh: morula.typing.MeshLike, " + subject + ": " + subject_type +
       ", positions: morula.typing.FloatArray | None = None, *, resolution: int = 192, voxel_edge: float | None = None, "
@@ -50,14 +50,14 @@ void bind_measure(nb::module_& m, const char* name, const char* subject, const c
       result;
   m.def(
       name,
-      [read, ask](MeshGiven given, Given subject_given, nb::handle positions, int resolution,
-                  std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
-                  bool with_sampled_fit, bool open_by_winding, Threads* workers) {
+      [read, measure](MeshGiven given, Given subject_given, nb::handle positions, int resolution,
+                      std::optional<double> voxel_edge, bool with_protrusion, double protrusion_tolerance,
+                      bool with_sampled_fit, bool open_by_winding, Threads* workers) {
         const MeasureOptions options{grid_of(resolution, voxel_edge), with_protrusion, protrusion_tolerance,
                                      with_sampled_fit, open_by_winding};
         const Posture posture(given, positions);
         const auto measured = read(subject_given);
-        return without_gil([&] { return ask(posture.view(), measured, options, CallWorkers(workers)); });
+        return without_gil([&] { return measure(posture.view(), measured, options, CallWorkers(workers)); });
       },
       nb::arg("mesh"), nb::arg(subject), nb::arg("positions") = nb::none(), nb::kw_only(), nb::arg("resolution") = 192,
       nb::arg("voxel_edge") = nb::none(), nb::arg("with_protrusion") = true, nb::arg("protrusion_tolerance") = 1e-2,
@@ -167,7 +167,7 @@ void bind_accuracy(nb::module_& m) {
       m, "measure", "tree", "SphereTree | CoveredTree", "list[LevelMeasure]", doc::measure,
       [](const nb::object& given) {
         if (nb::isinstance<CoveredTree>(given)) return nb::cast<const CoveredTree&>(given).tree;
-        if (!nb::isinstance<SphereTree>(given)) refuse_type(given, "tree", "a SphereTree or a CoveredTree");
+        if (!nb::isinstance<SphereTree>(given)) reject_type(given, "tree", "a SphereTree or a CoveredTree");
         return nb::cast<const SphereTree&>(given);
       },
       [](const MeshView& mesh, const SphereTree& tree, const MeasureOptions& options, Workers& workers) {

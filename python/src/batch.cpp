@@ -43,7 +43,7 @@ using RowTuple = std::tuple<std::string, std::string, fs::path, std::string>;
 std::vector<RowTuple> tuples_of(const std::vector<cli::ManifestRow>& rows) {
   std::vector<RowTuple> tuples;
   for (const cli::ManifestRow& row : rows)
-    tuples.emplace_back(cli::text_of_name(row.name), cli::text_of_name(row.reference), row.mesh, row.refusal);
+    tuples.emplace_back(cli::text_of_name(row.name), cli::text_of_name(row.reference), row.mesh, row.rejection);
   return tuples;
 }
 
@@ -94,8 +94,9 @@ void bind_rows(nb::module_& m) {
           std::optional<FileRoots> folders;
           if (roots) folders.emplace(std::vector<fs::path>(roots->begin(), roots->end()));
           std::vector<std::pair<std::string, std::string>> keys;
-          for (const auto& [path, refusal] : rows) {
-            auto [key, message] = cli::key_of_file({{}, {}, path.path, refusal}, words, folders ? &*folders : nullptr);
+          for (const auto& [path, rejection] : rows) {
+            auto [key, message] =
+                cli::key_of_file({{}, {}, path.path, rejection}, words, folders ? &*folders : nullptr);
             keys.emplace_back(std::move(key), std::move(message));
           }
           return keys;

@@ -111,46 +111,46 @@ void exchange_all(nb::handle scope) {
 /// Python before 3.14 has no name for this slot; nanobind reads it in all versions.
 constexpr int slot_of_vectorcall = 82;
 
-void refuse_to_make(PyObject* kind) noexcept {
+void reject_instance(PyObject* kind) noexcept {
   try {
-    const nb::object text = nb::module_::import_("morula._calls").attr("refused")(nb::handle(kind));
+    const nb::object text = nb::module_::import_("morula._calls").attr("rejected")(nb::handle(kind));
     PyErr_SetObject(PyExc_TypeError, text.ptr());
   } catch (nb::python_error& error) {
     error.restore();
   }
 }
 
-PyObject* refuse_call(PyObject* kind, PyObject* const*, std::size_t, PyObject*) {
-  refuse_to_make(kind);
+PyObject* reject_call(PyObject* kind, PyObject* const*, std::size_t, PyObject*) {
+  reject_instance(kind);
   return nullptr;
 }
 
-PyObject* refuse_new(PyTypeObject* type, PyObject*, PyObject*) {
+PyObject* reject_new(PyTypeObject* type, PyObject*, PyObject*) {
   auto* const kind = reinterpret_cast<PyObject*>(type);
   if (PyObject_HasAttrString(kind, "__setstate__")) return nb::detail::nb_inst_alloc(type);
-  refuse_to_make(kind);
+  reject_instance(kind);
   return nullptr;
 }
 
-int refuse_init(PyObject* self, PyObject*, PyObject*) {
-  refuse_to_make(reinterpret_cast<PyObject*>(Py_TYPE(self)));
+int reject_init(PyObject* self, PyObject*, PyObject*) {
+  reject_instance(reinterpret_cast<PyObject*>(Py_TYPE(self)));
   return -1;
 }
 
 }  // namespace
 
-PyType_Slot refused_call() {
-  return {slot_of_vectorcall, reinterpret_cast<void*>(&refuse_call)};
+PyType_Slot rejecting_call() {
+  return {slot_of_vectorcall, reinterpret_cast<void*>(&reject_call)};
 }
-PyType_Slot refused_new() {
-  return {Py_tp_new, reinterpret_cast<void*>(&refuse_new)};
+PyType_Slot rejecting_new() {
+  return {Py_tp_new, reinterpret_cast<void*>(&reject_new)};
 }
-PyType_Slot refused_init() {
-  return {Py_tp_init, reinterpret_cast<void*>(&refuse_init)};
+PyType_Slot rejecting_init() {
+  return {Py_tp_init, reinterpret_cast<void*>(&reject_init)};
 }
 
 nb::type_slots only_returned() {
-  static PyType_Slot slots[]{refused_call(), refused_new(), refused_init(), {0, nullptr}};
+  static PyType_Slot slots[]{rejecting_call(), rejecting_new(), rejecting_init(), {0, nullptr}};
   return nb::type_slots(slots);
 }
 

@@ -226,7 +226,7 @@ void bind_transform(nb::module_& m) {
           [](RigidTransform* self, ArrayGiven matrix) {
             new (self) RigidTransform(matrix_transform(matrix.object, "matrix"));
           },
-          nb::arg("matrix"), "Of a (4, 4) or (3, 4) matrix that acts on columns.")
+          nb::arg("matrix"), "A (4, 4) or (3, 4) matrix that acts on columns.")
       .def_static("from_quaternion", &RigidTransform::from_quaternion, nb::arg("w"), nb::arg("x"), nb::arg("y"),
                   nb::arg("z"), nb::arg("translation") = Vec3{}, doc::RigidTransform_from_quaternion)
       .def_static("from_axis", &RigidTransform::from_axis, nb::arg("axis"), nb::arg("angle_radians"),

@@ -20,7 +20,7 @@ Copy<double, -1> each(ArrayGiven given, const char* name, Threads* workers, cons
   const std::vector<Vec3> points = points_of(given.object, name);
   return own_numbers(without_gil([&] {
     std::vector<double> values;
-    detail::resize_asking(values, points.size());
+    detail::resize_interruptibly(values, points.size());
     CallWorkers call(workers);
     parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) values[i] = f(points[i]);
@@ -38,10 +38,10 @@ struct ClosestPoints {
 
 ClosestPoints closest(const TriangleBvh& bvh, const std::vector<Vec3>& points, Workers& workers) {
   ClosestPoints found;
-  detail::resize_asking(found.points, points.size());
-  detail::resize_asking(found.facets, points.size());
-  detail::resize_asking(found.distances, points.size());
-  detail::resize_asking(found.barycentric, points.size());
+  detail::resize_interruptibly(found.points, points.size());
+  detail::resize_interruptibly(found.facets, points.size());
+  detail::resize_interruptibly(found.distances, points.size());
+  detail::resize_interruptibly(found.barycentric, points.size());
   parallel_for(workers, points.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto nearest = bvh.closest_point(points[i]);
@@ -146,7 +146,7 @@ void bind_shapes(nb::module_& m) {
             const std::vector<Vec3> points = points_of(given.object, "points");
             auto [inside, owner] = kept(without_gil([&] {
               std::vector<std::uint8_t> flags;
-              detail::resize_asking(flags, points.size());
+              detail::resize_interruptibly(flags, points.size());
               CallWorkers call(workers);
               parallel_for(static_cast<Workers&>(call), points.size(), 256, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) flags[i] = self.is_inside(points[i]);

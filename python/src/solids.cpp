@@ -100,7 +100,7 @@ void bind_penetration(nb::module_& m) {
           "run",
           [](HeldPenetration& self, double tolerance, double volume_tolerance, BudgetGiven budget) {
             const PenetrationOptions options = penetration_options(tolerance, volume_tolerance, budget);
-            const Penetration found = self.ask([&](PenetrationQuery& query) { return query.run(options); });
+            const Penetration found = self.call([&](PenetrationQuery& query) { return query.run(options); });
             require(found.status);
             return found;
           },
@@ -110,7 +110,7 @@ void bind_penetration(nb::module_& m) {
           "resume",
           [](HeldPenetration& self, double tolerance, double volume_tolerance, BudgetGiven budget) {
             const PenetrationOptions options = penetration_options(tolerance, volume_tolerance, budget);
-            const Penetration found = self.ask([&](PenetrationQuery& query) { return query.resume(options); });
+            const Penetration found = self.call([&](PenetrationQuery& query) { return query.resume(options); });
             require(found.status);
             return found;
           },

@@ -103,15 +103,15 @@ double area_outside_sphere(const FacetPlane& plane, std::span<const Vec3> polygo
 /// Each |x − c_i| is convex, so on a triangle it is largest at a corner, and min_i max_corners |x − c_i| − r_i bounds
 /// the gap from above: the bound is exact if one sphere is the nearest at all of the triangle. Triangles are halved
 /// along their longest edge, the one with the highest bound first.
-class LargestGap {
+class LargestDistance {
  public:
   /// diagram: borrowed. tolerance: distances that differ by less count as equal.
-  LargestGap(const PowerDiagram& diagram, double tolerance) : diagram_(&diagram), tolerance_(tolerance) {}
+  LargestDistance(const PowerDiagram& diagram, double tolerance) : diagram_(&diagram), tolerance_(tolerance) {}
 
   /// upper: the least growth that lets one sphere contain the polygon.
   void add(std::span<const Vec3> polygon, std::uint32_t facet, double upper);
   /// Adds the result of another search and the parts that it has not refined yet.
-  void add(const LargestGap& other);
+  void add(const LargestDistance& other);
   /// Refines until the bounds are within relative 5e-7 (or a quarter of the tolerance) of each other, or the budget of
   /// 2²⁰ halvings is spent; the bounds hold in either case.
   void refine();
@@ -121,21 +121,21 @@ class LargestGap {
   std::uint32_t facet() const { return best_facet_; }  ///< facet on which lower() is attained
 
  private:
-  struct Piece {
+  struct Part {
     Triangle corners;
     std::uint32_t facet;
     double upper;
   };
   double wanted() const;  // bound below which parts need no refinement
   void look_at(const Vec3& x, std::uint32_t facet);
-  void push(const Piece& piece);
+  void push(const Part& part);
 
   const PowerDiagram* diagram_;
   double tolerance_;
   double best_ = -std::numeric_limits<double>::infinity();
   double dropped_ = -std::numeric_limits<double>::infinity();  // highest bound of a dropped part
   std::uint32_t best_facet_ = 0;
-  std::vector<Piece> pieces_;  // heap, highest bound first
+  std::vector<Part> parts_;  // heap, highest bound first
 };
 
 constexpr auto lower_bound_first = [](const auto& a, const auto& b) { return a.upper < b.upper; };
@@ -151,26 +151,26 @@ int apex_over_longest_edge(const Triangle& t) {
   return apex;
 }
 
-double LargestGap::wanted() const {
+double LargestDistance::wanted() const {
   constexpr double relative = 5e-7;
   return best_ + std::max(relative * best_, 0.25 * tolerance_);
 }
 
-void LargestGap::look_at(const Vec3& x, std::uint32_t facet) {
+void LargestDistance::look_at(const Vec3& x, std::uint32_t facet) {
   const double gap = diagram_->least_growth(std::span(&x, 1)).amount;
   if (gap > best_ || (gap == best_ && facet < best_facet_)) best_ = gap, best_facet_ = facet;
 }
 
-void LargestGap::push(const Piece& piece) {
-  if (piece.upper <= wanted()) {
-    dropped_ = std::max(dropped_, piece.upper);
+void LargestDistance::push(const Part& part) {
+  if (part.upper <= wanted()) {
+    dropped_ = std::max(dropped_, part.upper);
     return;
   }
-  pieces_.push_back(piece);
-  std::push_heap(pieces_.begin(), pieces_.end(), lower_bound_first);
+  parts_.push_back(part);
+  std::push_heap(parts_.begin(), parts_.end(), lower_bound_first);
 }
 
-void LargestGap::add(std::span<const Vec3> polygon, std::uint32_t facet, double upper) {
+void LargestDistance::add(std::span<const Vec3> polygon, std::uint32_t facet, double upper) {
   if (upper <= wanted()) {
     dropped_ = std::max(dropped_, upper);
     return;
@@ -182,34 +182,34 @@ void LargestGap::add(std::span<const Vec3> polygon, std::uint32_t facet, double 
   }
 }
 
-void LargestGap::add(const LargestGap& other) {
+void LargestDistance::add(const LargestDistance& other) {
   if (other.best_ > best_ || (other.best_ == best_ && other.best_facet_ < best_facet_))
     best_ = other.best_, best_facet_ = other.best_facet_;
   dropped_ = std::max(dropped_, other.dropped_);
-  for (const Piece& p : other.pieces_) push(p);
+  for (const Part& p : other.parts_) push(p);
 }
 
-void LargestGap::refine() {
+void LargestDistance::refine() {
   constexpr int most_halvings = 1 << 20;
-  for (int i = 0; i < most_halvings && !pieces_.empty() && pieces_.front().upper > wanted(); ++i) {
-    std::pop_heap(pieces_.begin(), pieces_.end(), lower_bound_first);
-    const Piece piece = pieces_.back();
-    pieces_.pop_back();
-    const int apex = apex_over_longest_edge(piece.corners);
+  for (int i = 0; i < most_halvings && !parts_.empty() && parts_.front().upper > wanted(); ++i) {
+    std::pop_heap(parts_.begin(), parts_.end(), lower_bound_first);
+    const Part part = parts_.back();
+    parts_.pop_back();
+    const int apex = apex_over_longest_edge(part.corners);
     const int from = (apex + 1) % 3, to = (apex + 2) % 3;
-    const Vec3 middle = 0.5 * (piece.corners[from] + piece.corners[to]);
-    look_at(middle, piece.facet);
+    const Vec3 middle = 0.5 * (part.corners[from] + part.corners[to]);
+    look_at(middle, part.facet);
     for (const int replaced : {from, to}) {
-      Piece half = piece;
+      Part half = part;
       half.corners[replaced] = middle;
-      half.upper = std::min(piece.upper, diagram_->least_growth(half.corners).amount);
+      half.upper = std::min(part.upper, diagram_->least_growth(half.corners).amount);
       push(half);
     }
   }
 }
 
-double LargestGap::upper() const {
-  const double waiting = pieces_.empty() ? dropped_ : std::max(dropped_, pieces_.front().upper);
+double LargestDistance::upper() const {
+  const double waiting = parts_.empty() ? dropped_ : std::max(dropped_, parts_.front().upper);
   return std::max(best_, waiting);
 }
 
@@ -224,7 +224,7 @@ double rounding_allowance(const MeshView& mesh, std::span<const Sphere> spheres)
 class FacetRange {
  public:
   FacetRange(const MeshView& mesh, std::span<const Sphere> spheres, const PowerDiagram& diagram, double tolerance)
-      : gap(diagram, tolerance), mesh_(mesh), spheres_(spheres), diagram_(diagram), tolerance_(tolerance) {}
+      : largest(diagram, tolerance), mesh_(mesh), spheres_(spheres), diagram_(diagram), tolerance_(tolerance) {}
 
   void look_at(std::uint32_t facet) {
     const Triangle corners = mesh_.corners(facet);
@@ -249,7 +249,7 @@ class FacetRange {
 
   double area = 0;
   double uncovered_area = 0;
-  LargestGap gap;
+  LargestDistance largest;
   bool all_contained = true;
 
  private:
@@ -266,7 +266,7 @@ class FacetRange {
     const double upper = diagram_.least_growth(points_).amount;
     if (upper <= tolerance_) return;
     all_contained = false;
-    gap.add(points_, facet, upper);
+    largest.add(points_, facet, upper);
     if (morula::area(corners) > 0)
       uncovered_area += area_outside_sphere(FacetPlane(corners), points_, spheres_[recent_], flat_);
   }
@@ -302,26 +302,26 @@ Coverage coverage(const MeshView& mesh, std::span<const Sphere> spheres, Workers
   });
 
   double area = 0, uncovered_area = 0;
-  LargestGap gap(diagram, result.tolerance);
+  LargestDistance largest(diagram, result.tolerance);
   result.covered = true;
   for (const FacetRange& range : ranges) {
     area += range.area;
     uncovered_area += range.uncovered_area;
     result.covered = result.covered && range.all_contained;
-    gap.add(range.gap);
+    largest.add(range.largest);
   }
   if (result.covered) return result;
 
-  gap.refine();
+  largest.refine();
   // Cells whose corners are misplaced by rounding are covered after all, in smaller parts.
-  if (gap.upper() <= result.tolerance) {
+  if (largest.upper() <= result.tolerance) {
     result.covered = true;
     return result;
   }
   result.uncovered_area = area > 0 ? std::min(1.0, uncovered_area / area) : 0.0;
-  result.uncovered_distance = std::max(0.0, gap.lower());
-  result.uncovered_distance_upper = gap.upper() + result.tolerance;
-  result.worst_facet = gap.facet();
+  result.uncovered_distance = std::max(0.0, largest.lower());
+  result.uncovered_distance_upper = largest.upper() + result.tolerance;
+  result.worst_facet = largest.facet();
   return result;
 }
 

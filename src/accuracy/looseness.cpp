@@ -35,10 +35,10 @@ class BorderCaps {
  private:
   struct Side {
     std::uint32_t from, to;  // direction of the cap, against the facet
-    std::uint32_t piece;
+    std::uint32_t component;
   };
   std::vector<Side> sides_;
-  std::uint32_t piece_count_ = 0;
+  std::uint32_t component_count_ = 0;
 };
 
 BorderCaps::BorderCaps(const MeshView& mesh) {
@@ -52,26 +52,27 @@ BorderCaps::BorderCaps(const MeshView& mesh) {
     if (forward != 0) sets.join(a, b);
     for (int n = 0; n < std::abs(forward); ++n) sides_.push_back(forward > 0 ? Side{b, a, 0} : Side{a, b, 0});
   }
-  std::map<std::uint32_t, std::uint32_t> pieces;
+  std::map<std::uint32_t, std::uint32_t> components;
   for (Side& side : sides_) {
-    const auto [found, is_new] = pieces.try_emplace(sets.root(side.from), piece_count_);
-    piece_count_ += is_new;
-    side.piece = found->second;
+    const auto [found, is_new] = components.try_emplace(sets.root(side.from), component_count_);
+    component_count_ += is_new;
+    side.component = found->second;
   }
 }
 
 void BorderCaps::close(const MeshView& mesh, std::vector<Vec3>& positions, std::vector<Facet>& facets) const {
   const auto first_middle = static_cast<std::uint32_t>(mesh.vertex_count());
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) positions.push_back(mesh.positions[v]);
-  std::vector<Vec3> sums(piece_count_);
-  std::vector<double> counts(piece_count_, 0);
+  std::vector<Vec3> sums(component_count_);
+  std::vector<double> counts(component_count_, 0);
   for (const Side& side : sides_) {
-    sums[side.piece] += mesh.positions[side.from];
-    counts[side.piece] += 1;
+    sums[side.component] += mesh.positions[side.from];
+    counts[side.component] += 1;
   }
-  for (std::size_t piece = 0; piece < sums.size(); ++piece) positions.push_back(sums[piece] / counts[piece]);
+  for (std::size_t component = 0; component < sums.size(); ++component)
+    positions.push_back(sums[component] / counts[component]);
   facets.assign(mesh.facets.begin(), mesh.facets.end());
-  for (const Side& side : sides_) facets.push_back({side.from, side.to, first_middle + side.piece});
+  for (const Side& side : sides_) facets.push_back({side.from, side.to, first_middle + side.component});
 }
 
 // A box side that is a whole number of edges except for rounding must not get a layer of its own.

@@ -62,7 +62,7 @@ class ProtrusionSearch {
   BallProtrusion result() const { return {best_, std::max(best_, upper_)}; }
 
   SignedDistance::Result look_at(const Vec3& p) {
-    ask_now_and_then_();
+    poll_interrupt_();
     const SignedDistance::Result found = object_.at(p);
     best_ = std::max(best_, found.distance);
     return found;
@@ -156,7 +156,7 @@ class ProtrusionSearch {
   const SignedDistance& object_;
   Sphere ball_;
   double tolerance_;
-  AskNowAndThen ask_now_and_then_{16};
+  InterruptPoller poll_interrupt_{16};
   double best_ = 0;   // attained
   double upper_ = 0;  // proven
 };

@@ -67,7 +67,7 @@ UnionMass union_mass(std::span<const Sphere> spheres, int resolution) {
   Moments moments;
   std::vector<std::vector<Interval>> row(static_cast<std::size_t>(std::max(1, columns_x)));
   for (int j = 0; j < columns_y; ++j) {
-    detail::ask_to_go_on();
+    detail::check_interrupt();
     const double y = box.lower.y + (j + 0.5) * edge;
     for (auto& column : row) column.clear();
     for (const Sphere& s : spheres) {

@@ -278,9 +278,9 @@ class StripCounter {
     std::vector<std::uint32_t> next(column_count() + 1, 0);
     for (const Crossing& c : crossings_) ++next[c.column + 1];
     for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
-    std::vector<Crossing> dealt(crossings_.size());
-    for (const Crossing& c : crossings_) dealt[next[c.column]++] = c;
-    crossings_.swap(dealt);
+    std::vector<Crossing> sorted(crossings_.size());
+    for (const Crossing& c : crossings_) sorted[next[c.column]++] = c;
+    crossings_.swap(sorted);
     for (std::size_t begin = 0; begin < crossings_.size();) {
       std::size_t end = begin + 1;
       while (end < crossings_.size() && crossings_[end].column == crossings_[begin].column) ++end;

@@ -36,7 +36,7 @@ template <class Scalar>
 morula_status update(morula_body* body, const Scalar* positions, std::size_t vertex_count, std::size_t stride_bytes) {
   return guarded([&] {
     require_pointer(body, "body");
-    return told(body->body.update(view_of(positions, vertex_count, stride_bytes), body->workers));
+    return code_of(body->body.update(view_of(positions, vertex_count, stride_bytes), body->workers));
   });
 }
 

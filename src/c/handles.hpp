@@ -71,7 +71,7 @@ namespace morula::detail {
 morula_status fails(morula_status code, const char* words) noexcept;
 
 /// Converts a status of the library into a code, with its message.
-morula_status told(const Status& status);
+morula_status code_of(const Status& status);
 
 /// Converts a contact of the library.
 morula_contact contact_of(const Contact& contact);

@@ -88,7 +88,7 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
     query.clear();
     query.add(a->collider, b->collider);
     const ContactStatus status = query.run();
-    if (!status) return told(status);
+    if (!status) return code_of(status);
     std::vector<morula_contact> found;
     found.swap(contacts->found);
     found.clear();
@@ -117,7 +117,7 @@ morula_status morula_crossings(const morula_body* a, const morula_body* b, uint3
     require_bodies(a, b);
     if (capacity != 0) require_pointer(pairs, "pairs");
     CrossingQuery query;
-    if (const Status status = query.run(a->collider, b->collider); !status) return told(status);
+    if (const Status status = query.run(a->collider, b->collider); !status) return code_of(status);
     write_pairs(
         query.pairs(), [](const Crossing& pair) { return std::tuple(pair.facet_a, pair.facet_b); }, pairs, capacity,
         count);
@@ -132,9 +132,9 @@ morula_status morula_self_crossings(morula_body* body, uint32_t* pairs, size_t c
     require_pointer(body, "body");
     if (capacity != 0) require_pointer(pairs, "pairs");
     if (!body->surface) body->surface.emplace(*body->mesh);
-    if (const Status status = body->surface->follow(body->collider); !status) return told(status);
+    if (const Status status = body->surface->follow(body->collider); !status) return code_of(status);
     const SurfaceQueryStatus status = body->self_crossings.run(*body->surface, body->workers);
-    if (!status) return told(status);
+    if (!status) return code_of(status);
     write_pairs(
         body->self_crossings.pairs(), [](const FeaturePair& pair) { return std::tuple(pair.a, pair.b); }, pairs,
         capacity, count);

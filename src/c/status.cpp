@@ -21,7 +21,7 @@ morula_status fails(morula_status code, const char* words) noexcept {
   return code;
 }
 
-morula_status told(const Status& status) {
+morula_status code_of(const Status& status) {
   return status ? MORULA_OK : fails(MORULA_REFUSED, message(status).c_str());
 }
 

@@ -1,53 +1,56 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <morula/collide/collider.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "parallel/float_environment.hpp"
+#include "tree/facet_lists.hpp"
 
 namespace morula {
 using namespace detail;
 
-Collider::Collider(const MeshView& mesh, const Body& body) : Collider(mesh, body.cover(), body.sphere_state()) {}
+namespace {
 
-Collider::Collider(const SphereState& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
-
-Collider::Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose)
-    : pose_(&pose), kept_(pose.shared.lock()), cover_(&cover), mesh_facets_(mesh.facets), rest_(mesh.positions) {
-  const StandardFloats standard;
-  const SphereTree& tree = *pose.tree;
+void require_matching(const MeshView& mesh, const Cover& cover, const SphereTree& tree) {
   if (mesh.vertex_count() != cover.vertex_count || mesh.facet_count() != cover.facet_count)
     throw std::invalid_argument("the body is of another mesh: " + std::to_string(cover.facet_count) + " facets, not " +
                                 std::to_string(mesh.facet_count()));
   if (cover.region_begin.size() != tree.node_count())
     throw std::invalid_argument("the cover is of another tree: " + std::to_string(cover.region_begin.size()) +
                                 " nodes, not " + std::to_string(tree.node_count()));
-  facet_begin_.assign(tree.node_count(), 0);
-  facet_end_.assign(tree.node_count(), 0);
+}
 
-  // Patches are in depth-first order of leaves: so are the lists, and the list of an inner node is one range.
-  std::vector<std::uint32_t> leaves;
-  for (std::uint32_t node = 0; node < tree.node_count(); ++node)
-    if (tree.is_leaf(node)) leaves.push_back(node);
-  std::stable_sort(leaves.begin(), leaves.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return cover.region_begin[a] < cover.region_begin[b]; });
-  for (const std::uint32_t leaf : leaves) {
-    const auto begin = static_cast<std::ptrdiff_t>(facets_.size());
-    facets_.insert(facets_.end(), cover.patch_facet.begin() + cover.region_begin[leaf],
-                   cover.patch_facet.begin() + cover.region_end[leaf]);
-    std::sort(facets_.begin() + begin, facets_.end());
-    facets_.erase(std::unique(facets_.begin() + begin, facets_.end()), facets_.end());
-    facet_begin_[leaf] = static_cast<std::uint32_t>(begin);
-    facet_end_[leaf] = static_cast<std::uint32_t>(facets_.size());
-  }
-  for (std::uint32_t node = static_cast<std::uint32_t>(tree.node_count()); node-- > 0;) {
-    if (tree.is_leaf(node)) continue;
-    facet_begin_[node] = facet_begin_[tree.first_child[node]];
-    facet_end_[node] = facet_end_[tree.first_child[node] + tree.child_count[node] - 1];
-  }
+}  // namespace
+
+Collider::Collider(const MeshView& mesh, const Body& body)
+    : Collider(mesh, body.cover(), body.sphere_state(), body.model().facet_lists.get(body.rest_tree(), body.cover())) {}
+
+Collider::Collider(const SphereState& pose) : pose_(&pose), kept_(pose.shared.lock()) {}
+
+Collider::Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose)
+    : Collider(mesh, cover, pose, nullptr) {}
+
+Collider::Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose,
+                   std::shared_ptr<const FacetLists> facet_lists)
+    : pose_(&pose),
+      kept_(pose.shared.lock()),
+      cover_(&cover),
+      mesh_facets_(mesh.facets),
+      rest_(mesh.positions),
+      facet_lists_(std::move(facet_lists)) {
+  const StandardFloats standard;
+  require_matching(mesh, cover, *pose.tree);
+  if (!facet_lists_) facet_lists_ = std::make_shared<const FacetLists>(*pose.tree, cover);
+  facets_ = facet_lists_->facets();
+  facet_begin_ = facet_lists_->begin();
+  facet_end_ = facet_lists_->end();
+}
+
+void detail::copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares) {
+  collider.facet_lists_->copy_shares(leaf, collider.cover(), collider.mesh_facets(), shares);
 }
 
 void Collider::set_transform(const RigidTransform& transform) {

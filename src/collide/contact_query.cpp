@@ -33,6 +33,18 @@ struct ContactQuery::State {
     front_from_outside = lacks_contacts = false;
   }
 
+  // Keeps the memory of the lists.
+  void clear_contacts() noexcept {
+    contacts.contacts.clear();
+    contacts.surfaces.clear();
+    contacts.crossings.clear();
+    contacts.crossings_begin.clear();
+    contacts.achieved_level.clear();
+    contacts.finished_count = 0;
+    contacts.finished = false;
+    contacts.pair_tests = 0;
+  }
+
   using Code = Status::Code;
 
   Status usable() const {
@@ -63,8 +75,8 @@ struct ContactQuery::State {
     return {};
   }
 
-  // ok if the front belongs to these bodies and options, and to the present frame when it is to be continued.
-  Status fits(bool same_frame) const {
+  // ok if the front is one of these bodies; same_frame: and of their present frame and transforms.
+  Status is_of_bodies(bool same_frame) const {
     const Front& front = walk.front;
     if (front.pairs.empty()) return {Code::no_front};
     if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
@@ -83,21 +95,33 @@ struct ContactQuery::State {
       if (const Code code = side(front.pairs[i].b, *walk.pairs[i].b); code != Code::ok)
         return {.code = code, .pair = i};
     }
-    if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
-      return {Code::other_options};
+    return {};
+  }
+
+  // ok if no index of the front, which is of these bodies, is out of range.
+  Status is_in_range() const {
     if (front_from_outside && !walk.is_well_formed()) return {Code::bad_front};
     return {};
   }
 
+  // ok if the front belongs to these bodies and options, and to the present frame when it is to be continued.
+  Status fits(bool same_frame) const {
+    if (const Status status = is_of_bodies(same_frame); !status) return status;
+    const Front& front = walk.front;
+    if (front.margin != options.margin || front.level != options.level.value_or(Front::none))
+      return {Code::other_options};
+    return is_in_range();
+  }
+
   // Descends depth-first, without a queue or a front.
-  void descend(const CollideOptions& asked) {
+  void descend(const CollideOptions& given) {
     contacts.contacts.clear();
     contacts.surfaces.clear();
     contacts.pair_tests = 0;
     contacts.achieved_level.clear();
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      ask_to_go_on();
-      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, asked.margin, asked.level.value_or(leaf_level));
+      check_interrupt();
+      const TreePair trees(*walk.pairs[i].a, *walk.pairs[i].b, given.margin, given.level.value_or(leaf_level));
       contacts.pair_tests += each_overlapping(trees, [&](std::uint32_t node_a, std::uint32_t node_b) {
                                make_room(contacts.contacts);
                                Contact& contact = contacts.contacts.emplace_back();
@@ -109,15 +133,15 @@ struct ContactQuery::State {
     }
     contacts.finished_count = contacts.contacts.size();
     contacts.finished = true;
-    walk.extras.add(walk.pairs, asked, nullptr, contacts);
+    walk.extras.add(walk.pairs, given, nullptr, contacts);
   }
 
-  void run(const CollideOptions& asked, Workers& workers) {
-    if (!asked.budget.is_unlimited() || asked.refresh_children)
-      walk.start(asked, false, workers, contacts);
+  void run(const CollideOptions& given, Workers& workers) {
+    if (!given.budget.is_unlimited() || given.refresh_children)
+      walk.start(given, false, workers, contacts);
     else
-      descend(asked);
-    walk.front.pairs.clear();
+      descend(given);
+    walk.end_front();
   }
 
   /// Runs a call: work(), if the bodies and then fits() are ok.
@@ -163,16 +187,18 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
                                 ": it must be finite and not negative");
   require_idle(state_->call);
   state_->walk.pairs.push_back({&a, &b, weight});
-  state_->walk.front.pairs.clear();
+  state_->walk.end_front();
   state_->walk.extras.forget();
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);
 }
 
 void ContactQuery::clear() {
   require_idle(state_->call);
-  state_->walk.front.pairs.clear();
+  state_->walk.end_front();
   state_->walk.extras.forget();
   state_->walk.pairs.clear();
+  state_->clear_contacts();
+  state_->contacts.containment.clear();
 }
 
 void ContactQuery::set_options(CollideOptions options) {
@@ -199,12 +225,8 @@ Status ContactQuery::warm_up(Workers& workers) {
     s.walk.start(all, true, workers, s.contacts);
   });
   if (!status) return status;
-  s.walk.front.pairs.clear();
-  s.contacts.contacts.clear();
-  s.contacts.surfaces.clear();
-  s.contacts.crossings.clear();
-  s.contacts.finished_count = 0;
-  s.contacts.finished = false;
+  s.walk.end_front();
+  s.clear_contacts();
   return {};
 }
 
@@ -268,6 +290,10 @@ void ContactQuery::set_front(Front front) {
 void ContactQuery::cut(std::vector<FrontPair>& pairs) const {
   const StandardFloats standard;
   require_idle(state_->call);
+  if (state_->front_from_outside && !state_->walk.front.pairs.empty()) {
+    require_good(state_->is_of_bodies(false));
+    require_good(state_->is_in_range());
+  }
   state_->walk.cut(pairs);
 }
 

@@ -126,10 +126,11 @@ std::size_t facets_met(const Collider& body, const PlacedSpheres& spheres, const
 }  // namespace
 
 std::vector<std::uint32_t> component_vertices(const MeshView& mesh) {
-  const Components pieces = components_by_vertices(mesh);
-  std::vector<std::uint32_t> lowest(pieces.count, 0xffffffffu);
+  const Components components = components_by_vertices(mesh);
+  std::vector<std::uint32_t> lowest(components.count, 0xffffffffu);
   for (std::size_t f = 0; f < mesh.facet_count(); ++f)
-    for (const std::uint32_t v : mesh.facets[f]) lowest[pieces.of_facet[f]] = std::min(lowest[pieces.of_facet[f]], v);
+    for (const std::uint32_t v : mesh.facets[f])
+      lowest[components.of_facet[f]] = std::min(lowest[components.of_facet[f]], v);
   std::sort(lowest.begin(), lowest.end());
   return lowest;
 }
@@ -221,7 +222,7 @@ bool InsideQuery::components_inside(const Collider& other, std::span<const std::
   result.status = {Status::Code::ended_by_exception};
   const PairAsRead read(other, *body_);
   for (const std::uint32_t vertex : vertices) {
-    ask_to_go_on();
+    check_interrupt();
     const bool inside = locate(other.vertex(vertex)).inside;
     result.inside.push_back(inside ? 1 : 0);
     result.inside_count += inside ? 1 : 0;

@@ -269,7 +269,7 @@ struct CrossingQuery::State {
 };
 
 void CrossingQuery::State::look_at(const NodePair& pair) {
-  ask_to_go_on();
+  check_interrupt();
   const NodeFacets::Range &range_a = facets_a.read(pair.a), &range_b = facets_b.read(pair.b);
   // The common box of both sides' facets shrinks as each side takes only its boxes that meet the other's.
   FloatBox common = range_a.box.meet(range_b.box);
@@ -394,7 +394,7 @@ std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& 
   const std::vector<Boxed> all_a = boxed(a), all_b = boxed(b);
   std::vector<Crossing> found;
   for (std::uint32_t i = 0; i < all_a.size(); ++i) {
-    ask_to_go_on();
+    check_interrupt();
     for (std::uint32_t j = 0; j < all_b.size(); ++j) {
       if (apart(all_a[i].box, all_b[j].box)) continue;
       if (const auto common = intersection(all_a[i].triangle, all_b[j].triangle)) found.push_back({i, j, *common});

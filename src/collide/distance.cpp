@@ -112,7 +112,7 @@ class Search {
         descend();
     }
     while (!waiting_.empty() && !is_done()) {
-      ask_to_go_on();
+      check_interrupt();
       if (!has_budget()) break;
       std::pop_heap(waiting_.begin(), waiting_.end(), comes_later);
       const WaitingPair pair = waiting_.back();
@@ -330,16 +330,16 @@ DistanceQuery& DistanceQuery::operator=(DistanceQuery&&) noexcept = default;
 
 DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const DistanceOptions& options) {
   const StandardFloats standard;
-  DistanceBounds refused;
-  refused.upper = infinity;
+  DistanceBounds bounds;
+  bounds.upper = infinity;
   ObjectCall own(*state_, CallKind::begins);
-  refused.status = own.status();
-  if (refused.status) refused.status = askable(a, 0);
-  if (refused.status) refused.status = askable(b, 1);
-  if (refused.status &&
+  bounds.status = own.status();
+  if (bounds.status) bounds.status = askable(a, 0);
+  if (bounds.status) bounds.status = askable(b, 1);
+  if (bounds.status &&
       !(options.tolerance >= 0 && options.stop_above >= 0 && options.stop_below >= 0 && options.budget.tests() >= 0))
-    refused.status = {Status::Code::bad_option};
-  if (!refused.status) return refused;
+    bounds.status = {Status::Code::bad_option};
+  if (!bounds.status) return bounds;
 
   State& s = *state_;
   const PairAsRead read(a, b);
@@ -349,8 +349,8 @@ DistanceBounds DistanceQuery::run(const Collider& a, const Collider& b, const Di
   Search search(a, b, options, s.scratch);
   DistanceBounds answer = search.run(warm ? s.last_a : no_facet, warm ? s.last_b : no_facet);
   own.finish(read.status());
-  refused.status = s.call.ended;
-  if (!refused.status) return refused;
+  bounds.status = s.call.ended;
+  if (!bounds.status) return bounds;
   answer.certified = a.sphere_state().covers && b.sphere_state().covers;
   s.cover_id_a = a.sphere_state().cover_id;
   s.cover_id_b = b.sphere_state().cover_id;

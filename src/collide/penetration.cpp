@@ -306,7 +306,7 @@ struct PenetrationQuery::State {
         next = 0;
         continue;
       }
-      ask_to_go_on();
+      check_interrupt();
       if (result.status = divide_next(result.probes); !result.status) return result;
     }
     sum_up(result);

@@ -112,9 +112,9 @@ struct Axes {
 // Unused vertices may have any values; values that are not finite stay unchanged.
 template <class Move>
 void move_each(std::vector<Vec3>& positions, Move&& move) {
-  detail::AskNowAndThen ask_now_and_then(4096);
+  detail::InterruptPoller poll_interrupt(4096);
   for (Vec3& p : positions) {
-    ask_now_and_then();
+    poll_interrupt();
     if (is_finite(p)) move(p);
   }
 }

@@ -218,7 +218,7 @@ class OptimizedDivider {
   }
 
   NodeFit::Exact attempt(const BuildNode& node, const RegionPoints& points, std::size_t level, std::size_t start,
-                         bool wants_cost) const {
+                         bool with_cost) const {
     const auto most = static_cast<std::size_t>(run_.branching);
     const std::vector<Sphere> spheres = first_spheres(node, points, start);
     double mean_radius = 0;
@@ -251,7 +251,7 @@ class OptimizedDivider {
     run_.throw_if_stopped();
     constexpr int move_every = 5;
     children.try_changes(static_cast<int>(changes_on(level)), move_every);
-    NodeFit::Exact exact = fit.exact(wants_cost);
+    NodeFit::Exact exact = fit.exact(with_cost);
     // One ball that is as good as many (the region of a ball, say) is still divided: parts that move apart have to be
     // parts.
     if (exact.spheres.size() < 2) exact = fit.divided_anyway(proposed_spheres(node, Reduction::grid));

@@ -25,9 +25,9 @@ void add_up(std::vector<std::uint32_t>& counts) {
 
 void take_fans(const MeshView& mesh, Connectivity& c) {
   c.fan_begin.assign(mesh.vertex_count() + 1, 0);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const Facet& f : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     if (!repeats_an_index(f))
       for (const std::uint32_t v : f) ++c.fan_begin[v + 1];
   }
@@ -35,7 +35,7 @@ void take_fans(const MeshView& mesh, Connectivity& c) {
   c.fan_facets.resize(c.fan_begin.back());
   std::vector<std::uint32_t> next(c.fan_begin.begin(), c.fan_begin.end() - 1);
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     if (!repeats_an_index(mesh.facets[f]))
       for (const std::uint32_t v : mesh.facets[f]) c.fan_facets[next[v]++] = f;
   }
@@ -45,10 +45,10 @@ void take_fans(const MeshView& mesh, Connectivity& c) {
 void take_edges(const MeshView& mesh, Connectivity& c) {
   c.facet_edges.assign(mesh.facet_count(), {no_edge, no_edge, no_edge});
   std::vector<std::uint32_t> begin(mesh.vertex_count() + 1, 0);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   const auto each_side = [&](const auto& visit) {
     for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
-      ask_now_and_then();
+      poll_interrupt();
       const Facet& facet = mesh.facets[f];
       if (repeats_an_index(facet)) continue;
       for (std::uint32_t k = 0; k < 3; ++k)
@@ -57,16 +57,16 @@ void take_edges(const MeshView& mesh, Connectivity& c) {
   };
   each_side([&](std::uint32_t, std::uint32_t lower, std::uint32_t) { ++begin[lower + 1]; });
   add_up(begin);
-  std::vector<std::uint64_t> dealt(begin.back());  // the higher vertex, then the side
+  std::vector<std::uint64_t> sorted(begin.back());  // the higher vertex, then the side
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   each_side([&](std::uint32_t side, std::uint32_t lower, std::uint32_t higher) {
-    dealt[next[lower]++] = std::uint64_t{higher} << 32 | side;
+    sorted[next[lower]++] = std::uint64_t{higher} << 32 | side;
   });
 
-  c.sides.reserve(dealt.size());
+  c.sides.reserve(sorted.size());
   for (std::uint32_t lower = 0; lower < mesh.vertex_count(); ++lower) {
-    ask_now_and_then();
-    const auto first = dealt.begin() + begin[lower], last = dealt.begin() + begin[lower + 1];
+    poll_interrupt();
+    const auto first = sorted.begin() + begin[lower], last = sorted.begin() + begin[lower + 1];
     std::sort(first, last);
     for (auto at = first; at != last; ++at) {
       const auto higher = static_cast<std::uint32_t>(*at >> 32), side = static_cast<std::uint32_t>(*at);
@@ -83,14 +83,14 @@ void take_edges(const MeshView& mesh, Connectivity& c) {
 
 // Numbers the components of facets, facet f being in set sets[f], in the order of their lowest facets.
 Components numbered(std::size_t facet_count, DisjointSets& sets) {
-  Components pieces;
-  pieces.of_facet.resize(facet_count);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  Components components;
+  components.of_facet.resize(facet_count);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t f = 0; f < facet_count; ++f) {
-    ask_now_and_then();
-    pieces.of_facet[f] = sets.root(f) == f ? pieces.count++ : pieces.of_facet[sets.root(f)];
+    poll_interrupt();
+    components.of_facet[f] = sets.root(f) == f ? components.count++ : components.of_facet[sets.root(f)];
   }
-  return pieces;
+  return components;
 }
 
 template <class Wanted>
@@ -121,9 +121,9 @@ Connectivity connectivity(const MeshView& mesh) {
 Components components_by_vertices(const MeshView& mesh) {
   DisjointSets sets(mesh.facet_count());
   std::vector<std::uint32_t> first(mesh.vertex_count(), no_facet);  // a facet of each vertex
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     for (const std::uint32_t v : mesh.facets[f]) {
       if (first[v] == no_facet) first[v] = f;
       sets.join(first[v], f);
@@ -134,9 +134,9 @@ Components components_by_vertices(const MeshView& mesh) {
 
 Components components_by_edges(const MeshView& mesh, const Connectivity& connectivity) {
   DisjointSets sets(mesh.facet_count());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
-    ask_now_and_then();
+    poll_interrupt();
     for (const std::uint32_t side : connectivity.edge_sides(e)) sets.join(connectivity.edge_sides(e)[0] / 3, side / 3);
   }
   return numbered(mesh.facet_count(), sets);
@@ -154,9 +154,9 @@ std::vector<std::uint32_t> nonmanifold_vertices(const MeshView& mesh, const Conn
   // Corners at a vertex belong to one fan when their facets share an edge there. Corner 3 f + k is where side 3 f + k
   // starts.
   DisjointSets fans(3 * mesh.facet_count());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
-    ask_now_and_then();
+    poll_interrupt();
     const auto sides = connectivity.edge_sides(e);
     const std::uint32_t a = sides[0];
     for (const std::uint32_t b : sides.subspan(1)) {
@@ -168,7 +168,7 @@ std::vector<std::uint32_t> nonmanifold_vertices(const MeshView& mesh, const Conn
   std::vector<std::uint32_t> found;
   std::vector<std::uint32_t> count(mesh.vertex_count(), 0);
   for (const std::uint32_t side : connectivity.sides) {
-    ask_now_and_then();
+    poll_interrupt();
     if (fans.root(side) == side) ++count[side_ends(mesh.facets, side)[0]];
   }
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
@@ -204,11 +204,11 @@ BorderLoops border_loops(const MeshView& mesh, const Connectivity& connectivity)
     loops.is_loop.push_back(is_loop ? 1 : 0);
     path.resize(first);
   };
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   // Walks to the end of the path. When the path returns to itself, a loop is cut off.
   const auto walk = [&](std::uint32_t vertex) {
     while (next[vertex] < begin[vertex + 1]) {
-      ask_now_and_then();
+      poll_interrupt();
       place[vertex] = static_cast<std::uint32_t>(path.size());
       path.push_back(leaving[next[vertex]++]);
       vertex = side_ends(mesh.facets, path.back())[1];

@@ -57,10 +57,10 @@ class IndexTable {
   [[gnu::noinline]] void grow(const HashOf& hash_of) {
     std::vector<std::uint32_t> before(4 * slots_.size(), none);
     before.swap(slots_);
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (const std::uint32_t index : before) {
       if (index == none) continue;
-      ask_now_and_then();
+      poll_interrupt();
       put(index, hash_of(index));
     }
   }

@@ -18,10 +18,11 @@ using namespace detail;
 namespace {
 
 void inspect_edges(const MeshView& mesh, const Connectivity& connectivity, MeshReport& report) {
-  report.closed = report.oriented = true;
-  AskNowAndThen ask_now_and_then(1u << 16);
+  report.closed = connectivity.edge_count() > 0;
+  report.oriented = true;
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t e = 0; e < connectivity.edge_count(); ++e) {
-    ask_now_and_then();
+    poll_interrupt();
     const auto sides = connectivity.edge_sides(e);
     std::size_t forward = 0;
     for (const std::uint32_t side : sides) forward += side_ends(mesh.facets, side) == connectivity.edges[e];
@@ -57,9 +58,9 @@ void inspect_facets(const OwnUnits& own, const Connectivity& connectivity, MeshR
   const double diagonal = own.box().diagonal();
   const double negligible_area = 1e-12 * diagonal * diagonal;
   std::vector<Facet> triples(mesh.facets.begin(), mesh.facets.end());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     const bool has_sides = connectivity.facet_edges[f][0] != no_edge;
     report.degenerate_facets += !has_sides || !(area(mesh.corners(f)) >= negligible_area);
     std::sort(triples[f].begin(), triples[f].end());

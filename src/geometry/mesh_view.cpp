@@ -17,9 +17,9 @@ void require_usable(const MeshView& mesh) {
   if (mesh.facets.empty()) throw std::invalid_argument("the mesh has no facets");
   if (mesh.vertex_count() >= 0xffffffffu || mesh.facet_count() >= 0xffffffffu / 3)
     throw std::invalid_argument("the mesh is too large for 32-bit indices");
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     for (const std::uint32_t v : mesh.facets[f]) {
       if (v >= mesh.vertex_count())
         throw std::invalid_argument("facet " + std::to_string(f) + " refers to vertex " + std::to_string(v) +

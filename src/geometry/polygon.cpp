@@ -138,7 +138,7 @@ bool PolygonCutter::may_test(std::uint64_t tests) {
   tests_since_look_ += tests;
   if (tests_since_look_ >= tests_per_look) {
     tests_since_look_ = 0;
-    ask_to_go_on();
+    check_interrupt();
   }
   return true;
 }

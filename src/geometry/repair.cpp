@@ -61,9 +61,9 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
   const auto cell_of = [&](const Vec3& p) {
     return Cell{cell_along(p.x, box.lower.x), cell_along(p.y, box.lower.y), cell_along(p.z, box.lower.z)};
   };
-  AskNowAndThen ask_now_and_then(1024);
+  InterruptPoller poll_interrupt(1024);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     if (!is_finite(positions[v])) continue;
     const Cell own = cells[v] = cell_of(positions[v]);
     std::uint32_t first = v;
@@ -71,7 +71,7 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
       const int along_x = n % 3 - 1, along_y = n / 3 % 3 - 1, along_z = n / 9 - 1;
       std::uint32_t other = first_in({own[0] + along_x, own[1] + along_y, own[2] + along_z});
       for (; other < first; other = next[other]) {
-        ask_now_and_then();
+        poll_interrupt();
         if (positions[other] == positions[v] || scaled_length(positions[other] - positions[v]) <= distance)
           first = other;
       }
@@ -136,7 +136,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
   sheets.of_facet.assign(mesh.facet_count(), no_facet);
   std::vector<char> turned(mesh.facet_count(), 0);
   // mutant looks-repair: `14` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::uint32_t start = 0; start < mesh.facet_count(); ++start) {
     if (sheets.of_facet[start] != no_facet) continue;
     const auto sheet = static_cast<std::uint32_t>(sheets.facets.size());
@@ -145,7 +145,7 @@ Sheets orient_sheets(Mesh& mesh, RepairReport& report) {
     bool closed = true, orientable = true;
     std::size_t minority = 0;
     for (std::size_t done = 0; done < queue.size(); ++done) {
-      ask_now_and_then();
+      poll_interrupt();
       const std::uint32_t f = queue[done];
       for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t other = sides.facet_across(f, k);
@@ -204,9 +204,9 @@ bool contains(const Box& box, const Vec3& p) {
 void face_outwards(Mesh& mesh, const Sheets& sheets) {
   std::vector<Box> boxes;
   std::vector<double> volumes;
-  AskNowAndThen ask_now_and_then(1024);
+  InterruptPoller poll_interrupt(1024);
   for (std::size_t s = 0; s < sheets.facets.size(); ++s) {
-    ask_now_and_then();
+    poll_interrupt();
     boxes.push_back(box_of(mesh, sheets.facets[s]));
     volumes.push_back(sheets.is_closed[s] ? volume_of(mesh, sheets.facets[s]) : 0);
   }
@@ -217,12 +217,12 @@ void face_outwards(Mesh& mesh, const Sheets& sheets) {
     const Vec3 probe = mesh.positions[mesh.facets[sheets.facets[s].front()][0]];
     std::size_t outermost = s;
     for (std::size_t other = 0; other < sheets.facets.size(); ++other) {
-      ask_now_and_then();
+      poll_interrupt();
       if (other == s || std::abs(volumes[other]) <= std::abs(volumes[outermost]) || !contains(boxes[other], probe))
         continue;
       double angle = 0;
       for (const std::uint32_t f : sheets.facets[other]) {
-        ask_now_and_then();
+        poll_interrupt();
         angle += solid_angle(mesh.corners(f), probe);
       }
       if (std::abs(angle) > 2 * std::numbers::pi) outermost = other;
@@ -257,7 +257,7 @@ std::vector<Facet> least_cap(const std::vector<Vec3>& positions, const std::vect
   std::vector<double> least(n * n, 0);        // area over the corners i … j
   std::vector<std::size_t> middle(n * n, 0);  // the third corner of the facet at i, j
   for (std::size_t span = 2; span < n; ++span) {
-    ask_to_go_on();
+    check_interrupt();
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
       double& best = least[i * n + j];
@@ -298,7 +298,7 @@ void cap_holes(Mesh& mesh, std::size_t most_edges, RepairReport& report) {
     std::vector<std::uint32_t> loop;
     for (const std::uint32_t side : loops.run(i)) loop.push_back(side_ends(mesh.facets, side)[0]);
     std::vector<Facet> cap;
-    ask_to_go_on();
+    check_interrupt();
     if (loops.is_loop[i] != 0 && loop.size() >= 3 && loop.size() <= most_edges)
       cap = least_cap(mesh.positions, loop, edges);
     if (cap.empty()) {
@@ -350,9 +350,9 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
     RepairReport again;  // the facets already agree
     face_outwards(mesh, orient_sheets(mesh, again));
   }
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t f = 0; f < before.size(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     report.turned_facets += !same_way_round(before[f], mesh.facets[f]);
   }
   return result;

@@ -46,11 +46,11 @@ Mesh box_surface(int nx, int ny, int nz, Point&& point) {
   Mesh mesh;
   mesh.positions.resize(static_cast<std::size_t>(2 * full + (nz - 1) * ring));
   mesh.facets.reserve(static_cast<std::size_t>(4 * (nx * ny + nz * (nx + ny))));
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i) {
-        ask_now_and_then();
+        poll_interrupt();
         if (k == 0 || k == nz || j == 0 || j == ny || i == 0 || i == nx)
           mesh.positions[index(i, j, k)] = point(i, j, k);
         else
@@ -58,18 +58,18 @@ Mesh box_surface(int nx, int ny, int nz, Point&& point) {
       }
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       add_square(mesh, index(i, j, 0), index(i, j + 1, 0), index(i + 1, j + 1, 0), index(i + 1, j, 0));
       add_square(mesh, index(i, j, nz), index(i + 1, j, nz), index(i + 1, j + 1, nz), index(i, j + 1, nz));
     }
   for (int k = 0; k < nz; ++k) {
     for (int i = 0; i < nx; ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       add_square(mesh, index(i, 0, k), index(i + 1, 0, k), index(i + 1, 0, k + 1), index(i, 0, k + 1));
       add_square(mesh, index(i + 1, ny, k), index(i, ny, k), index(i, ny, k + 1), index(i + 1, ny, k + 1));
     }
     for (int j = 0; j < ny; ++j) {
-      ask_now_and_then();
+      poll_interrupt();
       add_square(mesh, index(0, j + 1, k), index(0, j, k), index(0, j, k + 1), index(0, j + 1, k + 1));
       add_square(mesh, index(nx, j, k), index(nx, j + 1, k), index(nx, j + 1, k + 1), index(nx, j, k + 1));
     }
@@ -154,7 +154,7 @@ Mesh torus(int around, double tube_radius) {
   const int across = std::max(3, static_cast<int>(tube_radius * around + 0.5));
   Mesh mesh;
   for (int i = 0; i < around; ++i) {
-    ask_to_go_on();
+    check_interrupt();
     const auto [si, ci] = sin_cos(2 * pi * i / around);
     for (int j = 0; j < across; ++j) {
       const auto [sj, cj] = sin_cos(2 * pi * j / across);
@@ -164,7 +164,7 @@ Mesh torus(int around, double tube_radius) {
   }
   const auto index = [=](int i, int j) { return static_cast<std::uint32_t>(i % around * across + j % across); };
   for (int i = 0; i < around; ++i) {
-    ask_to_go_on();
+    check_interrupt();
     for (int j = 0; j < across; ++j)
       add_square(mesh, index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1));
   }

@@ -33,7 +33,8 @@ void require_usable_scale(const MeshView& mesh) {
 bool has_usable_scale(const Sphere& sphere) {
   // Comparisons that fail for NaN.
   const auto fits = [](double x) { return std::abs(x) <= greatest_usable_scale; };
-  return fits(sphere.center.x) && fits(sphere.center.y) && fits(sphere.center.z) && fits(sphere.radius);
+  return fits(sphere.center.x) && fits(sphere.center.y) && fits(sphere.center.z) && sphere.radius >= 0 &&
+         fits(sphere.radius);
 }
 
 double scaled_length(const Vec3& v) {

@@ -48,7 +48,8 @@ constexpr std::array words{
     Words{bad_option, Subject::none,
           "an option of the query is negative or not a number, or a vertex index is out of range"},
     Words{bad_shape, Subject::none,
-          "the shape of the query is not finite, has a negative radius or no direction, or is too far away"},
+          "the shape of the query is not finite, has a negative radius or no direction, is 2^200 or more away, or is a "
+          "ray whose direction is not longer than 2^-200 and shorter than 2^200: scale the direction"},
     Words{bad_level, Subject::pair, "neither tree has the requested level"},
     Words{no_front, Subject::none, "there is no front: call start() first"},
     Words{other_bodies, Subject::pair, "the front is of other bodies or of another cover: call start()"},

@@ -24,9 +24,9 @@ void write_balls(const std::filesystem::path& path, std::span<const Sphere> ball
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(balls.size()) +
                       "\nproperty double x\nproperty double y\nproperty double z\nproperty double radius\nend_header\n";
   bytes.reserve(bytes.size() + balls.size() * sizeof(Sphere));
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const auto& [center, radius] = balls[i];
     if (!is_finite(center) || !std::isfinite(radius))
       throw std::invalid_argument("ball " + std::to_string(i) + " has a number that is not finite");
@@ -59,9 +59,9 @@ void write_sofa_spheres(const std::filesystem::path& path, std::span<const Spher
   // The loader skips any first line, and ignores the index.
   std::string text = "sph 1.0\nnums ";
   detail::append_number(text, spheres.size());
-  detail::AskNowAndThen ask_now_and_then(4096);
+  detail::InterruptPoller poll_interrupt(4096);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const Sphere& s = spheres[i];
     if (!is_finite(s.center) || !std::isfinite(s.radius))
       throw std::invalid_argument("sphere " + std::to_string(i) + " has a number that is not finite");

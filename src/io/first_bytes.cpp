@@ -31,7 +31,7 @@ constexpr std::array signatures{
     Signature{"%PDF"sv, "", "is a PDF"},
     Signature{"\x89PNG"sv, "", "is a picture (PNG)"},
     Signature{"\xff\xd8\xff"sv, "", "is a picture (JPEG)"},
-    Signature{"404: Not Found"sv, "", "is a server's answer that there is no such file; download it anew"},
+    Signature{"404: Not Found"sv, "", "is a server's answer that there is no such file; download it again"},
     Signature{"Kaydara FBX Binary"sv, "", "is an FBX file; convert it to glTF or OBJ"},
     Signature{"BLENDER"sv, "", "is a file of Blender; export it as glTF or OBJ"},
     Signature{"PXR-USDC"sv, "", "is a USD file; read it in Python by morula.usd"},

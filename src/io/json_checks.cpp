@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <iterator>
 
-#include "io/asking_text.hpp"
+#include "io/interruptible_text.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
 
 JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(path.string()) {
   try {
-    const AskingText asking(text);
-    root_ = nlohmann::json::parse(asking.begin(), asking.end());
+    const InterruptibleText interruptible(text);
+    root_ = nlohmann::json::parse(interruptible.begin(), interruptible.end());
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t before = std::min(text.size(), error.byte);
     const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(before), '\n');
@@ -50,8 +50,8 @@ void JsonFile::forget_lists() {
     if (!member.is_array()) continue;
     auto& list = member.get_ref<nlohmann::json::array_t&>();
     while (!list.empty()) {
-      // mutant looks-json-forgotten: `ask_to_go_on()` -> ``
-      ask_to_go_on();
+      // mutant looks-json-forgotten: `check_interrupt()` -> ``
+      check_interrupt();
       const auto begin = list.end() - std::min(elements_at_once, std::ssize(list));
       const nlohmann::json::array_t part(std::make_move_iterator(begin), std::make_move_iterator(list.end()));
       list.erase(begin, list.end());

@@ -47,7 +47,7 @@ bool TextScanner::next_line() {
     if (!at_line_end()) return true;
   }
   while (at_ < end_) {
-    ask_now_and_then_();
+    poll_interrupt_();
     const std::string_view rest = after_line();
     if (rest.empty()) {
       at_ = end_;

@@ -74,7 +74,7 @@ class TextScanner {
   std::size_t line_ = 0;
   Syntax syntax_;
   // mutant looks-scanner: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then_{4096};
+  InterruptPoller poll_interrupt_{4096};
 };
 
 }  // namespace morula::detail

@@ -50,7 +50,7 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
   }
   in.seekg(static_cast<std::streamoff>(offset));
   while (bytes.size() < count) {
-    ask_to_go_on();
+    check_interrupt();
     const std::size_t before = bytes.size();
     bytes.resize(static_cast<std::size_t>(std::min<std::uintmax_t>(count, before + bytes_per_look)));
     in.read(bytes.data() + before, static_cast<std::streamsize>(bytes.size() - before));

@@ -201,7 +201,7 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
 void write_whole(const fs::path& path, std::string_view bytes) {
   WholeFile file(path);
   for (std::size_t done = 0; done < bytes.size(); done += bytes_per_look) {
-    ask_to_go_on();
+    check_interrupt();
     file.write(bytes.substr(done, bytes_per_look));
   }
   file.commit();
@@ -383,7 +383,7 @@ void WholeFolder::commit_new() {
 }
 
 void WholeFolder::commit_by_exchange() {
-  const auto refuse = [&](const std::string& why) {
+  const auto reject = [&](const std::string& why) {
     throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
   };
   // Files of other programs are in both folders for a moment, so that no crash can lose one.
@@ -394,7 +394,7 @@ void WholeFolder::commit_by_exchange() {
     const bool linked = linkat(AT_FDCWD, (target_ / name).c_str(), AT_FDCWD, (stage_ / name).c_str(), 0) == 0;
     if (!linked) later.push_back(name);
   }
-  if (error) refuse(error.message());
+  if (error) reject(error.message());
   struct stat old {};
   const int folder = open(stage_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) {
@@ -405,11 +405,11 @@ void WholeFolder::commit_by_exchange() {
   fs::path replaced = stage_;
   if (!exchange(stage_, target_)) {
     replaced = folder_of(target_) / hidden_name();
-    if (rename(target_.c_str(), replaced.c_str()) != 0) refuse(reason(errno));
+    if (rename(target_.c_str(), replaced.c_str()) != 0) reject(reason(errno));
     if (rename(stage_.c_str(), target_.c_str()) != 0) {
       const int why = errno;
       fs::rename(replaced, target_, error);
-      refuse(reason(why));
+      reject(reason(why));
     }
   }
   for (const fs::path& name : later) {

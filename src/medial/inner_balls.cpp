@@ -83,9 +83,9 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
     normals.push_back(object.orientation() * normalized(area_vector(mesh.corners(sample.facet))));
   }
   std::vector<Sphere> balls;
-  detail::AskNowAndThen ask_now_and_then(16);
+  detail::InterruptPoller poll_interrupt(16);
   for (Sphere ball : detail::shrunken_balls(object, points, normals, detail::BallSharing::none, workers)) {
-    ask_now_and_then();
+    poll_interrupt();
     ball.radius -= options.margin;
     if (options.max_radius) ball.radius = std::min(ball.radius, *options.max_radius);
     if (!(ball.radius > 0 && ball.radius >= options.min_radius)) continue;
@@ -105,9 +105,9 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
                               [](const Sphere& a, const Sphere& b) { return a.radius < b.radius; })};
   }
   std::vector<std::size_t> gains(balls.size());
-  detail::AskNowAndThen ask_now_and_then(16);
+  detail::InterruptPoller poll_interrupt(16);
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     gains[i] = lattice.gain(balls[i]);
   }
   // Gains only fall, so an older gain is a bound: the heap's top is computed again until it stays.
@@ -121,7 +121,7 @@ std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t cou
   std::make_heap(heap.begin(), heap.end(), later);
   std::vector<Sphere> chosen;
   while (!heap.empty() && chosen.size() < count && !stop.stop_requested()) {
-    ask_now_and_then();
+    poll_interrupt();
     std::pop_heap(heap.begin(), heap.end(), later);
     const std::size_t i = heap.back();
     const std::size_t now = lattice.gain(balls[i]);

@@ -72,7 +72,7 @@ struct VoronoiBalls::Data {
   struct Known {
     static constexpr std::int8_t unknown = 2;
     std::int8_t side = unknown;
-    bool asked = false;  // `closest` is computed
+    bool computed = false;  // `closest` is computed
     Closest closest;
   };
   bool is_far(std::uint32_t slot) const {
@@ -80,7 +80,7 @@ struct VoronoiBalls::Data {
     return !(squared_distance(box, balls[slot].ball.center) <= reach * reach);
   }
   // within: a distance from the center within which surface is proven to be.
-  const Closest& ask(std::uint32_t slot, double within = std::numeric_limits<double>::infinity());
+  const Closest& compute_closest(std::uint32_t slot, double within = std::numeric_limits<double>::infinity());
   int side(std::uint32_t slot);
 
   Box box;
@@ -155,10 +155,10 @@ void VoronoiBalls::Data::fill(std::uint32_t slot) {
   known[slot] = {};
 }
 
-const VoronoiBalls::Closest& VoronoiBalls::Data::ask(std::uint32_t slot, double within) {
+const VoronoiBalls::Closest& VoronoiBalls::Data::compute_closest(std::uint32_t slot, double within) {
   assert(balls[slot].alive);
   Known& of = known[slot];
-  if (std::exchange(of.asked, true)) return of.closest;
+  if (std::exchange(of.computed, true)) return of.closest;
   if (is_far(slot)) {
     of.closest = {std::numeric_limits<double>::infinity(), {}};
   } else {
@@ -177,7 +177,7 @@ int VoronoiBalls::Data::side(std::uint32_t slot) {
   if (of.side == Known::unknown && !is_far(slot)) {
     if (const int side = empty.side(balls[slot].ball.center); side != 0) of.side = static_cast<std::int8_t>(side);
   }
-  if (of.side == Known::unknown) ask(slot);
+  if (of.side == Known::unknown) compute_closest(slot);
   return of.side;
 }
 
@@ -185,16 +185,16 @@ bool VoronoiBalls::is_far(std::uint32_t slot) const {
   return data_->is_far(slot);
 }
 const VoronoiBalls::Closest& VoronoiBalls::closest(std::uint32_t slot) const {
-  return data_->ask(slot);
+  return data_->compute_closest(slot);
 }
 int VoronoiBalls::side(std::uint32_t slot) const {
   return data_->side(slot);
 }
 std::optional<VoronoiBalls::Closest> VoronoiBalls::closest_within(std::uint32_t slot, double most) const {
   const Data::Known& of = data_->known[slot];
-  if (!of.asked && (data_->is_far(slot) || !data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most)))
+  if (!of.computed && (data_->is_far(slot) || !data_->shape.bvh().closest_point(data_->balls[slot].ball.center, most)))
     return {};
-  const Closest& closest = data_->ask(slot, most);
+  const Closest& closest = data_->compute_closest(slot, most);
   return std::abs(closest.distance) <= most ? std::optional(closest) : std::nullopt;
 }
 

@@ -10,30 +10,30 @@ namespace morula {
 using namespace detail;
 namespace {
 
-thread_local WhomToAsk asked;
+thread_local ActiveInterruption active;
 
 }  // namespace
 
-WhomToAsk detail::exchange_asked(const WhomToAsk& next) noexcept {
-  return std::exchange(asked, next);
+ActiveInterruption detail::exchange_active_interruption(const ActiveInterruption& next) noexcept {
+  return std::exchange(active, next);
 }
 
-Interruption* detail::asked_now() noexcept {
-  return asked.whom;
+Interruption* detail::active_interruption() noexcept {
+  return active.interruption;
 }
 
-void detail::ask_to_go_on() {
-  if (asked.whom == nullptr) return;
-  Interruption& whom = *asked.whom;
-  if (whom.has_ended.load(std::memory_order_acquire)) std::rethrow_exception(whom.cause);
-  if (!asked.is_owner) return;
+void detail::check_interrupt() {
+  if (active.interruption == nullptr) return;
+  Interruption& interruption = *active.interruption;
+  if (interruption.has_ended.load(std::memory_order_acquire)) std::rethrow_exception(interruption.cause);
+  if (!active.is_owner) return;
   // The callback may itself call the library.
   const Uninterrupted alone;
   try {
-    whom.ask();
+    interruption.callback();
   } catch (...) {
-    whom.cause = std::current_exception();
-    whom.has_ended.store(true, std::memory_order_release);
+    interruption.cause = std::current_exception();
+    interruption.has_ended.store(true, std::memory_order_release);
     throw;
   }
 }
@@ -41,12 +41,12 @@ void detail::ask_to_go_on() {
 Interrupt::Interrupt(std::function<void()> ask) {
   if (!ask) throw std::invalid_argument("Interrupt: the function is empty");
   state_ = std::make_unique<Interruption>();
-  state_->ask = std::move(ask);
-  state_->outer = exchange_asked({state_.get(), true});
+  state_->callback = std::move(ask);
+  state_->outer = exchange_active_interruption({state_.get(), true});
 }
 
 Interrupt::~Interrupt() {
-  exchange_asked(state_->outer);
+  exchange_active_interruption(state_->outer);
 }
 
 }  // namespace morula

@@ -14,9 +14,9 @@ namespace morula::detail {
 template <class Value, class Less>
 void sort_interruptibly(std::vector<Value>& values, const Less& less) {
   // mutant looks-sort: `16` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   std::sort(values.begin(), values.end(), [&](const Value& p, const Value& q) {
-    ask_now_and_then();
+    poll_interrupt();
     return less(p, q);
   });
 }

@@ -33,7 +33,7 @@ thread_local bool inside_chunk = false;
 // the same for any number of threads.
 void run_serially(std::size_t count, ChunkFunction chunk) {
   for (std::size_t i = 0; i < count; ++i) {
-    ask_to_go_on();
+    check_interrupt();
     chunk(i);
   }
 }
@@ -44,7 +44,7 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
   std::mutex mutex;
   std::size_t failed_index = count;
   std::exception_ptr failure;
-  Interruption* const interruption = asked_now();
+  Interruption* const interruption = active_interruption();
   const auto guarded = [&](std::size_t i) {
     const StandardFloats standard;
     const HelpsOwner helps(interruption);
@@ -54,7 +54,7 @@ void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunc
       return failed_index < i;
     };
     try {
-      ask_to_go_on();
+      check_interrupt();
       if (!is_of_no_account()) chunk(i);
     } catch (...) {
       const std::lock_guard lock(mutex);
@@ -105,7 +105,7 @@ struct Workers::Pool {
     std::size_t to_wake = 0;
     {
       const std::lock_guard lock(mutex_);
-      loop_ = {&f, count, asked_now()};
+      loop_ = {&f, count, active_interruption()};
       next_.store(0, std::memory_order_relaxed);
       failed_index_ = count;
       failure_ = nullptr;
@@ -113,7 +113,7 @@ struct Workers::Pool {
       generation_.store(generation_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
     }
     for (; to_wake > 0; --to_wake) wake_.notify_one();
-    take_chunks({&f, count, asked_now()});
+    take_chunks({&f, count, active_interruption()});
     {
       const std::lock_guard lock(mutex_);
       loop_ = {};  // helpers that come later are too late
@@ -180,7 +180,7 @@ struct Workers::Pool {
       const std::size_t i = next_.fetch_add(1, std::memory_order_relaxed);
       if (i >= loop.count) break;
       try {
-        ask_to_go_on();
+        check_interrupt();
         (*loop.chunk)(i);
       } catch (...) {
         const std::lock_guard lock(mutex_);

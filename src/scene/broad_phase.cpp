@@ -17,7 +17,7 @@ namespace {
 // The enlargement of boxes: this share of the longest side on all sides, and this multiple of the last move ahead.
 constexpr double slack_share = 0.05, moves_ahead = 4;
 
-enum Flag : std::uint8_t { moved = 1, placed_anew = 2, removed = 4 };
+enum Flag : std::uint8_t { moved = 1, newly_placed = 2, removed = 4 };
 
 bool is_usable(const Box& box) {
   const Vec3 all = box.lower + box.upper + box.extent();
@@ -94,7 +94,7 @@ struct BroadPhase::State {
                [&](std::uint32_t other) {
                  if (other == number || (entry.is_static && entries[other].is_static)) return;
                  // If both entries of a pair search, the lower one lists the pair.
-                 if ((flags[other] & placed_anew) != 0 && other < number) return;
+                 if ((flags[other] & newly_placed) != 0 && other < number) return;
                  found.push_back(std::uint64_t{std::min(number, other)} << 32 | std::max(number, other));
                });
   }
@@ -136,7 +136,7 @@ std::uint32_t BroadPhase::add(const Box& box, bool is_static) {
     s.free.pop_back();
   }
   s.entries[number] = {box, s.tree.insert(is_static ? float_box(box) : enlarged(box, {}), number), is_static};
-  s.flag(number, moved | placed_anew);
+  s.flag(number, moved | newly_placed);
   ++s.size;
   return number;
 }
@@ -167,7 +167,7 @@ Status BroadPhase::move(std::uint32_t number, const Box& box) {
     return {};
   s.tree.remove(entry.leaf);
   entry.leaf = s.tree.insert(enlarged(box, way), number);
-  s.flag(number, placed_anew);
+  s.flag(number, newly_placed);
   return {};
 }
 
@@ -189,7 +189,7 @@ void BroadPhase::update() {
   if (s.changed.empty()) return;
   s.found.clear();
   for (const std::uint32_t number : s.changed)
-    if ((s.flags[number] & placed_anew) != 0 && s.has(number)) s.look_around(number);
+    if ((s.flags[number] & newly_placed) != 0 && s.has(number)) s.look_around(number);
   std::sort(s.found.begin(), s.found.end());
 
   s.merged.clear();
@@ -211,7 +211,7 @@ void BroadPhase::update() {
   for (State::Candidate& candidate : s.candidates) {
     const std::uint8_t flags = s.flags[candidate.key >> 32] | s.flags[static_cast<std::uint32_t>(candidate.key)];
     // Entries that search find all of their pairs again.
-    if ((flags & (placed_anew | removed)) != 0) continue;
+    if ((flags & (newly_placed | removed)) != 0) continue;
     take_found(candidate.key);
     if (flags != 0) s.compare(candidate);
     take(candidate);

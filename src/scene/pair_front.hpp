@@ -98,8 +98,7 @@ class PairFront {
   std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time = false);
   /// Adds surfaces and crossings of finished contacts, by the options. is_late() ends surfaces.
   template <class IsLate>
-  void add_extras(const SceneOptions& options, const FacetShares& shares_a, const FacetShares& shares_b,
-                  PairExtras& extras, const IsLate& is_late);
+  void add_extras(const SceneOptions& options, PairExtras& extras, const IsLate& is_late);
 
   bool roots_overlap() const { return roots_.overlap; }
   bool is_finished() const {
@@ -174,15 +173,14 @@ class PairFront {
 };
 
 template <class IsLate>
-void PairFront::add_extras(const SceneOptions& options, const FacetShares& shares_a, const FacetShares& shares_b,
-                           PairExtras& extras, const IsLate& is_late) {
+void PairFront::add_extras(const SceneOptions& options, PairExtras& extras, const IsLate& is_late) {
   extras_.forget();
   extras_.are_due = false;
   // A sleeping body may have had a rejected update since it was read.
   if (!askable(a()) || !askable(b())) return;
   const std::span<const Contact> finished = contacts().first(finished_count());
   if (options.surfaces) {
-    extras.surfaces.start(a(), shares_a, b(), shares_b);
+    extras.surfaces.start(a(), b());
     for (const Contact& c : finished) {
       // If time ended its surfaces, a pair at rest continues with them in the next update.
       extras_.are_due = is_late();

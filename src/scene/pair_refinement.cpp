@@ -70,15 +70,15 @@ void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests
       return values_[x] != values_[y] ? values_[x] > values_[y] : x < y;
     });
     shares_.assign(work_.size(), 0);
-    std::size_t dealt = 0, count = 0;
-    for (; count < order_.size() && dealt < left; ++count) {
+    std::size_t assigned = 0, count = 0;
+    for (; count < order_.size() && assigned < left; ++count) {
       const PairFront& front = *work_[order_[count]];
       const std::size_t wanted = std::clamp(front.tests_expected().value_or(quantum), least_budget, most_expected);
       // The last pair gets the rest; if that is too little to open any pair of nodes, no pair gets it.
-      const std::size_t share = std::min(wanted, left - dealt);
+      const std::size_t share = std::min(wanted, left - assigned);
       if (count > 0 && share < std::min(wanted, least_budget)) break;
       shares_[order_[count]] = share;
-      dealt += share;
+      assigned += share;
     }
     // work_ stays in the order of places.
     used_.assign(work_.size(), 0);

@@ -113,7 +113,6 @@ void Scene::remove(BodyId id) {
   SceneBody& body = s.known(id);
   s.broad.remove(id.place);
   body.collider = nullptr;
-  body.shares = {};
 }
 
 void Scene::replace(BodyId id, const Collider& collider) {
@@ -122,7 +121,6 @@ void Scene::replace(BodyId id, const Collider& collider) {
   SceneBody& body = s.known(id);
   require_good(s.usable(collider));
   body.collider = &collider;
-  body.shares = {};
   body.is_to_be_read = true;
   for (NearPair& pair : s.near.pairs)
     if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {

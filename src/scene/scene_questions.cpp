@@ -25,12 +25,12 @@ template <class Shape, class Find>
 SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const TouchOptions& options, const Find& find) {
   const StandardFloats standard;
   if (SceneStatus status = s.current(); !status) return status;
-  if (!std::isfinite(options.margin) || options.nearest) return refusal({Status::Code::bad_option});
-  if (!is_usable(shape) || !is_near) return refusal({Status::Code::bad_shape});
+  if (!std::isfinite(options.margin) || options.nearest) return rejection({Status::Code::bad_option});
+  if (!is_usable(shape) || !is_near) return rejection({Status::Code::bad_shape});
   find(std::max(0.0, options.margin));
   for (const std::uint32_t place : s.shapes.bodies)
     if (const Collider& collider = *s.bodies[place].collider; collider.has_surface())
-      if (const Status status = askable(collider); !status) return refusal(status, s.id_of(place));
+      if (const Status status = askable(collider); !status) return rejection(status, s.id_of(place));
   s.shapes.touches.clear();
   try {
     for (const std::uint32_t place : s.shapes.bodies) {
@@ -39,7 +39,7 @@ SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const Tou
       if (s.shapes.touches.size() == s.shapes.queries.size())
         s.shapes.queries.push_back(std::make_unique<TouchQuery>());
       const Touch& touch = s.shapes.queries[s.shapes.touches.size()]->run(collider, shape, options);
-      if (!touch.status) return refusal(touch.status, s.id_of(place));
+      if (!touch.status) return rejection(touch.status, s.id_of(place));
       if (!touch.proven_clear) s.shapes.touches.push_back({s.id_of(place), &touch});
     }
   } catch (...) {
@@ -57,7 +57,7 @@ SceneStatus detail::SceneState::current() const {
     const SceneBody& body = bodies[place];
     if (body.collider == nullptr) continue;
     if (is_interrupted || (body.is_looked_at() && (body.is_to_be_read || stamp_of(*body.collider) != body.stamp)))
-      return refusal({Status::Code::other_frame}, id_of(place));
+      return rejection({Status::Code::other_frame}, id_of(place));
   }
   return {};
 }
@@ -67,7 +67,7 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
   const SceneState& s = state_->idle("first_hit");
   SceneRayHit hit{.status = s.current()};
   if (!hit.status) return hit;
-  if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vec3{} || !(ray.t_end >= 0)) {
+  if (!is_usable(ray)) {
     hit.status.code = Status::Code::bad_shape;
     return hit;
   }
@@ -79,7 +79,7 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
     const Collider& collider = *s.bodies[place].collider;
     if (!collider.has_surface()) continue;
     const RayHit here = query.run(collider, rest);
-    if (!here.status) return {.status = refusal(here.status, s.id_of(place))};
+    if (!here.status) return {.status = rejection(here.status, s.id_of(place))};
     hit.certified = hit.certified && here.certified;
     if (!here.first || (hit.first && !(here.first->t < hit.first->t))) continue;
     hit.first = here.first;
@@ -95,8 +95,9 @@ SceneRayHit Scene::first_hit(const Ray& ray) const {
 SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options) {
   SceneState& s = state_->idle("touch");
   return touch_all(s, shape, true, options, [&](double margin) {
-    const double offset = shape.offset + margin * scaled_length(shape.normal);
-    s.broad.find_behind(shape.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
+    const HalfSpace unit = scaled(shape);
+    const double offset = unit.offset + margin * length(unit.normal);
+    s.broad.find_behind(unit.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
   });
 }
 

@@ -37,8 +37,7 @@ struct SceneBody {
                                    ///< as moved
   bool has_moved = false;          ///< true if it has moved in this update
   BodyStamp stamp{};
-  Sphere around{};       ///< the ball that the box contains
-  FacetShares shares{};  ///< shares of the collider, once surfaces were requested
+  Sphere around{};  ///< the ball that the box contains
 
   bool is_looked_at() const {
     return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
@@ -59,10 +58,10 @@ BodyStamp stamp_of(const Collider& collider);
 Sphere ball_around(const Collider& collider, double margin);
 Box box_around(const Sphere& ball);
 
-inline SceneStatus refusal(const Status& status, std::optional<BodyId> offender = {}) {
-  SceneStatus refused{status};
-  refused.offender = offender;
-  return refused;
+inline SceneStatus rejection(const Status& status, std::optional<BodyId> offender = {}) {
+  SceneStatus rejected{status};
+  rejected.offender = offender;
+  return rejected;
 }
 
 /// Two bodies whose boxes overlap, by place.
@@ -114,15 +113,15 @@ class PublishedPairs {
   /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::id and began.
   void add(ScenePair pair);
   void finish();
-  void commit() noexcept { told_.swap(next_told_); }
+  void commit() noexcept { reported_.swap(next_reported_); }
 
  private:
   std::vector<ScenePair> pairs_;
   std::vector<EndedPair> ended_;
   /// The touches that an update has published and none has ended, ascending; the list that an update makes of them.
   /// They are separate from fronts and lists, so that an update that fails loses none.
-  std::vector<EndedPair> told_, next_told_;
-  std::size_t walked_ = 0;  ///< number of touches in told_ that precede the pairs added so far, or belong to them
+  std::vector<EndedPair> reported_, next_reported_;
+  std::size_t walked_ = 0;  ///< number of touches in reported_ that precede the pairs added so far, or belong to them
   std::uint64_t next_touch_ = 1;
 };
 
@@ -137,7 +136,6 @@ struct ShapeTouches {
 struct ExtrasWork {
   ExtrasPool pool;
   std::vector<PairFront*> due;
-  std::vector<std::uint32_t> places;  ///< places of bodies whose shares have to be updated
 };
 
 /// A scene between two updates. An update fills it in this order: read_bodies() `reads_`, then `bodies`; list_near()
@@ -186,7 +184,6 @@ struct SceneState {
   void look_at_roots(Workers& workers);
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
-  void follow_shares(Workers& workers);
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;
 

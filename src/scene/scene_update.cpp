@@ -46,7 +46,7 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
     }
   });
   for (std::uint32_t place = 0; place < bodies.size(); ++place)
-    if (!reads_.found[place].status) return refusal(reads_.found[place].status, id_of(place));
+    if (!reads_.found[place].status) return rejection(reads_.found[place].status, id_of(place));
   for (std::uint32_t place = 0; place < bodies.size(); ++place) {
     SceneBody& body = bodies[place];
     const BodyRead& read = reads_.found[place];
@@ -63,13 +63,13 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
 }
 
 bool SceneState::has_callbacks(const Workers& workers) const {
-  return options.accepts || options.clock || workers.is_of_host() || asked_now() != nullptr;
+  return options.accepts || options.clock || workers.is_of_host() || active_interruption() != nullptr;
 }
 
 SceneStatus SceneState::unmoved() const {
   for (std::uint32_t place = 0; place < bodies.size(); ++place)
     if (bodies[place].collider != nullptr && reads_.as_read[place].has_moved())
-      return refusal({.code = Status::Code::changed_during_call}, id_of(place));
+      return rejection({.code = Status::Code::changed_during_call}, id_of(place));
   return {};
 }
 
@@ -159,21 +159,6 @@ void SceneState::look_at_roots(Workers& workers) {
   }
 }
 
-// The shares of a body serve all of its pairs, so they are updated before pairs are refined in parallel.
-void SceneState::follow_shares(Workers& workers) {
-  extras_.places.clear();
-  for (const PairFront* front : extras_.due)
-    for (const std::uint32_t place : {front->id_a().place, front->id_b().place})
-      if (const SceneBody& body = bodies[place]; body.collider->has_surface() && !body.shares.is_of(*body.collider))
-        extras_.places.push_back(place);
-  std::sort(extras_.places.begin(), extras_.places.end());
-  extras_.places.erase(std::unique(extras_.places.begin(), extras_.places.end()), extras_.places.end());
-  workers.run(extras_.places.size(), [&](std::size_t i) {
-    SceneBody& body = bodies[extras_.places[i]];
-    body.shares.follow(*body.collider);
-  });
-}
-
 void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers) {
   extras_.due.clear();
   // Reserves for the most that so many pairs can have.
@@ -187,14 +172,13 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
       return x->priority.importance > y->priority.importance;
     });
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
-  if (options.surfaces) follow_shares(used_workers);
   const auto is_late = [&] { return by_time && now() >= deadline; };
   used_workers.run(extras_.due.size(), [&](std::size_t i) {
     // Crossings are computed outside any budget.
     if (!options.find_crossings && is_late()) return;
     PairFront& front = *extras_.due[i];
     const ExtrasPool::Loan extras(extras_.pool);
-    front.add_extras(options, bodies[front.id_a().place].shares, bodies[front.id_b().place].shares, *extras, is_late);
+    front.add_extras(options, *extras, is_late);
   });
 }
 
@@ -205,7 +189,7 @@ void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneS
 }
 
 void PublishedPairs::start() {
-  next_told_.clear();
+  next_reported_.clear();
   walked_ = 0;
 }
 
@@ -213,16 +197,16 @@ void PublishedPairs::start() {
 void PublishedPairs::add(ScenePair pair) {
   const auto ids = [](const EndedPair& touch) { return std::pair(touch.a, touch.b); };
   const std::pair bodies(pair.a, pair.b);
-  while (walked_ < told_.size() && ids(told_[walked_]) < bodies) ended_.push_back(told_[walked_++]);
-  const bool stays = walked_ < told_.size() && ids(told_[walked_]) == bodies;
-  pair.id = stays ? told_[walked_++].id : next_touch_++;
+  while (walked_ < reported_.size() && ids(reported_[walked_]) < bodies) ended_.push_back(reported_[walked_++]);
+  const bool stays = walked_ < reported_.size() && ids(reported_[walked_]) == bodies;
+  pair.id = stays ? reported_[walked_++].id : next_touch_++;
   pair.began = !stays;
-  next_told_.push_back({pair.a, pair.b, pair.id});
+  next_reported_.push_back({pair.a, pair.b, pair.id});
   pairs_.push_back(pair);
 }
 
 void PublishedPairs::finish() {
-  ended_.insert(ended_.end(), told_.begin() + static_cast<std::ptrdiff_t>(walked_), told_.end());
+  ended_.insert(ended_.end(), reported_.begin() + static_cast<std::ptrdiff_t>(walked_), reported_.end());
   std::sort(ended_.begin(), ended_.end(), [](const EndedPair& x, const EndedPair& y) { return x.id < y.id; });
 }
 
@@ -266,7 +250,6 @@ void SceneState::start_over() noexcept {
   near.pairs.clear(), near.next.clear(), refinement_.forget(), extras_.due.clear();
   fronts.forget();
   extras_.pool.forget();
-  for (SceneBody& body : bodies) body.shares = {};
   to_publish_ = {};
   // mutant scene-interrupted-untold: `is_interrupted = true` -> `true`
   renewal.everything = is_interrupted = true;

@@ -97,7 +97,7 @@ class ModalCertifier {
     while (!stack.empty()) {
       const auto [a, b] = stack.back();
       stack.pop_back();
-      ask_now_and_then_();
+      poll_interrupt_();
       const Node &p = nodes_[a], &q = nodes_[b];
       if (a != b) {
         ++node_pairs;
@@ -122,7 +122,7 @@ class ModalCertifier {
   std::span<const Vec3> mean(std::uint32_t node) const { return std::span(means_).subspan(node * modes_, modes_); }
 
   std::uint32_t make_node(std::uint32_t begin, std::uint32_t end) {
-    ask_now_and_then_();
+    poll_interrupt_();
     const auto number = static_cast<std::uint32_t>(nodes_.size());
     Node node{begin, end};
     means_.resize(means_.size() + modes_);
@@ -229,7 +229,7 @@ class ModalCertifier {
   double largest_norm_, rest_distance_, pad_ = 0;
   std::vector<Vec3> moves_, means_;
   std::vector<Node> nodes_;
-  AskNowAndThen ask_now_and_then_{64};
+  InterruptPoller poll_interrupt_{64};
 };
 
 }  // namespace

@@ -35,8 +35,8 @@ struct ProximityQuery::State {
     query.forget();
     once.clear();
   }
-  template <class Ask>
-  SurfaceQueryStatus ask(CallKind kind, const Ask& how) {
+  template <class Step>
+  SurfaceQueryStatus run_call(CallKind kind, const Step& step) {
     const auto nearest = [distance = options.distance](const SurfaceTreeState& a, const SurfaceTreeState& b,
                                                        const FeaturePair& pair) {
       const ProximityPair found = nearest_points(pair, FeaturePoints(a, feature_a(pair.kind), pair.a),
@@ -44,13 +44,13 @@ struct ProximityQuery::State {
       return found.distance <= distance ? std::optional(found) : std::nullopt;
     };
     return call_of(*this, kind, [&] {
-      const SurfaceQueryStatus status = how(one_by_one(nearest));
+      const SurfaceQueryStatus status = step(one_by_one(nearest));
       if (status && options.nearest_features_once) keep_nearest_features_once();
       return status;
     });
   }
   SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, Workers& workers) {
-    return ask(CallKind::begins, [&](const auto& narrow) {
+    return run_call(CallKind::begins, [&](const auto& narrow) {
       return query.run(a, b, {.reach = options.distance}, options, workers, narrow);
     });
   }
@@ -109,7 +109,7 @@ SurfaceQueryStatus ProximityQuery::run(const SurfaceTree& a, const SurfaceTree& 
 }
 SurfaceQueryStatus ProximityQuery::resume(Workers& workers) {
   const ProximityOptions& options = state_->options;
-  return state_->ask(CallKind::goes_on, [&](const auto& narrow) {
+  return state_->run_call(CallKind::goes_on, [&](const auto& narrow) {
     return state_->query.resume(options.distance, options, workers, narrow);
   });
 }

@@ -16,24 +16,24 @@ namespace morula {
 using namespace detail;
 namespace {
 
-struct Piece {
+struct Patch {
   std::uint32_t facet;
   std::uint32_t leaf;  // index into the leaves
   bool leftover;
 };
 
 // The patches of a run of facets, in facet order.
-struct Pieces {
-  std::vector<Piece> pieces;
+struct AssignedPatches {
+  std::vector<Patch> patches;
   std::vector<std::uint32_t> corner_begin{0};
   std::vector<Barycentric> corners;
 };
 
 // Cuts facets by the power diagram of all leaves; a patch that sticks out of its owner goes undivided to the leaf that
 // contains it after the least growth.
-Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves,
-                     std::size_t begin, std::size_t end) {
-  Pieces result;
+AssignedPatches assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::span<const Sphere> leaves,
+                              std::size_t begin, std::size_t end) {
+  AssignedPatches result;
   CutFacet cut;
   std::vector<std::uint32_t> scratch;
   std::vector<Vec3> points;
@@ -44,13 +44,13 @@ Pieces assign_facets(const MeshView& mesh, const PowerDiagram& diagram, std::spa
     for (std::size_t k = 0; k < cut.size(); ++k) {
       points.clear();
       for (const Barycentric& b : cut.polygon(k)) points.push_back(at_barycentric(facet.corners, b));
-      Piece piece{static_cast<std::uint32_t>(f), cut.owner[k], false};
-      // mutant cover-leftovers: `farthest_distance(leaves ... ].center, points) > leaves[piece.leaf].radius` -> `false`
-      if (farthest_distance(leaves[piece.leaf].center, points) > leaves[piece.leaf].radius) {
-        piece.leaf = diagram.least_growth(points).sphere;
-        piece.leftover = true;
+      Patch patch{static_cast<std::uint32_t>(f), cut.owner[k], false};
+      // mutant cover-leftovers: `farthest_distance(leaves ... ].center, points) > leaves[patch.leaf].radius` -> `false`
+      if (farthest_distance(leaves[patch.leaf].center, points) > leaves[patch.leaf].radius) {
+        patch.leaf = diagram.least_growth(points).sphere;
+        patch.leftover = true;
       }
-      result.pieces.push_back(piece);
+      result.patches.push_back(patch);
       result.corners.insert(result.corners.end(), cut.polygon(k).begin(), cut.polygon(k).end());
       result.corner_begin.push_back(static_cast<std::uint32_t>(result.corners.size()));
     }
@@ -117,18 +117,18 @@ std::vector<Region> regions_by_power(const MeshView& mesh, const SphereTree& tre
   const PowerDiagram diagram(leaves);
 
   constexpr std::size_t facets_per_chunk = 1024;
-  std::vector<Pieces> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
+  std::vector<AssignedPatches> chunks((mesh.facet_count() + facets_per_chunk - 1) / facets_per_chunk);
   parallel_for(workers, mesh.facet_count(), facets_per_chunk, [&](std::size_t begin, std::size_t end) {
     chunks[begin / facets_per_chunk] = assign_facets(mesh, diagram, leaves, begin, end);
   });
 
   std::vector<Region> regions(tree.node_count());
-  for (const Pieces& chunk : chunks)
-    for (std::size_t k = 0; k < chunk.pieces.size(); ++k) {
-      const Piece& piece = chunk.pieces[k];
-      leftover += piece.leftover;
+  for (const AssignedPatches& chunk : chunks)
+    for (std::size_t k = 0; k < chunk.patches.size(); ++k) {
+      const Patch& patch = chunk.patches[k];
+      leftover += patch.leftover;
       const std::uint32_t begin = chunk.corner_begin[k];
-      regions[leaf_nodes[piece.leaf]].add(piece.facet,
+      regions[leaf_nodes[patch.leaf]].add(patch.facet,
                                           std::span(chunk.corners).subspan(begin, chunk.corner_begin[k + 1] - begin));
     }
   return regions;

@@ -10,7 +10,7 @@
 //               Nodes whose squares vanish or overflow, for which certify() has another test, take nothing.
 //   tiling      patches keep their polygons and change their owner, or all patches of a facet, which tile it, become
 //               one: the facet itself. Or patches of one facet and one owner become their convex hull, if it has no
-//               more area than they have (joined_pieces.hpp): its corners are some of theirs, so the first line holds
+//               more area than they have (joined_patches.hpp): its corners are some of theirs, so the first line holds
 //               for these too.
 //   regions     are made again, leaves depth first, so those of inner nodes are the unions of their children's; no leaf
 //               gives its last patch away.
@@ -22,7 +22,7 @@
 
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
-#include "tree/joined_pieces.hpp"
+#include "tree/joined_patches.hpp"
 #include "tree/region.hpp"
 
 namespace morula {
@@ -71,7 +71,7 @@ class Sharing {
   // Corners [begin, end) of patches that other patches have become part of.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> joined_;  // range of each patch; empty: it is unchanged
   std::vector<std::uint32_t> joined_corners_;
-  PieceJoiner joiner_;
+  PatchJoiner joiner_;
   std::vector<Barycentric> polygon_;
   std::vector<std::uint32_t> corners_;
 };
@@ -108,9 +108,9 @@ Cover Sharing::with_fewer_cuts() && {
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for (std::uint32_t p = 0; p < patches.size(); ++p) patches[next[cover_.patch_facet[p]]++] = p;
   // mutant looks-fewer-cuts: `14` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::uint32_t f = 0; f < mesh_.facet_count(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     look_at(f, std::span(patches).subspan(begin[f], begin[f + 1] - begin[f]));
   }
   return assembled();
@@ -271,11 +271,11 @@ Cover Sharing::assembled() const {
     result.corners.push_back(c);
   };
   // mutant looks-fewer-cuts-patches: `16` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   const auto visit = [&](const auto& self, std::uint32_t node) -> void {
     result.region_begin[node] = static_cast<std::uint32_t>(result.patch_count());
     for (const std::uint32_t p : patches_of[node]) {
-      ask_now_and_then();
+      poll_interrupt();
       const std::uint32_t f = cover_.patch_facet[p];
       result.patch_facet.push_back(f);
       if (owner_[p] == none)

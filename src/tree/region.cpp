@@ -133,10 +133,10 @@ Cover assemble_cover(const MeshView& mesh, const SphereTree& tree, std::vector<R
   cover.corners.reserve(corners);
 
   // mutant looks-cover: `14` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   const auto add_region = [&](const Region& region) {
     for (std::size_t k = 0; k < region.size(); ++k) {
-      ask_now_and_then();
+      poll_interrupt();
       cover.patch_facet.push_back(region.facet[k]);
       const Facet& facet = mesh.facets[region.facet[k]];
       if (region.is_whole(k))

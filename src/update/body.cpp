@@ -181,6 +181,10 @@ std::uint64_t Body::cover_id() const {
   return state_->posed.cover_id;
 }
 
+const CoveredTree& Body::model() const {
+  return *state_->model;
+}
+
 const SphereTree& Body::rest_tree() const {
   return state_->model->tree;
 }

@@ -73,8 +73,8 @@ void Body::State::raise(const Rounding& rounding, Workers& workers) noexcept {
 }
 
 // The status is ok if all levels follow positions alone.
-static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
-  switch (asked_for) {
+static UpdateStatus wrong_kind_of_frame(RuleTraits::Follows followed) noexcept {
+  switch (followed) {
     case RuleTraits::Follows::modes:
       return refused(Status::Code::needs_coordinates);
     case RuleTraits::Follows::bones:
@@ -86,30 +86,30 @@ static UpdateStatus refusal(RuleTraits::Follows asked_for) noexcept {
 }
 
 // Good input gives a good status, here and below.
-UpdateStatus Body::State::refused_positions(const PositionView& positions) const noexcept {
-  if (const UpdateStatus fault = refusal(models.follows); !fault) return fault;
+UpdateStatus Body::State::check_positions(const PositionView& positions) const noexcept {
+  if (const UpdateStatus fault = wrong_kind_of_frame(models.follows); !fault) return fault;
   if (positions.size() != model->cover.vertex_count) return refused(Status::Code::wrong_vertex_count);
   return {};
 }
 
-UpdateStatus Body::State::refused_coordinates(std::span<const double> coordinates) const noexcept {
+UpdateStatus Body::State::check_coordinates(std::span<const double> coordinates) const noexcept {
   if (!models.modal) return refused(Status::Code::no_modes);
-  if (models.follows == RuleTraits::Follows::bones) return refusal(models.follows);
+  if (models.follows == RuleTraits::Follows::bones) return wrong_kind_of_frame(models.follows);
   if (coordinates.size() != models.modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
   if (std::size_t bad = 0; !models.modal->accepts(coordinates, bad)) return refused(Status::Code::bad_coordinate, bad);
   return {};
 }
 
-UpdateStatus Body::State::refused_transforms(std::span<const AffineTransform> transforms) const noexcept {
+UpdateStatus Body::State::check_transforms(std::span<const AffineTransform> transforms) const noexcept {
   if (!models.skin) return refused(Status::Code::no_skin);
-  if (models.follows == RuleTraits::Follows::modes) return refusal(models.follows);
+  if (models.follows == RuleTraits::Follows::modes) return wrong_kind_of_frame(models.follows);
   if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
   if (std::size_t bad = 0; !models.skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
   return {};
 }
 
 UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers) noexcept {
-  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
+  if (const UpdateStatus fault = check_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = at.finite;
   if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
@@ -119,7 +119,7 @@ UpdateStatus Body::State::follow(const PositionView& positions, Workers& workers
 
 UpdateStatus Body::State::follow(const PositionView& positions, std::span<const VertexRange> changed,
                                  Workers& workers) noexcept {
-  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
+  if (const UpdateStatus fault = check_positions(positions); !fault) return fault;
   for (const VertexRange& range : changed)
     if (range.begin > range.end || range.end > positions.size()) return refused(Status::Code::bad_range);
   const bool all_local = !raising && std::all_of(engines.begin(), engines.end(),
@@ -157,7 +157,7 @@ UpdateStatus Body::State::follow_model(RuleFrame frame, const MovePositions& mov
 }
 
 UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& workers) noexcept {
-  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
+  if (const UpdateStatus fault = check_coordinates(coordinates); !fault) return fault;
   const ModalPose pose = models.modal->pose(coordinates);
   const auto move = [&] {
     move_by_modes(options.modes, models.rest_positions, coordinates, models.moved_positions, workers);
@@ -166,7 +166,7 @@ UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& w
 }
 
 UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
-  if (const UpdateStatus fault = refused_transforms(transforms); !fault) return fault;
+  if (const UpdateStatus fault = check_transforms(transforms); !fault) return fault;
   const BonePose pose = models.skin->pose(options.skin, transforms);
   const auto move = [&] {
     move_by_skin(options.skin, models.rest_positions, transforms, models.moved_positions, workers);
@@ -184,7 +184,7 @@ bool Body::State::is_lazy(RuleTraits::Follows wanted) const noexcept {
 }
 
 UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size_t nodes, Workers& workers) noexcept {
-  if (const UpdateStatus fault = refused_positions(positions); !fault) return fault;
+  if (const UpdateStatus fault = check_positions(positions); !fault) return fault;
   const LocalPoints::Frame at = local.move(positions, workers);
   followed = false;  // a partial update cannot start from missing spheres
   if (!at.finite) return refused(Status::Code::non_finite_position, at.first_bad_vertex);
@@ -194,7 +194,7 @@ UpdateStatus Body::State::follow_lazily(const PositionView& positions, std::size
 }
 
 UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std::size_t nodes) noexcept {
-  if (const UpdateStatus fault = refused_coordinates(coordinates); !fault) return fault;
+  if (const UpdateStatus fault = check_coordinates(coordinates); !fault) return fault;
   lazy.keep(coordinates);
   const ModalPose pose = models.modal->pose(lazy.coordinates());
   engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());

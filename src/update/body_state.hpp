@@ -121,9 +121,9 @@ struct Body::State {
   void raise_at_rest(const detail::BodyPlan& plan, const detail::Rounding& rounding, Workers& workers);
   void note_promises(const detail::BodyPlan& plan);
 
-  UpdateStatus refused_positions(const PositionView& positions) const noexcept;
-  UpdateStatus refused_coordinates(std::span<const double> coordinates) const noexcept;
-  UpdateStatus refused_transforms(std::span<const AffineTransform> transforms) const noexcept;
+  UpdateStatus check_positions(const PositionView& positions) const noexcept;
+  UpdateStatus check_coordinates(std::span<const double> coordinates) const noexcept;
+  UpdateStatus check_transforms(std::span<const AffineTransform> transforms) const noexcept;
   // Moves the spheres to positions, which move_positions has to compute if a level needs them.
   template <class MovePositions>
   UpdateStatus follow_model(detail::RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;

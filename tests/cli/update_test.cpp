@@ -252,7 +252,7 @@ TEST(UpdateCommand, follows_a_skin_by_any_rule_and_certifies_those_that_cover) {
     EXPECT_EQ(tree_hash(read_tree(bench / (std::string(folder) + "/0001.sph")).tree), tree_hash(body.current_tree()));
   }
   const CommandResult text = bench.require("update limb.obj limb.morula " + skin_model + "-o s --rule skinned");
-  EXPECT_NE(text.out.find("rules other than exact, wrapped and modal may leave surface bare"), std::string::npos);
+  EXPECT_NE(text.out.find("rules other than exact, wrapped and modal may leave surface uncovered"), std::string::npos);
 }
 
 TEST(UpdateCommand, skins_that_do_not_fit_are_refused) {
@@ -307,7 +307,7 @@ TEST(UpdateCommand, frames_are_measured_as_the_measure_command_does) {
   }
   const CommandResult text = bench.require("update limb.obj limb.morula " + modal_model + "-o t --measure");
   EXPECT_NE(text.out.find("coords.npy frame 1"), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find("Covers: no surface is bare at any level."), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("Covers: every level covers the whole surface."), std::string::npos) << text.out;
   EXPECT_TRUE(bench.require("update limb.obj limb.morula motion -o s --json").json().count("measured") == 0);
 }
 

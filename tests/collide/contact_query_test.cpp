@@ -521,6 +521,71 @@ TEST_F(TwoBodies, stale_fronts_are_refused_and_nothing_changes) {
   EXPECT_TRUE(query.start());
 }
 
+TEST_F(TwoBodies, a_front_of_other_bodies_has_no_cut) {
+  const Specimen small("bar", 4, test::quick);
+  ContactQuery maker({.budget = 500});
+  maker.add(*a.collider, *b.collider);
+  ASSERT_TRUE(maker.start());
+  std::vector<FrontPair> cut;
+  const auto expect_refused = [&](ContactQuery& query, const Front& front) {
+    query.set_front(front);
+    EXPECT_THROW(query.cut(cut), std::invalid_argument);
+  };
+  ContactQuery other, two, none;
+  other.add(*small.collider, *small.collider);
+  two.add(*a.collider, *b.collider), two.add(*a.collider, *b.collider);
+  expect_refused(other, maker.front());
+  expect_refused(two, maker.front());
+  expect_refused(none, maker.front());
+  Front without_pairs = maker.front();
+  without_pairs.pairs.clear();
+  none.set_front(without_pairs);
+  none.cut(cut);
+  EXPECT_TRUE(cut.empty());
+  // The front of these bodies has the cut of the query that made it, in a later frame as well.
+  ContactQuery same({.budget = 500});
+  same.add(*a.collider, *b.collider);
+  same.set_front(maker.front());
+  ASSERT_TRUE(a.body->update(a.positions));
+  std::vector<FrontPair> expected;
+  maker.cut(expected);
+  same.cut(cut);
+  EXPECT_FALSE(cut.empty());
+  EXPECT_EQ(cut, expected);
+}
+
+TEST_F(TwoBodies, after_clear_nothing_refers_to_the_removed_pairs) {
+  const Specimen small("bar", 4, test::quick);
+  ContactQuery query({.surfaces = true, .containment = true});
+  query.add(*a.collider, *b.collider);
+  ASSERT_TRUE(query.start());
+  ASSERT_FALSE(query.contacts().contacts.empty());
+  query.clear();
+  const auto expect_nothing = [&] {
+    const Contacts& left = query.contacts();
+    EXPECT_TRUE(left.contacts.empty() && left.surfaces.empty() && left.containment.empty());
+    EXPECT_EQ(left.finished_count, 0u);
+    EXPECT_FALSE(left.finished);
+    EXPECT_EQ(query.front(), Front{});
+    std::vector<FrontPair> cut{{}};
+    query.cut(cut);
+    EXPECT_TRUE(cut.empty());
+    EXPECT_THROW(query.surface(0), std::invalid_argument);
+    EXPECT_EQ(query.resume().code, Code::no_front);
+    EXPECT_EQ(query.carry().code, Code::no_front);
+  };
+  expect_nothing();
+  // Nodes of the removed bodies would be out of range of these.
+  query.add(*small.collider, *small.collider);
+  expect_nothing();
+  ASSERT_TRUE(query.start());
+  ContactQuery fresh({.surfaces = true, .containment = true});
+  fresh.add(*small.collider, *small.collider);
+  ASSERT_TRUE(fresh.start());
+  EXPECT_EQ(query.front(), fresh.front());
+  EXPECT_EQ(query.contacts().contacts.size(), fresh.contacts().contacts.size());
+}
+
 // What a front says about bodies cannot be checked, but none makes a query read where it should not.
 TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
   ContactQuery maker({.budget = 3000});
@@ -528,6 +593,7 @@ TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
   ASSERT_TRUE(maker.start());
   ASSERT_FALSE(maker.front().waiting.empty());
   std::size_t refused = 0, taken = 0;
+  std::vector<FrontPair> cut;
   for (int round = 0; round < 400; ++round) {
     Front front = maker.front();
     const auto bad = static_cast<std::uint32_t>(round % 2 == 0 ? random.next() : random.next() % 100);
@@ -557,8 +623,16 @@ TEST_F(TwoBodies, fronts_out_of_range_are_refused) {
     ContactQuery query({.budget = 3000});
     query.add(*a.collider, *b.collider);
     query.set_front(front);
+    bool has_cut = true;
+    try {
+      query.cut(cut);
+    } catch (const std::invalid_argument& error) {
+      has_cut = false;
+      EXPECT_EQ(error.what(), message(Status{Code::bad_front}));
+    }
     const ContactStatus status = round % 3 == 0 ? query.resume() : query.carry();
     EXPECT_TRUE(status || status.code == Code::bad_front);
+    EXPECT_EQ(has_cut, bool(status)) << "cut() takes and rejects the same fronts";
     ++(status ? taken : refused);
     EXPECT_TRUE(query.start());
   }

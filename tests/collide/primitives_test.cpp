@@ -3,6 +3,7 @@
 // Half spaces, spheres and capsules against bodies: brute force over all facets, and exact shapes.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <morula/collide/primitives.hpp>
 #include <set>
 #include <support/meshes.hpp>
@@ -149,6 +150,27 @@ TEST(Primitives, answers_of_exact_shapes_are_known) {
   const Touch through = touch(box.collider, Capsule{{0.3, 0.2, 0}, {0.3, 0.2, 9}, 0.125});
   EXPECT_EQ(through.deepest->depth, 0.125) << "the axis meets the surface";
   EXPECT_NEAR(length(through.deepest->normal), 1, 1e-15);
+}
+
+TEST(Primitives, a_half_space_has_the_same_answer_for_normals_of_any_length) {
+  PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2));
+  const HalfSpace plain{{1, 2, -2}, -2.5};
+  const Touch expected = touch(box.collider, plain, {.collect_all = true});
+  ASSERT_TRUE(expected.deepest);
+  for (const int exponent : {-1020, -600, -200, -199, -1, 0, 1, 199, 200, 600, 1020}) {
+    HalfSpace scaled = plain;
+    for (double* number : {&scaled.normal.x, &scaled.normal.y, &scaled.normal.z, &scaled.offset})
+      *number = std::ldexp(*number, exponent);
+    const Touch found = touch(box.collider, scaled, {.collect_all = true});
+    ASSERT_TRUE(found.deepest) << exponent;
+    EXPECT_EQ(found.deepest->depth, expected.deepest->depth) << exponent;
+    EXPECT_EQ(found.deepest->normal, expected.deepest->normal) << exponent;
+    EXPECT_EQ(found.lower, expected.lower) << exponent;
+    EXPECT_EQ(found.facets.size(), expected.facets.size()) << exponent;
+  }
+  // The distance of the plane has a limit, the length of its normal has none.
+  EXPECT_EQ(TouchQuery().run(box.collider, HalfSpace{{0, 0, 0x1p-300}, -0x1p-99}).status.code, Status::Code::bad_shape);
+  EXPECT_TRUE(TouchQuery().run(box.collider, HalfSpace{{0, 0, 0x1p-300}, -0x1p-101}).proven_clear);
 }
 
 TEST(Primitives, a_shape_that_just_touches_touches) {

@@ -3,6 +3,7 @@
 // Rays against brute force, through edges and corners, and along surfaces.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <morula/collide/primitives.hpp>
 #include <support/meshes.hpp>
@@ -129,6 +130,19 @@ TEST(Ray, ends_where_it_ends) {
   // Directions of any length.
   EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p-180}}).first->t, 0x1p181);
   EXPECT_EQ(first_hit(box.collider, {origin, {0, 0, 0x1p180}}).first->t, 0x1p-179);
+}
+
+TEST(Ray, directions_have_the_range_that_the_message_says) {
+  PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}));
+  const auto status = [&](double length) {
+    return RayQuery().run(box.collider, {{0.3, 0.1, -3}, {0, 0, length}}).status;
+  };
+  EXPECT_TRUE(status(std::nextafter(0x1p-200, 1)));
+  EXPECT_TRUE(status(std::nextafter(0x1p200, 1)));
+  EXPECT_EQ(status(0x1p-200).code, Status::Code::bad_shape);
+  EXPECT_EQ(status(-0x1p200).code, Status::Code::bad_shape);
+  EXPECT_NE(message(status(0x1p-200)).find("not longer than 2^-200 and shorter than 2^200: scale the direction"),
+            std::string::npos);
 }
 
 TEST(Ray, refuses_what_is_no_ray) {

@@ -29,7 +29,8 @@ MeshReport brute_force(const Mesh& mesh) {
       else
         ++edges[{to, from}].second;
     }
-  report.closed = report.oriented = true;
+  report.closed = !edges.empty();
+  report.oriented = true;
   for (const auto& [edge, ways] : edges) {
     const int count = ways.first + ways.second;
     report.boundary_edges += count == 1;
@@ -187,6 +188,36 @@ TEST(Inspect, counts_the_defects_of_known_meshes) {
   EXPECT_EQ(report("sliver_facets").degenerate_facets, 0u);
   EXPECT_EQ(report("duplicate_vertices").duplicate_vertices, 28u);
   EXPECT_EQ(report("unused_vertices").unused_vertices, 2u);
+}
+
+TEST(Inspect, a_mesh_without_edges_has_no_inside) {
+  Mesh mesh;
+  EXPECT_FALSE(inspect(mesh).closed || inspect(mesh).has_volume());
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  EXPECT_FALSE(inspect(mesh).has_volume());
+  mesh.facets = {{0, 1, 1}, {2, 2, 2}};
+  const MeshReport report = inspect(mesh);
+  EXPECT_FALSE(report.closed || report.has_volume());
+  EXPECT_TRUE(report.oriented && report.manifold);
+}
+
+TEST(Inspect, facets_with_a_repeated_index_count_except_for_edges_and_fans) {
+  Mesh mesh = test::icosphere(1);
+  const MeshReport ball = inspect(mesh);
+  const auto last = static_cast<std::uint32_t>(mesh.vertex_count());
+  mesh.positions.push_back({9, 0, 0}), mesh.positions.push_back({9, 1, 0});
+  mesh.facets.push_back({last, last, last + 1}), mesh.facets.push_back({last, last + 1, last});
+  mesh.facets.push_back({0, 0, 1});
+  const MeshReport report = inspect(mesh);
+  EXPECT_EQ(report.facet_count, ball.facet_count + 3);
+  EXPECT_EQ(report.component_count, 2u);
+  EXPECT_EQ(report.degenerate_facets, 3u);
+  EXPECT_EQ(report.duplicate_facets, 1u);
+  EXPECT_EQ(report.unused_vertices, 0u);
+  EXPECT_EQ(report.boundary_edges + report.nonmanifold_edges + report.misoriented_edges, 0u);
+  EXPECT_EQ(report.nonmanifold_vertices, 0u);
+  EXPECT_TRUE(report.has_volume());
+  EXPECT_DOUBLE_EQ(report.volume, ball.volume);
 }
 
 TEST(Inspect, a_facet_turned_over_misorients_its_three_edges) {

@@ -92,7 +92,7 @@ TEST(ForeignFiles, are_named_by_their_first_bytes) {
     add(wide(sound_stl, false), "UTF-16");
     add("<!DOCTYPE html>\n<html><body>Sign in</body></html>\n", "web page");
     add("\xef\xbb\xbf\n<!-- x --><HTML lang=\"en\"><body/></HTML>", "web page");
-    add("404: Not Found", "download it anew");
+    add("404: Not Found", "download it again");
     add("\x89PNG\r\n\x1a\n"s + std::string(100, '\0'), "PNG");
     add(std::string(500, '\0'), "zero bytes");
     if (extension != ".obj" && extension != ".off") add("Kaydara FBX Binary  \0\x1a\0"s + std::string(100, 'x'), "FBX");
@@ -251,7 +251,7 @@ TEST(ForeignFiles, shells_beside_solids_are_counted) {
   EXPECT_TRUE(notes("CELLS 2 9\n4 0 1 2 3\n3 1 0 2\nCELL_TYPES 2\n10\n5\n").empty());  // a face of the solid again
   const auto shell = notes("CELLS 3 13\n4 0 1 2 3\n3 4 5 6\n3 0 1 4\nCELL_TYPES 3\n10\n5\n5\n");
   ASSERT_EQ(shell.size(), 1u);
-  EXPECT_EQ(shell[0].find("2 triangles of shells beside the solids lie on no face"), 0u) << shell[0];
+  EXPECT_EQ(shell[0].find("2 triangles of shells besides the solids lie on no face"), 0u) << shell[0];
   // A hexahedron whose quadrilaterals are listed again as triangles: none of them is a shell.
   const std::string hexahedron =
       "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n"

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/io/modal_file.hpp>
+#include <stdexcept>
 #include <support/npy.hpp>
 
 #include "files.hpp"
@@ -54,6 +57,99 @@ TEST(ModalFile, what_is_written_is_read_back_to_the_bit) {
   EXPECT_THROW(write_modes(folder.path() / "short.npy", modes), std::invalid_argument);
   EXPECT_THROW(write_coordinates(folder.path() / "short.npy", {2, {1, 2, 3}}), std::invalid_argument);
   EXPECT_FALSE(fs::exists(folder.path() / "short.npy"));
+}
+
+/// A number that a careless writer changes, or, seldom, one that no reader takes.
+double any_number(Random& random) {
+  static const std::vector<double> good = awkward_numbers();
+  const std::size_t i = random.next() % (8 * good.size());
+  if (i == 0) return std::numeric_limits<double>::quiet_NaN();
+  if (i == 1) return -std::numeric_limits<double>::infinity();
+  return good[i % good.size()];
+}
+
+/// Expects the path to hold nothing, if `write` rejects its data; otherwise what `same` finds equal. Returns whether it
+/// was written.
+bool is_written(const fs::path& path, const std::function<void()>& write, const std::function<bool()>& same) {
+  fs::remove(path);
+  try {
+    write();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_FALSE(fs::exists(path)) << error.what();
+    return false;
+  }
+  EXPECT_TRUE(same());
+  return true;
+}
+
+TEST(ModalFile, writers_reject_what_readers_reject_and_the_rest_is_read_back) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "array with spaces.npy";
+  Random random(4);
+  std::size_t written = 0, rejected = 0;
+  for (int round = 0; round < 600; ++round) {
+    Mesh mesh;
+    mesh.positions.resize(random.next() % 4);
+    Modes modes{mesh.vertex_count(), static_cast<std::size_t>(random.next() % 4), {}};
+    if (random.next() % 20 == 0) modes.mode_count |= std::size_t{1} << 63;  // the product of the counts overflows
+    const std::size_t count = (modes.mode_count & 7) * modes.vertex_count + (random.next() % 10 == 0 ? 1 : 0);
+    for (std::size_t i = 0; i < count; ++i)
+      modes.displacements.push_back({any_number(random), any_number(random), any_number(random)});
+    const bool ok = is_written(
+        path, [&] { write_modes(path, modes); },
+        [&] {
+          const Modes read = read_modes(path, mesh);
+          const auto same = [](const Vec3& a, const Vec3& b) {
+            return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
+          };
+          return read.mode_count == modes.mode_count &&
+                 std::equal(read.displacements.begin(), read.displacements.end(), modes.displacements.begin(),
+                            modes.displacements.end(), same);
+        });
+    ++(ok ? written : rejected);
+
+    ModalCoordinates motion{static_cast<std::size_t>(random.next() % 4), {}};
+    const std::size_t numbers = motion.mode_count * (random.next() % 4) + (random.next() % 10 == 0 ? 1 : 0);
+    for (std::size_t i = 0; i < numbers; ++i) motion.coordinates.push_back(any_number(random));
+    const bool moves = is_written(
+        path, [&] { write_coordinates(path, motion); },
+        [&] {
+          const ModalCoordinates read = read_coordinates(path, motion.mode_count);
+          return std::equal(read.coordinates.begin(), read.coordinates.end(), motion.coordinates.begin(),
+                            motion.coordinates.end(), [](double a, double b) { return same_bits(a, b); });
+        });
+    ++(moves ? written : rejected);
+  }
+  EXPECT_GT(written, 100u);
+  EXPECT_GT(rejected, 100u);
+}
+
+TEST(ModalFile, writers_name_what_they_reject) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "none.npy";
+  const auto text = [&](const auto& write) -> std::string {
+    try {
+      write();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(text([&] { write_modes(path, {3, 0, {}}); }), "there is no mode to write: a file of modes has one or more");
+  EXPECT_EQ(text([&] {
+              write_modes(path, {1, 2, {{1, 2, 3}, {0, nan, 0}}});
+            }),
+            "mode 1: the displacement of vertex 0 is not finite; repair it where the modes are made");
+  EXPECT_EQ(text([&] {
+              write_coordinates(path, {2, {}});
+            }),
+            "there is no frame to write: a file of coordinates has one or more, of one mode or more");
+  EXPECT_EQ(text([&] {
+              write_coordinates(path, {2, {1, 2, 3, nan}});
+            }),
+            "frame 1: coordinate 1 is not finite; repair it where the coordinates are made");
+  EXPECT_FALSE(fs::exists(path));
 }
 
 TEST(ModalFile, what_does_not_fit_is_refused_with_both_shapes) {

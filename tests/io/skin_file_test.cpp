@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <morula/io/skin_file.hpp>
+#include <stdexcept>
 #include <support/npy.hpp>
 
 #include "files.hpp"
@@ -57,6 +58,44 @@ TEST(SkinFile, what_is_written_is_read_back_to_the_bit) {
   frames.transforms.pop_back();
   EXPECT_THROW(write_bone_frames(folder.path() / "none.npy", frames), std::invalid_argument);
   EXPECT_FALSE(fs::exists(folder.path() / "none.npy"));
+}
+
+TEST(SkinFile, writers_name_what_readers_would_reject) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "none.npy";
+  const auto text = [&](const auto& write) -> std::string {
+    try {
+      write();
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto skin = [&](std::size_t bones, std::vector<std::uint32_t> begin, std::vector<double> weights) {
+    const std::vector<std::uint32_t> first(weights.size(), 0);
+    return text([&] { write_skin(path, {bones, std::move(begin), first, std::move(weights)}); });
+  };
+  EXPECT_EQ(skin(1, {0, 1, 2}, {1, 0.5}),
+            "the weights of vertex 1 add up to 0.500000, not to 1; repair them where the skin is made");
+  EXPECT_EQ(skin(1, {0, 1}, {nan}),
+            "the weights of vertex 0 add up to nan, not to 1; repair them where the skin is made");
+  EXPECT_EQ(skin(1, {0, 0, 1}, {1}),
+            "the weights of vertex 0 add up to 0.000000, not to 1; repair them where the skin is made");
+  EXPECT_EQ(skin(0, {0}, {}), "the skin has 0 bones; a file of a skin has 1 to 16777215");
+  EXPECT_EQ(skin(1, {0, 900, 1}, {1}), "the skin's influences do not fit its vertices");
+  EXPECT_EQ(skin(1, {1, 1}, {1}), "the skin's influences do not fit its vertices");
+  AffineTransform bad;
+  bad.translation.y = nan;
+  EXPECT_EQ(text([&] {
+              write_bone_frames(path, {1, {AffineTransform(), bad}});
+            }),
+            "frame 1: the transform of bone 0 is not finite; repair it where the transforms are made");
+  EXPECT_EQ(text([&] {
+              write_bone_frames(path, {1, {}});
+            }),
+            "there is no frame to write: a file of transforms has one or more, of one bone or more");
+  EXPECT_FALSE(fs::exists(path));
 }
 
 TEST(SkinFile, what_does_not_fit_is_refused_by_name) {

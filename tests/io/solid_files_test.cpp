@@ -216,7 +216,7 @@ TEST(HostileSolids, are_refused_with_the_place_and_what_is_wrong) {
       {"other.vtp", "<VTKFile type='UnstructuredGrid'>", 1, "holds 'UnstructuredGrid', not PolyData"},
       {"entity.vtp", "<!DOCTYPE x [<!ENTITY a 'b'>]><VTKFile type='PolyData'>", 1, "entities are not read"},
       {"packer.vtp", "<VTKFile type='PolyData' compressor='vtkLZ4DataCompressor'>", 1, "'vtkLZ4DataCompressor'"},
-      {"cut.vtp", xml + points, 1, "ends inside a piece"},
+      {"cut.vtp", xml + points, 1, "ends inside a <Piece>"},
       {"tag.vtp", "<VTKFile type='Poly", 1, "ends inside a tag"},
       {"huge.vtp", "<VTKFile type='PolyData'><Piece NumberOfPoints='4000000000'>" + points + "</Piece></VTKFile>", 1,
        "has 9 numbers, not the 12000000000"},
@@ -382,14 +382,14 @@ TEST(ParaView, points_and_facets_with_numbers_on_them) {
   const ScratchFolder folder;
   VtpData data{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}}, {{0, 1, 2}}, {}, {}};
   data.point_arrays = {{"distance <&\"", {0.1, -0.2, 0.3}}, {"normal", {1, 2, 3, 4, 5, 6, 7, 8, 9}, 3}};
-  data.facet_arrays = {{"bare", {1}, 1, true}};
+  data.facet_arrays = {{"uncovered", {1}, 1, true}};
   write_vtp(folder.path() / "a.vtp", data);
   const std::string text = bytes_of(folder.path() / "a.vtp");
   EXPECT_NE(text.find("NumberOfPoints=\"3\" NumberOfVerts=\"0\""), std::string::npos);
   auto arrays = arrays_in(text);
   EXPECT_EQ(arrays["distance &lt;&amp;&quot;"], data.point_arrays[0].values);
   EXPECT_EQ(arrays["normal"], data.point_arrays[1].values);
-  EXPECT_EQ(arrays["bare"], std::vector<double>{1});
+  EXPECT_EQ(arrays["uncovered"], std::vector<double>{1});
   EXPECT_EQ(arrays["Points"], (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0.5}));
   EXPECT_EQ(arrays["connectivity"], (std::vector<double>{0, 1, 2}));
   EXPECT_EQ(arrays["offsets"], std::vector<double>{3});

@@ -26,8 +26,8 @@ bool is_finite_ball(const Ball& ball) {
 // the library's proof, gone through again in the judge's arithmetic.
 //
 // Rounding: a corner is a sum of three products, in which weights are taken as they are; with the distance below 20
-// epsilon A, within what find_bare() allows. Weights that do not add up to 1 make a corner that is off its facet; the
-// cover is about that very corner, so nothing is allowed for it.
+// epsilon A, within what find_uncovered() allows. Weights that do not add up to 1 make a corner that is off its facet;
+// the cover is about that very corner, so nothing is allowed for it.
 void judge_regions(const Moment& m, Record& record, const std::string& suffix) {
   const Cover& cover = m.cover;
   const std::size_t vertices = m.positions.size();
@@ -61,12 +61,13 @@ void judge_regions(const Moment& m, Record& record, const std::string& suffix) {
       }
   }
   if (worst_node != no_node)
-    record.fail("bare-region" + suffix, "node " + std::to_string(worst_node) + " of radius " +
-                                            text(m.balls[worst_node].radius) + " by " + text(worst));
+    record.fail("uncovered-region" + suffix, "node " + std::to_string(worst_node) + " of radius " +
+                                                 text(m.balls[worst_node].radius) + " by " + text(worst));
 }
 
 // A corner of some patches, or a point of the patch close to it: there a node that forgot something leaves surface
-// bare. Where they are is taken from the cover, that they are on their facet is not: weights are made to add up to 1.
+// uncovered. Where they are is taken from the cover, that they are on their facet is not: weights are made to add up
+// to 1.
 std::vector<oracle::Hint> corners_of_patches(const Mesh& mesh, const Cover& cover, Dice& dice) {
   std::vector<oracle::Hint> hints;
   for (std::size_t p = 0; p < cover.patch_count(); ++p) {
@@ -156,9 +157,9 @@ void judge(const Moment& m, Dice& dice, Record& record, const oracle::Effort& ef
     if (!promised) continue;
     ++record.counts.levels;
     const auto hints = corners_of_patches(m.mesh, m.cover, dice);
-    if (const auto bare = oracle::find_bare(facets, balls, dice, record.counts.cover, effort, hints))
-      record.fail("bare" + suffix,
-                  "level " + std::to_string(j) + " facet " + std::to_string(bare->facet) + " by " + text(bare->gap));
+    if (const auto uncovered = oracle::find_uncovered(facets, balls, dice, record.counts.cover, effort, hints))
+      record.fail("uncovered" + suffix, "level " + std::to_string(j) + " facet " + std::to_string(uncovered->facet) +
+                                            " by " + text(uncovered->gap));
   }
 }
 

@@ -27,7 +27,7 @@ struct Moment {
   std::span<const std::uint8_t> promised;  ///< per node: must it contain what it owns?
 };
 
-/// Both forms of the promise. `what`: of which frame, for messages; kinds are "bare" + suffix.
+/// Both forms of the promise. `what`: of which frame, for messages; kinds are "uncovered" + suffix.
 void judge(const Moment& moment, Dice& dice, Record& record, const oracle::Effort& effort = {},
            const std::string& suffix = "");
 

@@ -40,7 +40,8 @@ class FacetSearch {
     }
   }
 
-  void look(std::size_t number, const Triangle& facet, std::span<const Hint> hints, std::optional<Bare>& worst) {
+  void look(std::size_t number, const Triangle& facet, std::span<const Hint> hints,
+            std::optional<UncoveredPoint>& worst) {
     ++tally_.facets;
     number_ = number;
     worst_ = &worst;
@@ -110,7 +111,7 @@ class FacetSearch {
     Real gap = std::numeric_limits<Real>::infinity();
     for (const Reach& ball : all_)
       if (ball.squared >= 0) gap = std::min(gap, distance(p, ball.center) - ball.radius);
-    if (!*worst_ || gap > (*worst_)->gap) *worst_ = Bare{number_, p, gap};
+    if (!*worst_ || gap > (*worst_)->gap) *worst_ = UncoveredPoint{number_, p, gap};
   }
 
   bool in_one_ball(const std::array<std::size_t, 3>& t) const {
@@ -170,7 +171,7 @@ class FacetSearch {
   const Effort& effort_;
   std::vector<Reach> all_, near_;
   std::size_t words_ = 0, number_ = 0;
-  std::optional<Bare>* worst_ = nullptr;
+  std::optional<UncoveredPoint>* worst_ = nullptr;
   std::vector<Point> nodes_;
   std::vector<Word> masks_;
   std::vector<std::array<std::size_t, 3>> pieces_;
@@ -178,14 +179,14 @@ class FacetSearch {
 
 }  // namespace
 
-std::optional<Bare> find_bare(std::span<const Triangle> facets, std::span<const Ball> balls, Dice& dice,
-                              CoverTally& tally, const Effort& effort, std::span<const Hint> hints) {
+std::optional<UncoveredPoint> find_uncovered(std::span<const Triangle> facets, std::span<const Ball> balls, Dice& dice,
+                                             CoverTally& tally, const Effort& effort, std::span<const Hint> hints) {
   Real largest = 0;
   for (const Triangle& t : facets)
     for (const Point& p : t) largest = std::max(largest, largest_coordinate(p));
   for (const Ball& ball : balls) largest = std::max(largest, largest_coordinate(ball.center));
   FacetSearch search(balls, dice, tally, effort, largest);
-  std::optional<Bare> worst;
+  std::optional<UncoveredPoint> worst;
   for (std::size_t f = 0, h = 0; f < facets.size(); ++f) {
     const std::size_t first = h;
     while (h < hints.size() && hints[h].facet == f) ++h;

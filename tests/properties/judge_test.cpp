@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The judge is judged: what is bare it calls bare, however little it is, and nothing else.
+// The judge is judged: what is uncovered it calls uncovered, however little it is, and nothing else.
 #include "judge.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using oracle::Ball;
 using oracle::CoverTally;
-using oracle::find_bare;
+using oracle::find_uncovered;
 using oracle::Point;
 using oracle::Real;
 using oracle::Triangle;
@@ -31,14 +31,14 @@ TEST(Judge, proves_what_one_ball_holds_and_sees_it_shrink_by_little) {
   Dice dice(1);
   CoverTally tally;
   const std::vector<Triangle> facets{on_ball};
-  EXPECT_FALSE(find_bare(facets, std::vector<Ball>{{{0, 0, 0}, 5}}, dice, tally));
+  EXPECT_FALSE(find_uncovered(facets, std::vector<Ball>{{{0, 0, 0}, 5}}, dice, tally));
   EXPECT_EQ(tally.proved, 1u);
   for (const Real less : {1e-3L, 1e-9L, 1e-15L}) {
-    const auto bare = find_bare(facets, std::vector<Ball>{{{0, 0, 0}, 5 - less}}, dice, tally);
-    ASSERT_TRUE(bare) << less;
-    EXPECT_NEAR(static_cast<double>(bare->gap / less), 1, 1e-3);
+    const auto uncovered = find_uncovered(facets, std::vector<Ball>{{{0, 0, 0}, 5 - less}}, dice, tally);
+    ASSERT_TRUE(uncovered) << less;
+    EXPECT_NEAR(static_cast<double>(uncovered->gap / less), 1, 1e-3);
   }
-  EXPECT_FALSE(find_bare(facets, std::vector<Ball>{{{0, 0, 0}, 5 - 1e-18L}}, dice, tally)) << "what is allowed";
+  EXPECT_FALSE(find_uncovered(facets, std::vector<Ball>{{{0, 0, 0}, 5 - 1e-18L}}, dice, tally)) << "what is allowed";
 }
 
 TEST(Judge, finds_a_hole_between_three_balls) {
@@ -51,11 +51,11 @@ TEST(Judge, finds_a_hole_between_three_balls) {
   for (const Real open : {1e-2L, 1e-4L, 1e-6L}) {
     Dice dice(2);
     CoverTally tally;
-    const auto bare = find_bare(std::vector<Triangle>{facet}, balls(1 - open), dice, tally, {.cuts = 1000});
-    ASSERT_TRUE(bare) << open;
-    EXPECT_LE(bare->gap, open * 1.001L);
-    EXPECT_LT(static_cast<double>(oracle::distance(bare->point, {0, 0, 0})), 10 * static_cast<double>(open));
-    EXPECT_FALSE(find_bare(std::vector<Triangle>{facet}, balls(1 + open), dice, tally, {.cuts = 1000}));
+    const auto uncovered = find_uncovered(std::vector<Triangle>{facet}, balls(1 - open), dice, tally, {.cuts = 1000});
+    ASSERT_TRUE(uncovered) << open;
+    EXPECT_LE(uncovered->gap, open * 1.001L);
+    EXPECT_LT(static_cast<double>(oracle::distance(uncovered->point, {0, 0, 0})), 10 * static_cast<double>(open));
+    EXPECT_FALSE(find_uncovered(std::vector<Triangle>{facet}, balls(1 + open), dice, tally, {.cuts = 1000}));
   }
 }
 
@@ -64,10 +64,10 @@ TEST(Judge, looks_at_segments_and_points) {
   CoverTally tally;
   const std::vector<Triangle> segment{{Point{0, 0, 0}, {4, 0, 0}, {0, 0, 0}}},
       dot{{Point{7, 0, 0}, {7, 0, 0}, {7, 0, 0}}};
-  EXPECT_TRUE(find_bare(segment, std::vector<Ball>{{{0, 0, 0}, 1.99L}, {{4, 0, 0}, 2}}, dice, tally));
-  EXPECT_FALSE(find_bare(segment, std::vector<Ball>{{{0, 0, 0}, 2}, {{4, 0, 0}, 2}}, dice, tally));
-  EXPECT_TRUE(find_bare(dot, std::vector<Ball>{{{0, 0, 0}, 6.99L}}, dice, tally));
-  EXPECT_TRUE(find_bare(dot, std::vector<Ball>{}, dice, tally)) << "no ball at all";
+  EXPECT_TRUE(find_uncovered(segment, std::vector<Ball>{{{0, 0, 0}, 1.99L}, {{4, 0, 0}, 2}}, dice, tally));
+  EXPECT_FALSE(find_uncovered(segment, std::vector<Ball>{{{0, 0, 0}, 2}, {{4, 0, 0}, 2}}, dice, tally));
+  EXPECT_TRUE(find_uncovered(dot, std::vector<Ball>{{{0, 0, 0}, 6.99L}}, dice, tally));
+  EXPECT_TRUE(find_uncovered(dot, std::vector<Ball>{}, dice, tally)) << "no ball at all";
 }
 
 // Something to be judged: a body at rest, its numbers open to be changed.
@@ -108,20 +108,21 @@ TEST(Judge, reports_any_sphere_that_is_smaller_or_gone) {
       // Radii are the distance to the farthest corner, and 2^-20 of the body, which is about 1, on top.
       changed[node].radius *= 1 - 1e-4L;
       changed[node].radius -= 0x1p-18L;
-      EXPECT_EQ(s.faults(changed).count("bare-region"), 1u) << "node " << node << " made smaller";
+      EXPECT_EQ(s.faults(changed).count("uncovered-region"), 1u) << "node " << node << " made smaller";
       changed[node].radius = -1;
-      EXPECT_EQ(s.faults(changed).count("bare-region"), 1u) << "node " << node << " gone";
+      EXPECT_EQ(s.faults(changed).count("uncovered-region"), 1u) << "node " << node << " gone";
       changed[node].radius = std::numeric_limits<Real>::quiet_NaN();
       EXPECT_EQ(s.faults(changed).count("not-finite"), 1u) << "node " << node << " no number";
     }
     std::vector<Ball> root = balls;
     root[0].radius *= 1 - 1e-4L;
-    EXPECT_EQ(s.faults(root).count("bare"), 1u) << "level 0 is its root";
+    EXPECT_EQ(s.faults(root).count("uncovered"), 1u) << "level 0 is its root";
   }
 }
 
-// Points by the thousand, in plain double: what these find bare, the judge has to.
-bool seen_bare(const Judged& s, const std::vector<Ball>& balls, const std::vector<std::uint32_t>& level, Dice& dice) {
+// Points by the thousand, in plain double: what these find uncovered, the judge has to.
+bool seen_uncovered(const Judged& s, const std::vector<Ball>& balls, const std::vector<std::uint32_t>& level,
+                    Dice& dice) {
   for (int n = 0; n < 20000; ++n) {
     const auto c = s.mesh.corners(dice.below(s.mesh.facet_count()));
     double v = dice.uniform(), w = dice.uniform();
@@ -138,17 +139,17 @@ bool seen_bare(const Judged& s, const std::vector<Ball>& balls, const std::vecto
   return false;
 }
 
-TEST(Judge, sees_bare_surface_wherever_thousands_of_points_do) {
+TEST(Judge, sees_uncovered_surface_wherever_thousands_of_points_do) {
   Dice dice(4);
-  std::size_t bare = 0;
+  std::size_t uncovered = 0;
   for (const Judged& s : specimens()) {
     const auto leaves = level_sets(s.model.tree).back();
     for (int n = 0; n < 25; ++n) {
       std::vector<Ball> balls = balls_of(s.spheres);
       const std::uint32_t node = leaves[dice.below(leaves.size())];
       balls[node].radius *= dice.chance(0.5) ? -1 : static_cast<Real>(dice.uniform(0.5, 1));
-      if (!seen_bare(s, balls, leaves, dice)) continue;
-      ++bare;
+      if (!seen_uncovered(s, balls, leaves, dice)) continue;
+      ++uncovered;
       // By points of the surface alone, the proof by regions aside.
       CoverTally tally;
       std::vector<Ball> level;
@@ -156,10 +157,10 @@ TEST(Judge, sees_bare_surface_wherever_thousands_of_points_do) {
       std::vector<Triangle> facets;
       const auto points = points_of(s.mesh.positions);
       for (const Facet& f : s.mesh.facets) facets.push_back({points[f[0]], points[f[1]], points[f[2]]});
-      EXPECT_TRUE(find_bare(facets, level, dice, tally)) << "leaf " << node;
+      EXPECT_TRUE(find_uncovered(facets, level, dice, tally)) << "leaf " << node;
     }
   }
-  EXPECT_GT(bare, 30u);
+  EXPECT_GT(uncovered, 30u);
 }
 
 TEST(Judge, level_sets_are_those_of_the_library) {

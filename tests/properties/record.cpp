@@ -73,16 +73,16 @@ std::string Record::summary(double seconds) const {
       line("poses of pairs", counts.poses_of_pairs) + line("  of these decided exactly", counts.exact_poses) +
       line("  with surfaces that follow", counts.followed_pairs) + line("crossings by brute force", counts.crossings) +
       line("points within a margin", counts.near_pairs) + line("interruptions of queries", counts.interruptions);
-  std::size_t bare = 0, missed = 0, other = 0;
+  std::size_t uncovered = 0, missed = 0, other = 0;
   for (const auto& [kind, count] : failures_) {
-    if (kind.starts_with("bare"))
-      bare += count;
+    if (kind.starts_with("uncovered"))
+      uncovered += count;
     else if (kind.starts_with("missed"))
       missed += count;
     else
       other += count;
   }
-  text += line("cases with bare surface", bare) + line("cases with a missed contact", missed) +
+  text += line("cases with uncovered surface", uncovered) + line("cases with a missed contact", missed) +
           line("cases with another fault", other);
   for (const auto& [kind, count] : failures_) text += line(("  " + kind).c_str(), count);
   const double of_processor = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;

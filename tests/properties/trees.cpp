@@ -118,9 +118,9 @@ Specimen own_tree(std::size_t most_facets, Dice& dice, Record& record) {
     record.place.description += s.name;
     model = build(s.mesh, options);
     if (imported) {
-      SphereTree bare = model.tree;
-      spoil_spheres(bare, dice);
-      model = cover(s.mesh, bare);
+      SphereTree spoiled = model.tree;
+      spoil_spheres(spoiled, dice);
+      model = cover(s.mesh, spoiled);
     }
   }
   judge_tree(s.mesh, model, dice, record);

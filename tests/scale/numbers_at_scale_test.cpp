@@ -131,5 +131,17 @@ TEST(NumbersAtScale, the_range_ends_where_it_says) {
   EXPECT_NO_THROW(require_usable_scale(more));
 }
 
+TEST(NumbersAtScale, spheres_are_usable_up_to_the_end_of_the_range_and_with_no_negative_radius) {
+  const double most = greatest_usable_scale, too_much = std::nextafter(most, 2 * most);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double radius : {0.0, -0.0, std::numeric_limits<double>::denorm_min(), 1.0, most})
+    EXPECT_TRUE(has_usable_scale({{most, -most, 0}, radius})) << radius;
+  for (const double radius : {-std::numeric_limits<double>::denorm_min(), -1.0, -most, too_much, nan})
+    EXPECT_FALSE(has_usable_scale({{0, 0, 0}, radius})) << radius;
+  for (const double coordinate : {too_much, -too_much, nan})
+    for (const Vec3& center : {Vec3{coordinate, 0, 0}, Vec3{0, coordinate, 0}, Vec3{0, 0, coordinate}})
+      EXPECT_FALSE(has_usable_scale({center, 1})) << coordinate;
+}
+
 }  // namespace
 }  // namespace morula

@@ -389,6 +389,17 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   }
   EXPECT_GT(hits, 50u);
   EXPECT_GT(touched, 400u);
+  // A half space with a normal of any length touches the same bodies.
+  const auto touched_by = [&](const HalfSpace& shape) {
+    EXPECT_TRUE(scene.touch(shape));
+    std::vector<BodyId> bodies;
+    for (const auto& [body, touch] : scene.touches()) bodies.push_back(body);
+    return bodies;
+  };
+  const std::vector<BodyId> behind_plain = touched_by({{1, 1, 0}, 0.25});
+  EXPECT_FALSE(behind_plain.empty());
+  EXPECT_EQ(touched_by({{0x1p-1000, 0x1p-1000, 0}, 0x1p-1002}), behind_plain);
+  EXPECT_EQ(touched_by({{0x1p1000, 0x1p1000, 0}, 0x1p998}), behind_plain);
   const std::size_t kept = scene.touches().size();
   EXPECT_EQ(scene.touch(Sphere{{}, -1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(HalfSpace{{0, 0, 0}, 1}).code, Status::Code::bad_shape);
@@ -396,6 +407,8 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   EXPECT_EQ(scene.touch(Sphere{}, {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.touch(ConvexHull::box({{0, 0, 0}, {1, 1, 1}}), {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.first_hit({{}, {}}).status.code, Status::Code::bad_shape);
+  EXPECT_EQ(scene.first_hit({{1e6, 0, 0}, {1e-70, 0, 0}}).status.code, Status::Code::bad_shape)
+      << "and no body is near it";
   EXPECT_EQ(scene.touches().size(), kept);
   crowd.things[0]->collider.set_transform({.translation = {9, 9, 9}});
   scene.wake(crowd.things[0]->id);

@@ -14,7 +14,8 @@
 
 namespace morula::test {
 
-/// What a caller of a scene does. Any list of calls is a walk: a call that is out of place is refused, or does nothing.
+/// What a caller of a scene does. Any list of calls is a walk: a call that is out of place is rejected, or does
+/// nothing.
 struct Call {
   enum Kind : std::uint8_t {
     add,
@@ -25,7 +26,7 @@ struct Call {
     nudge,
     part,  ///< far away from all others
     deform,
-    refuse,  ///< an update of the body that is refused: the body is not current
+    reject,  ///< an update of the body that is rejected: the body is not current
     heal,    ///< good ones, of all bodies that are not current
     sleep,
     wake,
@@ -42,7 +43,7 @@ struct Call {
 
   static constexpr const char* names[count] = {
       "add",    "remove", "replace", "swap", "place",     "nudge",       "part",   "deform",
-      "refuse", "heal",   "sleep",   "wake", "set_masks", "set_options", "update", "update_that_throws",
+      "reject", "heal",   "sleep",   "wake", "set_masks", "set_options", "update", "update_that_throws",
       "ask"};
   std::string words() const {
     std::ostringstream text;
@@ -111,7 +112,7 @@ class SceneWalk {
   }
 
   // Of all runs.
-  std::size_t updates = 0, refused = 0, thrown = 0, interrupted = 0, crossed = 0, began = 0, ended = 0;
+  std::size_t updates = 0, rejected = 0, thrown = 0, interrupted = 0, crossed = 0, began = 0, ended = 0;
 
  private:
   struct Bomb {};
@@ -138,7 +139,7 @@ class SceneWalk {
       which = 0;
       transform = {};
       id = {};
-      is_in = is_refused = is_asleep = is_to_be_read = has_moved = is_known = false;
+      is_in = is_rejected = is_asleep = is_to_be_read = has_moved = is_known = false;
     }
     void make_collider() {
       collider = std::make_unique<Collider>(mesh, bodies[which]);
@@ -155,7 +156,7 @@ class SceneWalk {
     SceneBodyOptions options;
     BodyId id;
     bool is_in = false, is_asleep = false;
-    bool is_refused = false;     // the body's last update
+    bool is_rejected = false;    // the body's last update
     bool is_to_be_read = false;  // by the next update, asleep or static as it may be
     bool has_moved = false;      // since an update read it
     bool is_known = false;       // an update has read it as it is: what the scene says of it has to be true
@@ -167,10 +168,10 @@ class SceneWalk {
     options_ = {};
     salt_ = fuse_ = 0;
     time_ = {};
-    all_anew_ = extras_anew_ = was_thrown_ = false;
+    rereads_all_ = rereads_extras_ = was_thrown_ = false;
     touching_.clear();
-    touches_told_.clear();
-    told_.clear();
+    given_touches_.clear();
+    given_bodies_.clear();
     scene_.emplace();
   }
 
@@ -211,13 +212,13 @@ class SceneWalk {
       }
       case Call::heal:
         for (const auto& any : bodies_)
-          if (any->is_refused) follow(*any);
+          if (any->is_rejected) follow(*any);
         return {};
-      case Call::refuse: {
+      case Call::reject: {
         std::vector<Vec3> bad = member.positions;
         bad[random.next() % bad.size()].x = std::numeric_limits<double>::quiet_NaN();
         if (member.bodies[member.which].update(bad)) return "a body took what is not finite";
-        member.is_refused = true;
+        member.is_rejected = true;
         return {};
       }
       case Call::sleep:
@@ -280,13 +281,13 @@ class SceneWalk {
     try {
       member.id = scene_->add(*member.collider, member.options);
     } catch (const std::invalid_argument&) {
-      if (!member.is_refused) return "a good body was refused";
-      if (scene_->size() != size) return "a body that was refused was added";
+      if (!member.is_rejected) return "a good body was rejected";
+      if (scene_->size() != size) return "a body that was rejected was added";
       member.collider.reset();
       return {};
     }
-    if (member.is_refused) return "a body that is not current was added";
-    if (!told_.emplace(member.id.place, member.id.generation).second) return "a BodyId was given again";
+    if (member.is_rejected) return "a body that is not current was added";
+    if (!given_bodies_.emplace(member.id.place, member.id.generation).second) return "a BodyId was given again";
     member.is_in = member.is_to_be_read = member.has_moved = true;
     member.is_asleep = member.is_known = false;
     return {};
@@ -295,19 +296,19 @@ class SceneWalk {
   std::string replace(Member& member, bool swaps) {
     if (!member.is_in) return {};
     const std::size_t next = swaps ? 1 - member.which : member.which;
-    if (swaps && !member.bodies[next].update(member.positions)) return "a good update was refused";
+    if (swaps && !member.bodies[next].update(member.positions)) return "a good update was rejected";
     auto other = std::make_unique<Collider>(member.mesh, member.bodies[next]);
     other->set_transform(member.transform);
-    const bool is_refused = !swaps && member.is_refused;
+    const bool is_rejected = !swaps && member.is_rejected;
     try {
       scene_->replace(member.id, *other);
-      if (is_refused) return "a collider of a body that is not current was accepted";
+      if (is_rejected) return "a collider of a body that is not current was accepted";
     } catch (const std::invalid_argument&) {
-      return is_refused ? "" : "a good collider was refused";
+      return is_rejected ? "" : "a good collider was rejected";
     }
     member.collider = std::move(other);
     member.which = next;
-    member.is_refused = false;
+    member.is_rejected = false;
     member.is_to_be_read = member.has_moved = true;
     return {};
   }
@@ -319,8 +320,8 @@ class SceneWalk {
     return {};
   }
   std::string follow(Member& member) {
-    if (!member.bodies[member.which].update(member.positions)) return "a good update was refused";
-    member.is_refused = false;
+    if (!member.bodies[member.which].update(member.positions)) return "a good update was rejected";
+    member.is_rejected = false;
     member.has_moved = true;
     return {};
   }
@@ -346,8 +347,9 @@ class SceneWalk {
       burn();
       return time_ += std::chrono::microseconds(3);
     };
-    all_anew_ = all_anew_ || next.level != options_.level || next.margin != options_.margin;
-    extras_anew_ = extras_anew_ || next.surfaces != options_.surfaces || next.find_crossings != options_.find_crossings;
+    rereads_all_ = rereads_all_ || next.level != options_.level || next.margin != options_.margin;
+    rereads_extras_ =
+        rereads_extras_ || next.surfaces != options_.surfaces || next.find_crossings != options_.find_crossings;
     options_ = next;
     scene_->set_options(std::move(next));
   }
@@ -357,10 +359,10 @@ class SceneWalk {
   }
 
   std::string update(Random& random, std::uint64_t fuse) {
-    // Whom it has to refuse.
+    // Whom it has to reject.
     const Member* offender = nullptr;
     for (const auto& member : bodies_)
-      if (member->is_in && member->is_refused && (member->is_read() || all_anew_ || extras_anew_) &&
+      if (member->is_in && member->is_rejected && (member->is_read() || rereads_all_ || rereads_extras_) &&
           (offender == nullptr || member->id.place < offender->id.place))
         offender = member.get();
     fuse_ = fuse;
@@ -369,27 +371,27 @@ class SceneWalk {
       status = random.next() % 2 == 0 ? scene_->update() : scene_->update(workers_);
     } catch (const Bomb&) {
       ++thrown;
-      was_thrown_ = all_anew_ = true;
+      was_thrown_ = rereads_all_ = true;
       fuse_ = 0;
       if (!scene_->pairs().empty() || !scene_->ended().empty()) return "pairs after an update that threw";
       return {};
     }
     fuse_ = 0;
     if (offender != nullptr) {
-      ++refused;
+      ++rejected;
       if (status.code != Status::Code::body_not_current || status.offender != offender->id)
-        return "not refused because of a body that is not current: " + message(status);
+        return "not rejected because of a body that is not current: " + message(status);
       return {};
     }
-    if (!status) return "refused: " + message(status);
+    if (!status) return "rejected: " + message(status);
     ++updates;
     interrupted += !status.finished;
     for (const auto& member : bodies_) {
       if (!member->is_in) continue;
-      if (member->is_read() || all_anew_) member->is_to_be_read = member->has_moved = false;
-      member->is_known = !member->has_moved && !member->is_refused;
+      if (member->is_read() || rereads_all_) member->is_to_be_read = member->has_moved = false;
+      member->is_known = !member->has_moved && !member->is_rejected;
     }
-    all_anew_ = extras_anew_ = was_thrown_ = false;
+    rereads_all_ = rereads_extras_ = was_thrown_ = false;
     return judged(status);
   }
 
@@ -426,7 +428,7 @@ class SceneWalk {
       const auto before = touching_.find(pair.id);
       if (pair.began != (before == touching_.end())) return pair.began ? "begun twice" : "never begun";
       if (!pair.began && before->second != std::pair(pair.a, pair.b)) return "a touch of others goes on";
-      if (pair.began && !touches_told_.insert(pair.id).second) return "the number of a touch was given again";
+      if (pair.began && !given_touches_.insert(pair.id).second) return "the number of a touch was given again";
       touching_[pair.id] = {pair.a, pair.b};
     }
     for (const ScenePair& pair : scene_->pairs()) began += pair.began;
@@ -504,12 +506,12 @@ class SceneWalk {
   std::uint64_t salt_ = 0;
   std::uint64_t fuse_ = 0;  // the callback that throws, counted from now; 0: none
   std::chrono::nanoseconds time_{0};
-  bool all_anew_ = false, extras_anew_ = false;  // asked for since the last update
-  bool was_thrown_ = false;                      // the last update
+  bool rereads_all_ = false, rereads_extras_ = false;  // requested since the last update
+  bool was_thrown_ = false;                            // the last update
   std::map<std::uint64_t, std::pair<BodyId, BodyId>> touching_;
-  std::set<std::uint64_t> touches_told_;                    // every number of a touch ever given
-  std::set<std::pair<std::uint32_t, std::uint32_t>> told_;  // every BodyId ever given
-  std::optional<Scene> scene_;                              // last: it borrows
+  std::set<std::uint64_t> given_touches_;                           // every number of a touch ever given
+  std::set<std::pair<std::uint32_t, std::uint32_t>> given_bodies_;  // every BodyId ever given
+  std::optional<Scene> scene_;                                      // last: it borrows
 };
 
 }  // namespace morula::test

@@ -29,7 +29,7 @@ void walk(std::uint64_t first_seed, std::size_t calls, std::size_t calls_of_walk
   }
   // It has been where faults are.
   EXPECT_GT(model.updates, calls / 10);
-  EXPECT_GT(model.refused, calls / 100);
+  EXPECT_GT(model.rejected, calls / 100);
   EXPECT_GT(model.thrown, calls / 200);
   EXPECT_GT(model.interrupted, calls / 50);
   EXPECT_GT(model.crossed, calls);

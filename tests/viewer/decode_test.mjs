@@ -5,7 +5,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { at, check, claim, equal, finish, morula } from './support.mjs';
 import { elements, isRefused } from './page.mjs';
 import { Varints, checksum, decodeMotion, decodeScene, fromBase64, readBytes, readManifest } from '../../viewer/src/decode.js';
-import { distanceOutside, sphereGrid } from '../../viewer/src/bare.js';
+import { distanceOutside, sphereGrid } from '../../viewer/src/uncovered.js';
 import { SceneList } from '../../viewer/src/model.js';
 
 function obj(path) {
@@ -82,7 +82,7 @@ await claim('the_grid_says_what_all_spheres_say', () => {
   const spheres = scene.frames[2];
   const positions = scene.positions(2);
   const grid = sphereGrid(positions, spheres, nodes);
-  let bare = 0;
+  let uncovered = 0;
   for (let i = 0; i < positions.length; i += 3) {
     const [x, y, z] = positions.subarray(i, i + 3);
     let least = Infinity;
@@ -91,11 +91,11 @@ await claim('the_grid_says_what_all_spheres_say', () => {
       least = Math.min(least, Math.hypot(x - cx, y - cy, z - cz) - r);
     }
     const found = distanceOutside(grid, x, y, z);
-    equal(found > 0, least > 0, `vertex ${i / 3} is bare`);
+    equal(found > 0, least > 0, `vertex ${i / 3} is uncovered`);
     if (least < 0) check(Math.abs(found - least) < 1e-12, `vertex ${i / 3}: ${found} for ${least}`);
-    if (least > 0) ++bare;
+    if (least > 0) ++uncovered;
   }
-  check(bare > 0, 'approach2 leaves some vertices bare here, so that the test means something');
+  check(uncovered > 0, 'approach2 leaves some vertices uncovered here, so that the test means something');
 });
 
 await claim('varints_of_all_sizes_come_back', () => {

@@ -56,7 +56,7 @@ async function judged(pictures, judge) {
     return new Function(`return ${body}`)()(data, width);
   }, [pictures, judge.toString()]);
 }
-/** {changed: share of pixels that differ visibly, red: share of b's that are the red of bare surface} */
+/** {changed: share of pixels that differ visibly, red: share of b's that are the red of uncovered surface} */
 export const compare = (a, b) => judged([a, b], (data) => {
   let changed = 0;
   let red = 0;

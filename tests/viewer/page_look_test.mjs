@@ -34,20 +34,20 @@ await claim('every_coloring_draws_something_else', () =>
     }
   }));
 
-await claim('bare_surface_is_red_and_only_bare_surface', () =>
+await claim('uncovered_surface_is_red_and_only_uncovered_surface', () =>
   onShared(async (page) => {
     await slide(page, 'frame', 6);
     const covered = await picture(page);
     equal((await compare(covered, covered)).red, 0, 'red pixels of the rule exact');
-    equal(await words(page, '#bare-chip'), 'no surface is bare', 'legend');
+    equal(await words(page, '#uncovered-chip'), 'the whole surface is covered', 'legend');
     await page.selectOption('#choose-rule', 'approach2');
-    const bare = await picture(page);
-    check((await compare(bare, bare)).red > 0.002, 'approach2 shows red');
-    check(/^bare \d/.test(await words(page, '#bare-chip')), 'the legend says how much');
-    await page.uncheck('#show-bare');
+    const uncovered = await picture(page);
+    check((await compare(uncovered, uncovered)).red > 0.002, 'approach2 shows red');
+    check(/^uncovered \d/.test(await words(page, '#uncovered-chip')), 'the legend says how much');
+    await page.uncheck('#show-uncovered');
     const hidden = await picture(page);
     equal((await compare(hidden, hidden)).red, 0, 'red pixels when it is turned off');
-    await page.check('#show-bare');
+    await page.check('#show-uncovered');
   }));
 
 // Where two spheres have the same depth, one of them colors the pixel.

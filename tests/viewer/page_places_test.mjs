@@ -35,8 +35,8 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
   opened('study.html', { width: 1440, height: 900 }, async (page) => {
     equal(await page.locator('.claim').count(), study.claims.length, 'claims');
     equal(await words(page, '.claim:first-of-type .verdict'), 'holds', 'verdict');
-    equal(await words(page, '#claim-bare .verdict'), 'better', 'a rule that is better than claimed');
-    equal(await page.getAttribute('#claim-bare', 'data-verdict'), 'better', 'and its color');
+    equal(await words(page, '#claim-uncovered .verdict'), 'better', 'a rule that is better than claimed');
+    equal(await page.getAttribute('#claim-uncovered', 'data-verdict'), 'better', 'and its color');
     const box = await page.locator('#figure-fig2a .u-over').boundingBox();
     await page.locator('#figure-fig2a').scrollIntoViewIfNeeded();
     const now = (await page.locator('#figure-fig2a .u-over').boundingBox()) ?? box;

@@ -76,7 +76,7 @@ await claim('inner_spheres_are_shown_by_a_menu', () =>
     const inner = await picture(page);
     check(!(await page.isChecked('#show-body')), 'the body, which would hide them, is hidden');
     const { changed, red } = await compare(before, inner);
-    check(changed > 0.02 && red < 0.002, 'they are smaller, and nothing is called bare');
+    check(changed > 0.02 && red < 0.002, 'they are smaller, and nothing is called uncovered');
     await page.click('#show-body');
     check((await compare(inner, await picture(page))).red < 0.002, 'with the body, too');
     await page.selectOption('#choose-tree', 'spheres that cover');

@@ -11,10 +11,10 @@ export const study = {
   bodies: [{ name: 'limb', vertices: 1282, facets: 2560, volume: 3.2 }],
   claims: [
     { id: 'approach2-below-approach1', source: 'paper', claim: 'Approach 2 stays tighter than approach 1 while the body bends.', verdict: 'holds', numbers: 'Worst frame: 0.224 against 0.537 object volumes.', figures: ['fig2a'] },
-    { id: 'covers', source: 'paper', claim: 'Spheres keep containing the surface under every update.', verdict: 'fails', numbers: 'Approach 2 leaves 13.4 % of the surface bare in the worst frame.', figures: ['fig3'] },
+    { id: 'covers', source: 'paper', claim: 'Spheres keep containing the surface under every update.', verdict: 'fails', numbers: 'Approach 2 leaves 13.4 % of the surface uncovered in the worst frame.', figures: ['fig3'] },
     { id: 'cost', source: 'paper', claim: 'The cost of an update grows with the number of links.', verdict: 'partly', numbers: 'It does for leaves; inner nodes cost the same.', figures: ['fig4', 'nowhere'] },
-    { id: 'exact', source: 'new', claim: 'The rule exact is bare nowhere, and tighter than the other rules under bending.', verdict: 'holds', numbers: '0.0824 object volumes, 0 bare.', figures: ['fig2a', 'fig3'] },
-    { id: 'bare', source: 'new', claim: 'Approach 1 leaves surface bare.', verdict: 'fails', adverse: true, numbers: 'In 0 of 24 cases.', figures: [] },
+    { id: 'exact', source: 'new', claim: 'The rule exact leaves no surface uncovered, and tighter than the other rules under bending.', verdict: 'holds', numbers: '0.0824 object volumes, 0 uncovered.', figures: ['fig2a', 'fig3'] },
+    { id: 'uncovered', source: 'new', claim: 'Approach 1 leaves surface uncovered.', verdict: 'fails', adverse: true, numbers: 'In 0 of 24 cases.', figures: [] },
     { id: 'later', source: 'new', claim: 'Contacts are found in time.', verdict: 'untested', numbers: '', figures: [] },
   ],
   figures: [
@@ -25,7 +25,7 @@ export const study = {
         { name: 'exact', x: frames, y: arch(0.02, 0.08), role: 'method' },
         { name: 'built anew', x: frames, y: arch(0.02, 0.05), role: 'reference' },
       ] },
-    { id: 'fig3', title: 'Bare area while bending', x: { label: 'frame', unit: '' }, y: { label: 'bare', unit: '%' }, frame_axis: true, motion: 'bend', body: 'limb',
+    { id: 'fig3', title: 'Uncovered area while bending', x: { label: 'frame', unit: '' }, y: { label: 'uncovered', unit: '%' }, frame_axis: true, motion: 'bend', body: 'limb',
       series: [
         { name: 'approach 2', x: frames, y: arch(0, 13.4), role: 'bare' },
         { name: 'exact', x: frames, y: frames.map((frame) => (frame === 4 ? null : 0)), role: 'method' },
@@ -36,6 +36,6 @@ export const study = {
         { name: 'approach 2', x: [1000, 10000, 40000, 176000], y: [5, 40, 160, 640], role: 'method' },
       ] },
   ],
-  tables: [{ id: 'worst', title: 'Worst frames', note: 'Looseness in object volumes.', columns: ['rule', 'looseness', 'bare', 'frame'], rows: [['traditional', 0.43, 0.004, 6], ['approach 2', 0.224, 0.134, 6], ['exact', 0.0824, 0, null]] }],
+  tables: [{ id: 'worst', title: 'Worst frames', note: 'Looseness in object volumes.', columns: ['rule', 'looseness', 'uncovered', 'frame'], rows: [['traditional', 0.43, 0.004, 6], ['approach 2', 0.224, 0.134, 6], ['exact', 0.0824, 0, null]] }],
   pictures: [{ id: 'levels', title: 'Levels', svg: '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 80"><script>document.title = "no"</script><g fill="none" stroke="currentColor"><circle cx="50" cy="40" r="34"/><circle cx="120" cy="40" r="20" onclick="alert(1)"/><circle cx="165" cy="40" r="12"/></g></svg>' }],
 };

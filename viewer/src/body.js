@@ -6,7 +6,7 @@ import {
   FrontSide, Group, IncrementWrapStencilOp, Mesh, MeshBasicMaterial, MeshStandardMaterial, NotEqualStencilFunc, PlaneGeometry, RedFormat,
   ReplaceStencilOp, RGBAFormat, Vector3,
 } from 'three';
-import { distanceOutsideShader, sphereGrid, textureWidth } from './bare.js';
+import { distanceOutsideShader, sphereGrid, textureWidth } from './uncovered.js';
 
 /** Smooth normals, weighted by area. */
 function normalsInto(normals, positions, facets) {
@@ -41,31 +41,31 @@ function numbersTexture(texels, channels) {
 export class BodyView {
   constructor() {
     this.group = new Group();
-    this.bareness = {
-      bareOn: { value: 0 }, bareFrom: { value: 0 }, bareColor: { value: null },
+    this.uncoveredUniforms = {
+      uncoveredOn: { value: 0 }, uncoveredFrom: { value: 0 }, uncoveredColor: { value: null },
       gridFirst: { value: numbersTexture(1, 1) }, gridItems: { value: numbersTexture(1, 4) },
       gridLow: { value: new Vector3() }, gridEdge: { value: 1 }, gridSize: { value: [1, 1, 1] },
     };
     this.material = new MeshStandardMaterial({ roughness: 0.6, metalness: 0, side: FrontSide });
     this.material.onBeforeCompile = (shader) => {
-      Object.assign(shader.uniforms, this.bareness);
+      Object.assign(shader.uniforms, this.uncoveredUniforms);
       shader.vertexShader = shader.vertexShader
         .replace('#include <common>', '#include <common>\nvarying vec3 vPlace;')
         .replace('#include <begin_vertex>', '#include <begin_vertex>\nvPlace = position;');
       shader.fragmentShader = shader.fragmentShader
-        .replace('#include <common>', `#include <common>\nuniform float bareOn, bareFrom;\nuniform vec3 bareColor;\nvarying vec3 vPlace;\n${distanceOutsideShader}`)
+        .replace('#include <common>', `#include <common>\nuniform float uncoveredOn, uncoveredFrom;\nuniform vec3 uncoveredColor;\nvarying vec3 vPlace;\n${distanceOutsideShader}`)
         .replace(
           '#include <color_fragment>',
           `#include <color_fragment>
-          float bareShare = 0.0;
-          if (bareOn > 0.5) {
-            float outside = distanceOutside(vPlace) - bareFrom;
+          float uncoveredShare = 0.0;
+          if (uncoveredOn > 0.5) {
+            float outside = distanceOutside(vPlace) - uncoveredFrom;
             float pixel = min(fwidth(outside), length(fwidth(vPlace))) + 1e-20;
-            bareShare = smoothstep(0.0, pixel, outside);  // from the spheres on, not half a pixel inside them
+            uncoveredShare = smoothstep(0.0, pixel, outside);  // from the spheres on, not half a pixel inside them
           }
-          diffuseColor.rgb = mix(diffuseColor.rgb, bareColor, bareShare);`,
+          diffuseColor.rgb = mix(diffuseColor.rgb, uncoveredColor, uncoveredShare);`,
         )
-        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * bareShare * bareColor;');
+        .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * uncoveredShare * uncoveredColor;');
     };
     this.inside = new MeshBasicMaterial({ side: BackSide });
     this.lines = new MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.16, color: 0x000000, depthWrite: false });
@@ -108,9 +108,9 @@ export class BodyView {
     this.cut([]);
   }
 
-  theme(body, bare, cut) {
+  theme(body, uncovered, cut) {
     this.material.color.copy(body);
-    this.bareness.bareColor.value = bare;
+    this.uncoveredUniforms.uncoveredColor.value = uncovered;
     this.inside.color.copy(cut);
     this.cap.material.color.copy(cut);
     this.lines.color.copy(cut).multiplyScalar(0.2);
@@ -132,7 +132,7 @@ export class BodyView {
     for (const part of this.parts) part.geometry = geometry;
     this.material.flatShading = scene.motion.facets.length / 3 < 400;
     this.material.needsUpdate = true;
-    this.bareness.bareFrom.value = scene.tolerance;
+    this.uncoveredUniforms.uncoveredFrom.value = scene.tolerance;
   }
 
   pose(frame) {
@@ -146,7 +146,7 @@ export class BodyView {
 
   /** Red surface where the spheres of the level set leave it uncovered; on: whether to show it. */
   compare(frame, level, on) {
-    this.bareness.bareOn.value = on ? 1 : 0;
+    this.uncoveredUniforms.uncoveredOn.value = on ? 1 : 0;
     if (!on) return;
     const grid = sphereGrid(this.scene.positions(frame), this.scene.frames[frame], this.scene.levelSets[level]);
     const fill = (uniform, values, channels) => {
@@ -158,11 +158,11 @@ export class BodyView {
       uniform.value.image.data.set(values);
       uniform.value.needsUpdate = true;
     };
-    fill(this.bareness.gridFirst, grid.first, 1);
-    fill(this.bareness.gridItems, grid.items, 4);
-    this.bareness.gridLow.value.set(...grid.low);
-    this.bareness.gridEdge.value = grid.edge;
-    this.bareness.gridSize.value = grid.size;
+    fill(this.uncoveredUniforms.gridFirst, grid.first, 1);
+    fill(this.uncoveredUniforms.gridItems, grid.items, 4);
+    this.uncoveredUniforms.gridLow.value.set(...grid.low);
+    this.uncoveredUniforms.gridEdge.value = grid.edge;
+    this.uncoveredUniforms.gridSize.value = grid.size;
   }
 
   facets(on) {

@@ -76,7 +76,7 @@ function start() {
 
   const state = new State({
     scene: -1, frame: 0, level: -1, color: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
-    body: true, spheres: true, bare: true, facets: false, contacts: true, opacity: 0.5,
+    body: true, spheres: true, uncovered: true, facets: false, contacts: true, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [],
   });
   let stage = null;
@@ -127,7 +127,7 @@ function start() {
     }
     if (stage) {
       if (has('scene', 'frame')) stage.body.pose(state.get('frame'));
-      if (has('scene', 'frame', 'level', 'bare')) stage.body.compare(state.get('frame'), state.get('level'), state.get('bare') && !scene.entry.inside);
+      if (has('scene', 'frame', 'level', 'uncovered')) stage.body.compare(state.get('frame'), state.get('level'), state.get('uncovered') && !scene.entry.inside);
       if (has('scene', 'frame', 'level', 'color')) stage.spheres.pose(state.get('frame'), state.get('level'), coloring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
       if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);

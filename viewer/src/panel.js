@@ -41,7 +41,7 @@ export class Panel {
     this.colorButtons = segments(byId('coloring'), colorings, state, 'color');
     this.measureButtons = segments(byId('measure'), measures, state, 'measure');
     segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
-    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-bare', 'bare'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['section-flip', 'sectionFlip']]) {
+    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-uncovered', 'uncovered'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['section-flip', 'sectionFlip']]) {
       this.bindBox(byId(id), name);
     }
     for (const [id, name] of [['level', 'level'], ['frame', 'frame'], ['opacity', 'opacity'], ['section-at', 'sectionAt']]) {
@@ -136,7 +136,7 @@ export class Panel {
     byId('curves-note').textContent = {
       looseness: 'Volume in the spheres and outside the body, in body volumes',
       uncovered_area: 'Share of the surface outside all spheres, in per cent',
-      gap: 'Largest distance of a surface point from the spheres, mesh units',
+      uncovered_distance: 'Largest distance of a surface point from the spheres, mesh units',
       growth: 'Largest radius over radius at rest',
     }[measure];
     this.curves.frame = this.state.get('frame');
@@ -156,7 +156,7 @@ export class Panel {
       const cells = measured
         ? [
             element('td', {}, figure(scene.measured('looseness', level, frame))),
-            element('td', { class: scene.measured('uncovered_area', level, frame) > 0 ? 'bare' : null }, percent(scene.measured('uncovered_area', level, frame))),
+            element('td', { class: scene.measured('uncovered_area', level, frame) > 0 ? 'uncovered' : null }, percent(scene.measured('uncovered_area', level, frame))),
             element('td', {}, figure(scene.measured('uncovered_distance', level, frame))),
           ]
         : [element('td', {}, figure(nodes.reduce((most, node) => Math.max(most, scene.growth(frame, node)), 0)))];
@@ -219,10 +219,10 @@ export class Panel {
         );
       }
     }
-    if (state.get('bare') && state.get('body') && !scene.entry.inside) {
+    if (state.get('uncovered') && state.get('body') && !scene.entry.inside) {
       const share = scene.measured('uncovered_area', level, state.get('frame'));
-      const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
-      parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
+      const text = share === null ? 'uncovered surface' : share > 0 ? `uncovered ${percent(share)}` : 'the whole surface is covered';
+      parts.push(element('span', { class: 'kind', id: 'uncovered-chip', 'data-uncovered': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot uncovered-dot' }), text));
     }
     if (scene.joints && this.meeting?.length > 0) {
       const named = this.meeting.slice(0, 3).map((pair) => pair.join(' – '));
@@ -257,7 +257,7 @@ export class Panel {
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
     if (scene.joints ? has('scene') : has('scene', 'level', 'frame')) this.drawFigures();
-    if (has('scene', 'level', 'frame', 'color', 'spheres', 'bare', 'body', 'contacts')) this.drawLegend();
+    if (has('scene', 'level', 'frame', 'color', 'spheres', 'uncovered', 'body', 'contacts')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {
       byId('play').setAttribute('aria-label', state.get('playing') ? 'Pause' : 'Play');

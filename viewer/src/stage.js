@@ -113,7 +113,7 @@ export class Stage {
   }
 
   theme() {
-    this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--bare')), new Color(styleValue('--cut')));
+    this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--uncovered')), new Color(styleValue('--cut')));
     this.contacts.theme(new Color(styleValue('--ink')));
     // The spheres' shaders write colors as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();

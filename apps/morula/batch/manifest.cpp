@@ -229,17 +229,17 @@ Shard parse_shard(const std::string& text) {
 }
 
 RowKey key_of_file(const ManifestRow& row, const std::vector<std::string>& words, const FileRoots* roots) {
-  const auto refused = [](const std::string& reason) {
+  const auto rejected = [](const std::string& reason) {
     return RowKey{{}, text_of_name(fmt::format("{}: {}", mesh_mark, reason))};
   };
-  if (!row.refusal.empty()) return {{}, text_of_name(row.refusal)};
+  if (!row.rejection.empty()) return {{}, text_of_name(row.rejection)};
   if (const auto outside = roots != nullptr ? roots->refusal(row.mesh, "--root") : std::nullopt)
-    return refused(*outside);
-  if (const auto reason = why_no_file(row.mesh)) return refused(*reason);
+    return rejected(*outside);
+  if (const auto reason = why_no_file(row.mesh)) return rejected(*reason);
   try {
     return {key_of_readable_file(row.mesh, words), {}};
   } catch (const FileError& reason) {
-    return refused(reason.what());
+    return rejected(reason.what());
   }
 }
 

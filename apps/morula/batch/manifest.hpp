@@ -19,7 +19,7 @@ struct ManifestRow {
   std::string name;            ///< name in the manifest, or the path within the folder; bytes, perhaps not UTF-8
   std::string reference;       ///< the mesh as written there; for a folder's rows the same as `name`
   std::filesystem::path mesh;  ///< file of the mesh
-  std::string refusal{};       ///< message for a row that the listing of a folder rejects; else empty
+  std::string rejection{};     ///< message for a row that the listing of a folder rejects; else empty
 };
 
 /// The rows of a folder, of a .csv with a column `mesh`, `path` or `file` (and `name`, perhaps), or of any other text:

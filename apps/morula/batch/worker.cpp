@@ -200,17 +200,17 @@ void limit_memory(const BatchTask& task) {
   _exit(code);
 }
 
-volatile std::sig_atomic_t asked_to_end = 0;
+volatile std::sig_atomic_t end_requested = 0;
 
 extern "C" {
 static void note_request_to_end(int) {
-  asked_to_end = 1;
+  end_requested = 1;
 }
 }
 
 // True when no answer is needed: the input is closed, or the end of the worker was requested.
 bool should_leave() {
-  if (asked_to_end != 0) return true;
+  if (end_requested != 0) return true;
   pollfd input{STDIN_FILENO, 0, 0};
   return poll(&input, 1, 0) > 0 && (input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
 }
@@ -312,7 +312,7 @@ bool read_line(std::string& waiting, std::string& line) {
     }
     std::array<char, 1 << 12> part;
     const ssize_t count = read(STDIN_FILENO, part.data(), part.size());
-    if (count < 0 && errno == EINTR && asked_to_end == 0) continue;
+    if (count < 0 && errno == EINTR && end_requested == 0) continue;
     if (count <= 0) return false;
     waiting.append(part.data(), static_cast<std::size_t>(count));
   }
@@ -420,7 +420,7 @@ std::optional<std::string> BatchWorker::answer() {
   }
 }
 
-void BatchWorker::ask_to_end() const {
+void BatchWorker::request_end() const {
   kill(process_, SIGTERM);
 }
 
@@ -434,7 +434,7 @@ bool BatchSeat::has_worker() {
 void BatchSeat::stop() {
   const std::lock_guard lock(mutex_);
   is_stopped_ = true;
-  if (worker_) worker_->ask_to_end();
+  if (worker_) worker_->request_end();
 }
 
 std::optional<Json> BatchSeat::build(const BatchTask& task) {

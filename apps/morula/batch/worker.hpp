@@ -35,7 +35,7 @@ class BatchWorker {
   /// Reads what is there, without waiting. The result's text, once it is whole.
   std::optional<std::string> answer();
   /// Requests its end, and the end of the build that it runs. Any thread may call it.
-  void ask_to_end() const;
+  void request_end() const;
   /// Whether it has ended without an answer.
   bool is_gone() const { return is_gone_; }
 

@@ -189,10 +189,10 @@ class BatchProgress {
     const std::string text = fmt::format("{} of {} meshes{}", done, count_, failed);
     const double share = static_cast<double>(done) / static_cast<double>(count_);
     if (bar_) bar_->update(share, text);
-    const bool is_due = 10 * done / count_ > 10 * told_ / count_ || since(line_) > 60;
+    const bool is_due = 10 * done / count_ > 10 * reported_ / count_ || since(line_) > 60;
     if (is_quiet_ || is_for_person_ || !is_due || done == count_) return;
     note("{}{}", text, done == 0 ? "" : time_left(since(begun_) * (1 - share) / share));
-    told_ = done;
+    reported_ = done;
     line_ = Clock::now();
   }
 
@@ -200,7 +200,7 @@ class BatchProgress {
   using Clock = std::chrono::steady_clock;
   static double since(Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); }
 
-  std::size_t count_, told_ = 0;
+  std::size_t count_, reported_ = 0;
   bool is_quiet_, is_for_person_;
   std::optional<Progress> bar_;
   Clock::time_point begun_ = Clock::now(), line_ = begun_;
@@ -314,8 +314,7 @@ int report_batch(const BatchArguments& o, const Work& work, std::size_t kept, co
                 {"statuses", tables.statuses},
                 {"table", table.string()}});
   } else {
-    fmt::print("{}, {} built now, {} kept from before\n", counted(work.rows.size(), "mesh", "meshes"),
-               work.waiting.size(), kept);
+    fmt::print("{}, {} built, {} kept\n", counted(work.rows.size(), "mesh", "meshes"), work.waiting.size(), kept);
     for (const auto& [status, count] : tables.statuses) fmt::print("  {:<14} {}\n", status, count);
     fmt::print("table: {}\n", table.string());
   }

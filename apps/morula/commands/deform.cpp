@@ -99,7 +99,7 @@ int deform_command(const DeformArguments& o, const CLI::App& command) {
   } else {
     require_folder_place(o.output);
     require_frames_not_input(o.output, o.frames, ending, {o.mesh});
-    require_no_strangers(o.output, o.frames, ending, read);
+    require_no_foreign_files(o.output, o.frames, ending, read);
   }
   const Mesh mesh = load_mesh(o.mesh);
   const std::vector<double> parameters = frame_parameters(o.frames, !o.one_way);

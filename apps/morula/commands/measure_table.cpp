@@ -32,7 +32,7 @@ Values over_frames(const std::vector<MeasuredFrame>& frames, std::size_t level, 
 std::optional<double> looseness_of(const LevelMeasure& level) {
   return level.looseness.looseness;
 }
-std::optional<double> bare_of(const LevelMeasure& level) {
+std::optional<double> uncovered_percent_of(const LevelMeasure& level) {
   return 100 * level.coverage.uncovered_area;
 }
 
@@ -162,18 +162,18 @@ toolbox::Plot measure_plot(const std::string& title, const std::vector<MeasuredF
     for (std::size_t level = first; level < worst.size(); ++level)
       plot.x_names.push_back(fmt::format("{} ({})", level, counted(worst[level].spheres, "sphere")));
   add("looseness", "object volumes", looseness_of);
-  add("uncovered area", "%", bare_of);
+  add("uncovered area", "%", uncovered_percent_of);
   return plot;
 }
 
 std::string cover_sentence(const std::vector<LevelMeasure>& worst) {
-  std::string bare;
+  std::string uncovered;
   for (const LevelMeasure& level : worst) {
     if (level.coverage.covered) continue;
-    bare += fmt::format("{}level {} leaves {} bare, up to {} away", bare.empty() ? "" : "; ", level.level,
+    uncovered += fmt::format("{}level {} leaves {} uncovered, up to {} away", uncovered.empty() ? "" : "; ", level.level,
                         percent(level.coverage.uncovered_area), figure(level.coverage.uncovered_distance));
   }
-  return bare.empty() ? "Covers: no surface is bare at any level." : fmt::format("Does not cover: {}.", bare);
+  return uncovered.empty() ? "Covers: every level covers the whole surface." : fmt::format("Does not cover: {}.", uncovered);
 }
 
 Json frames_json(const std::vector<MeasuredFrame>& frames) {

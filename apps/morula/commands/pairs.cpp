@@ -61,7 +61,7 @@ Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& res
 }
 
 template <class Query>
-Found ask(Query& query, const SurfaceTree& tree, Workers& workers) {
+Found run_query(Query& query, const SurfaceTree& tree, Workers& workers) {
   toolbox::Stopwatch watch;
   Found found;
   found.status = query.run(tree, workers);
@@ -74,18 +74,18 @@ Found find_pairs(const PairsArguments& o, const SurfaceTree& tree, Workers& work
   const PairFilter filter{.rings = o.rings, .rest_distance = o.rest_distance, .same_component = !o.with_self};
   if (o.crossing) {
     SurfaceCrossingQuery query({.filter = filter});
-    Found found = ask(query, tree, workers);
+    Found found = run_query(query, tree, workers);
     for (const FeaturePair& pair : query.pairs()) found.rows.push_back({pair});
     return found;
   }
   if (o.within) {
     ProximityQuery query({.distance = *o.within, .nearest_features_once = o.once, .filter = filter});
-    Found found = ask(query, tree, workers);
+    Found found = run_query(query, tree, workers);
     for (const ProximityPair& pair : query.pairs()) found.rows.push_back({pair, pair.distance});
     return found;
   }
   SweptQuery query({.distance = o.distance, .candidates_only = o.candidates, .filter = filter});
-  Found found = ask(query, tree, workers);
+  Found found = run_query(query, tree, workers);
   for (const SweptPair& pair : query.pairs()) found.rows.push_back({pair, pair.time});
   for (const FeaturePair& pair : query.candidates()) found.rows.push_back({pair});
   if (o.candidates)

@@ -103,7 +103,7 @@ VtpData spheres_data(const SphereTree& tree, const std::vector<std::uint32_t>& n
 /// uncovered.
 void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& uncovered_facets) {
   const PowerDiagram diagram(spheres);
-  VtpArray distances{"distance", {}}, bare{"bare", {}, 1, true};
+  VtpArray distances{"distance", {}}, uncovered{"uncovered", {}, 1, true};
   double largest = 0;
   for (const Vec3& p : data.points) {
     largest = std::max(largest, max_norm(p));
@@ -116,7 +116,7 @@ void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& u
   CutFacet cut;
   for (const Facet& facet : data.facets) {
     const FacetGeometry geometry{{data.points[facet[0]], data.points[facet[1]], data.points[facet[2]]}, facet};
-    bool is_bare = false;
+    bool is_uncovered = false;
     cut.clear();
     // Most facets lie in one sphere, and a ball is convex.
     if (diagram.least_growth(geometry.corners).amount > tolerance) diagram.cut(geometry, scratch, cut);
@@ -124,14 +124,14 @@ void add_cover(VtpData& data, const std::vector<Sphere>& spheres, std::size_t& u
       const Sphere& s = spheres[cut.owner[k]];
       for (const Barycentric& b : cut.polygon(k)) {
         const Vec3 p = b[0] * geometry.corners[0] + b[1] * geometry.corners[1] + b[2] * geometry.corners[2];
-        is_bare = is_bare || distance(p, s.center) > s.radius + tolerance;
+        is_uncovered = is_uncovered || distance(p, s.center) > s.radius + tolerance;
       }
     }
-    bare.values.push_back(is_bare ? 1 : 0);
-    uncovered_facets += is_bare ? 1 : 0;
+    uncovered.values.push_back(is_uncovered ? 1 : 0);
+    uncovered_facets += is_uncovered ? 1 : 0;
   }
   data.point_arrays = {distances};
-  data.facet_arrays = {bare};
+  data.facet_arrays = {uncovered};
 }
 
 std::vector<std::string> cells_of(const std::string& line) {
@@ -285,12 +285,12 @@ int paraview_command(const ParaviewArguments& o) {
   }
   fmt::print("{}: {}\n", o.output, counted(frame_count, "frame"));
   if (frames.any()) {
-    fmt::print("spheres  {} a frame\n", spheres);
-    fmt::print("bare     {}\n", uncovered_facets == 0 ? "nothing: every facet is covered in every frame"
+    fmt::print("spheres    {} a frame\n", spheres);
+    fmt::print("uncovered  {}\n", uncovered_facets == 0 ? "nothing: every facet is covered in every frame"
                                                       : fmt::format("{} in {}", counted(uncovered_facets, "facet"),
                                                                     counted(uncovered_frames, "frame")));
   }
-  for (const std::string& file : written) fmt::print("written  {}\n", (fs::path(o.output) / file).string());
+  for (const std::string& file : written) fmt::print("written    {}\n", (fs::path(o.output) / file).string());
   return exit_done;
 }
 

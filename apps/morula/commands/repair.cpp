@@ -64,7 +64,7 @@ void print_text(const RepairArguments& o, const RepairedMesh& repaired, const Me
   line(!r.changed(), "nothing to do: the mesh is written as it was");
   fmt::print("after    {}\n", state_text(after));
   line(r.unorientable_pieces > 0,
-       fmt::format("{} with one side only: left as they were", counted(r.unorientable_pieces, "piece")));
+       fmt::format("{} with one side only: left as they were", counted(r.unorientable_pieces, "component")));
   line(r.open_holes > 0, fmt::format("{} left open{}", counted(r.open_holes, "hole"),
                                      o.cap == 0 ? "; --cap N closes those of at most N edges" : ""));
   line(r.merged_vertices > 0, "the vertices have new numbers: a motion of the old mesh does not fit");

@@ -32,7 +32,7 @@ void require_sphere_output(const std::string& output, const std::string& format,
   } else {
     require_folder_place(output);
     require_frames_not_input(output, frame_count, "." + format, inputs);
-    require_no_strangers(output, frame_count, "." + format, {".sph", ".json", ".morula"});
+    require_no_foreign_files(output, frame_count, "." + format, {".sph", ".json", ".morula"});
   }
 }
 

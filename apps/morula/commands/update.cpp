@@ -263,7 +263,7 @@ void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& 
                                         : "in every frame: spheres of the rule wrapped contain their children's");
   }
   if (!std::all_of(rules.begin(), rules.end(), [&](Rule rule) { return covers(body.options(), rule); })) {
-    fmt::print("note         rules other than {} may leave surface bare: {} says how much\n", covering_rules(),
+    fmt::print("note         rules other than {} may leave surface uncovered: {} shows how much\n", covering_rules(),
                o.measure ? "the table" : "--measure");
   }
   fmt::print("written      {}\n", output.name());

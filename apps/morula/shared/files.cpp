@@ -139,8 +139,8 @@ std::string frame_file_name(std::size_t frame, std::string_view extension) {
   return fmt::format("{:04}{}", frame, extension);
 }
 
-void require_no_strangers(const fs::path& folder, std::size_t frame_count, std::string_view written_extension,
-                          const std::set<std::string>& extensions) {
+void require_no_foreign_files(const fs::path& folder, std::size_t frame_count, std::string_view written_extension,
+                              const std::set<std::string>& extensions) {
   if (!fs::is_directory(folder)) return;
   std::set<std::string> written;
   for (std::size_t i = 0; i < frame_count; ++i) written.insert(frame_file_name(i, written_extension));

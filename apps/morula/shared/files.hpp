@@ -45,8 +45,8 @@ std::string frame_file_name(std::size_t frame, std::string_view extension);
 
 /// Throws UsageError when the folder already holds files with one of these extensions that will not be overwritten:
 /// they would be read as frames of this output.
-void require_no_strangers(const std::filesystem::path& folder, std::size_t frame_count,
-                          std::string_view written_extension, const std::set<std::string>& extensions);
+void require_no_foreign_files(const std::filesystem::path& folder, std::size_t frame_count,
+                              std::string_view written_extension, const std::set<std::string>& extensions);
 
 /// Throws UsageError when the output is one of the inputs, by whatever links and names, or the file that this command's
 /// own text goes to: it would be lost. Inputs that are empty were not given; those that are missing are no output.

@@ -94,6 +94,7 @@ Json growth_json(const BuildReport& report) {
 
 std::string why_open(const MeshReport& report) {
   if (report.boundary_edges > 0) return counted(report.boundary_edges, "boundary edge");
+  if (report.nonmanifold_edges == 0) return "no facet has edges";
   return "no boundary edge, but edges of an odd number of facets";
 }
 

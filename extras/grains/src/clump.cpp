@@ -78,12 +78,12 @@ std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o
     for (int depth = 1; !none_larger(model, largest) && depth <= max_depth; ++depth) {
       model = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
     }
-    if (!none_larger(model, largest)) clump.notes.emplace_back("spheres are larger than asked for; allow larger ones");
+    if (!none_larger(model, largest)) clump.notes.emplace_back("spheres exceed the largest radius; allow larger ones");
     if (o.spheres != 0 && model.tree.leaf_count() > o.spheres) {
-      clump.notes.emplace_back("more spheres than asked for: that many keep the radius below its limit");
+      clump.notes.emplace_back("more spheres than requested: that many keep the radius below its limit");
     }
   } else if (!complete) {
-    clump.notes.emplace_back("spheres stick out further than asked for; allow more of them");
+    clump.notes.emplace_back("spheres exceed the largest protrusion; allow more of them");
   }
   std::vector<Sphere> spheres = leaves(model);
   for (Sphere& s : spheres) s.radius = std::max(s.radius + allowance, o.min_radius);
@@ -92,7 +92,7 @@ std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o
 
 void measure(const MeshView& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
   for (const Sphere& s : clump.spheres) {
-    ask_to_go_on();
+    check_interrupt();
     clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
   }
   if (clump.kind == ClumpKind::cover) {
@@ -155,7 +155,7 @@ Clump fit_clump(const MeshView& mesh, const ClumpOptions& options, WorkersOrAll 
     throw std::invalid_argument("no inner sphere is that large: lower the smallest radius, or take a cover");
   }
   if (clump.spheres.size() < options.spheres) {
-    clump.notes.emplace_back("fewer spheres than asked for: others would add nothing");
+    clump.notes.emplace_back("fewer spheres than requested: others would add nothing");
   }
   measure(mesh, object, clump, workers);
   return clump;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the command gains by the page: `view`, and `collide --page`.
+// The page's additions to the command: `view`, and `collide --page`.
 #include "shared/extension.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ class PageOfCollide final : public CollideView {
 
  private:
   CollidePage page_;
-  std::vector<PageContact> marks_;  ///< of the present frame
+  std::vector<PageContact> marks_;  ///< marks of the present frame
 };
 
 std::unique_ptr<CollideView> make_collide_page(const std::string& title, std::vector<const Collider*> bodies,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Notices of what others wrote and the extra `page` compiles in.
+// Notices of the third-party code that the extra `page` compiles in.
 #pragma once
 
 #include <string_view>

@@ -43,7 +43,7 @@ struct ViewArguments {
   unsigned threads = 0;
   bool json = false;
 
-  /// The file that holds what changes from frame to frame; empty for a body at rest.
+  /// The file of frames: positions, or coordinates of modes; empty for a body at rest.
   const std::string& moving() const { return modes.empty() ? motion : coordinates; }
 };
 

@@ -81,7 +81,7 @@ void bind_collide_page(nb::module_& m) {
           "add",
           [](HeldCollidePage& self, nb::handle contacts, std::string name) {
             std::vector<PageContact> marks = marks_of(contacts);
-            self.ask([&](CollidePage& page) {
+            self.call([&](CollidePage& page) {
               for (const auto& side : self.seen.sides)
                 if (!side->current().has_current_positions())
                   throw std::invalid_argument("the positions of a body's present frame are not known: set_positions()");

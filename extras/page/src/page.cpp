@@ -57,48 +57,48 @@ void check_content(const PageContent& content) {
   if (content.scenes.empty()) throw std::invalid_argument("a page needs at least one scene");
   for (std::size_t i = 0; i < content.motions.size(); ++i) {
     const PageMotion& motion = content.motions[i];
-    const auto refuse = [&](const char* what) {
+    const auto reject = [&](const char* what) {
       throw std::invalid_argument(fmt::format("motion {} of the page: {}", i, what));
     };
-    if (motion.facets.empty() || motion.frames.empty()) refuse("no facets or no frames");
-    if (motion.frame_names.size() != motion.frames.size()) refuse("not one name per frame");
+    if (motion.facets.empty() || motion.frames.empty()) reject("no facets or no frames");
+    if (motion.frame_names.size() != motion.frames.size()) reject("not one name per frame");
     const std::size_t vertices = motion.frames.front().size();
     for (const std::vector<Vec3>& frame : motion.frames) {
-      if (frame.size() != vertices) refuse("frames differ in their number of vertices");
+      if (frame.size() != vertices) reject("frames differ in their number of vertices");
     }
     for (const Facet& facet : motion.facets) {
-      if (*std::max_element(facet.begin(), facet.end()) >= vertices) refuse("a facet names a vertex that is not there");
+      if (*std::max_element(facet.begin(), facet.end()) >= vertices) reject("a facet names a vertex that is not there");
     }
     if (!motion.joints) continue;
-    if (motion.frames.size() != 1) refuse("joints move one frame, and there are more");
-    if (const char* fault = fault_of(*motion.joints, vertices)) refuse(fault);
+    if (motion.frames.size() != 1) reject("joints move one frame, and there are more");
+    if (const char* fault = fault_of(*motion.joints, vertices)) reject(fault);
   }
   for (std::size_t i = 0; i < content.scenes.size(); ++i) {
     const PageScene& scene = content.scenes[i];
-    const auto refuse = [&](const char* what) {
+    const auto reject = [&](const char* what) {
       throw std::invalid_argument(fmt::format("scene {} of the page: {}", i, what));
     };
-    if (scene.motion >= content.motions.size()) refuse("its motion is not there");
+    if (scene.motion >= content.motions.size()) reject("its motion is not there");
     const std::size_t frames = content.motions[scene.motion].frames.size();
     const std::size_t nodes = scene.rest.node_count();
-    if (nodes == 0) refuse("its tree has no nodes");
-    if (scene.frames.size() != frames) refuse("not as many frames as its motion");
+    if (nodes == 0) reject("its tree has no nodes");
+    if (scene.frames.size() != frames) reject("not as many frames as its motion");
     for (const std::vector<Sphere>& spheres : scene.frames) {
-      if (spheres.size() != nodes) refuse("not one sphere per node");
+      if (spheres.size() != nodes) reject("not one sphere per node");
     }
-    if (!scene.measured.empty() && scene.measured.size() != frames) refuse("not measured in every frame");
+    if (!scene.measured.empty() && scene.measured.size() != frames) reject("not measured in every frame");
     for (const std::vector<LevelMeasure>& levels : scene.measured) {
-      if (levels.size() != scene.rest.level_count()) refuse("not measured at every level");
+      if (levels.size() != scene.rest.level_count()) reject("not measured at every level");
     }
-    if (!scene.empty_share.empty() && scene.empty_share.size() != frames) refuse("empty shares miss a frame");
+    if (!scene.empty_share.empty() && scene.empty_share.size() != frames) reject("empty shares miss a frame");
     for (const std::vector<float>& shares : scene.empty_share) {
-      if (shares.size() != nodes) refuse("not one empty share per node");
+      if (shares.size() != nodes) reject("not one empty share per node");
     }
-    if (!scene.contacts.empty() && scene.contacts.size() != frames) refuse("contacts miss a frame");
+    if (!scene.contacts.empty() && scene.contacts.size() != frames) reject("contacts miss a frame");
     const std::optional<PageJoints>& joints = content.motions[scene.motion].joints;
-    if (scene.parts.size() != (joints ? scene.rest.child_count[0] : 0)) refuse("not one part per child of the root");
+    if (scene.parts.size() != (joints ? scene.rest.child_count[0] : 0)) reject("not one part per child of the root");
     for (const std::uint32_t part : scene.parts) {
-      if (part >= joints->parts.size()) refuse("a part is not there");
+      if (part >= joints->parts.size()) reject("a part is not there");
     }
   }
 }

@@ -212,7 +212,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
         {"share that collides", static_cast<double>(std::count(by_trees.begin(), by_trees.end(), 1)) / checks}};
     result.expect(by_trees == by_list, "trees and the list disagree");
     result.expect(by_links == by_list, "links and the list disagree");
-    result.expect(spheres.covered(), "a link is bare");
+    result.expect(spheres.covered(), "a link is uncovered");
     results.push_back(std::move(result));
   }
   return results;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the command gains by robots: `robot`.
+// The addition of robots to the command: `robot`.
 #include "shared/extension.hpp"
 
 #include <morula/robot/output.hpp>

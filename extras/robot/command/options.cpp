@@ -66,11 +66,6 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   return {text.substr(0, at), {normalized(normal), numbers[3] / length(normal)}};
 }
 
-Quality fit_quality(const RobotArguments& o) {
-  if (!o.quality.empty()) return parse_quality(o.quality);
-  return parse_method(o.method) == Method::optimized ? robot::FitOptions{}.quality : Quality::standard;
-}
-
 void add_repeatable(CLI::App& command, const std::string& option, std::vector<std::string>& values,
                     const std::string& type, const std::string& what) {
   add_option(command, option, values, what)->type_name(type)->allow_extra_args(false);
@@ -97,11 +92,11 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
                         .max_radius = o.max_radius,
                         .visual = o.geometry == "visual",
                         .method = parse_method(o.method),
-                        .quality = fit_quality(o),
                         .seed = o.seed,
                         .density = o.density.value_or(robot::FitOptions{}.density),
                         .stop = {},
                         .progress = {}};
+  if (!o.quality.empty()) fit.quality = parse_quality(o.quality);
   if (!o.max_protrusion.empty()) {
     const std::string& text = o.max_protrusion;
     if (text.back() == '%') {
@@ -187,7 +182,7 @@ std::vector<fs::path> package_paths(const RobotArguments& o) {
   return paths;
 }
 
-bool wants_tree(const RobotArguments& o, std::string_view kind) {
+bool writes_tree(const RobotArguments& o, std::string_view kind) {
   return (o.trees && kind == "link") || std::find(o.tree_kinds.begin(), o.tree_kinds.end(), kind) != o.tree_kinds.end();
 }
 

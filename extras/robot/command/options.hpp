@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What morula robot is told, and what it makes of that.
+// Arguments of morula robot, and the options of the library that they stand for.
 #pragma once
 
 #include <filesystem>
@@ -23,23 +23,23 @@ struct RobotArguments {
   std::optional<double> max_radius, clip_margin;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report
   std::string geometry = "collision";
-  std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: fast, where the method has a choice
+  std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: that of FitOptions
   std::size_t samples = robot::SelfCollisionOptions{}.samples;
   std::size_t seed = 1, inner = 0;
   bool page = false, all_formats = false, trees = false, json = false;  // trees: as --tree link
   unsigned threads = 0;
 };
 
-/// As options of `command`.
+/// Adds an option for each member to `command`.
 void add_robot_options(CLI::App& command, RobotArguments& o);
-/// Throws UsageError where options contradict each other, before anything is read.
+/// Throws UsageError when options contradict each other. Called before any file is read.
 void require_sense(const RobotArguments& o);
 std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o);
-/// Throws UsageError for links that are not there, FileError for the file of --keep.
+/// Throws UsageError for unknown links, FileError for the file of --keep.
 robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot);
-/// Where packages are: what the user says, then where ROS says.
+/// Folders of packages: those of --package-path, then those of the environment of ROS.
 std::vector<std::filesystem::path> package_paths(const RobotArguments& o);
 /// kind: "link" or "robot".
-bool wants_tree(const RobotArguments& o, std::string_view kind);
+bool writes_tree(const RobotArguments& o, std::string_view kind);
 
 }  // namespace morula::cli

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What morula robot says of the links: a table, and JSON.
+// The report of morula robot on the links: a table, and JSON.
 #pragma once
 
 #include <morula/robot/output.hpp>

@@ -68,7 +68,7 @@ std::vector<robot::OutputFile> inner_files_of(const robot::Description& d,
   return files;
 }
 
-/// No file that is written may be one that is read: asked before the work begins.
+/// Throws UsageError when an output would replace an input. Called before the work begins.
 void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
@@ -85,8 +85,8 @@ void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
     if (o.inner > 0) require_not_input(fs::path(o.output) / inner_folder / file.name, inputs);
   }
   if (o.page) require_not_input(fs::path(o.output) / page_file, inputs);
-  if (wants_tree(o, "robot")) require_not_input(fs::path(o.output) / robot_mesh_file, inputs);
-  for (std::size_t link = 0; wants_tree(o, "link") && link < robot.links.size(); ++link) {
+  if (writes_tree(o, "robot")) require_not_input(fs::path(o.output) / robot_mesh_file, inputs);
+  for (std::size_t link = 0; writes_tree(o, "link") && link < robot.links.size(); ++link) {
     require_not_input(fs::path(o.output) / "trees" / (tree_name(robot, link) + ".ply"), inputs);
   }
 }
@@ -163,8 +163,8 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   };
   write(files_of(description, formats));
   if (o.inner > 0) write(inner_files_of(description, formats));
-  if (wants_tree(o, "link")) write_trees(folder.path(), robot, spheres);
-  if (wants_tree(o, "robot")) {
+  if (writes_tree(o, "link")) write_trees(folder.path(), robot, spheres);
+  if (writes_tree(o, "robot")) {
     const robot::RobotTree tree = robot::tree_of(robot, spheres, robot::rest_values(robot), workers);
     write_tree(folder.path() / robot_tree_file, tree.model);
     write_mesh(folder.path() / robot_mesh_file, tree.mesh);

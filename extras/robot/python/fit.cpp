@@ -96,7 +96,7 @@ void bind_robot_fit(nb::module_& m) {
          const std::map<std::string, std::size_t>& link_spheres, std::optional<double> max_protrusion,
          std::optional<double> max_protrusion_share, double padding, double min_radius,
          std::optional<double> max_radius, bool visual, const std::set<std::string>& skip, nb::handle fixed_given,
-         MethodName method, QualityName quality, std::uint64_t seed, double density, nb::handle clip,
+         MethodName method, std::optional<QualityName> quality, std::uint64_t seed, double density, nb::handle clip,
          std::optional<double> clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
@@ -116,7 +116,7 @@ void bind_robot_fit(nb::module_& m) {
           }
         }
         options.method = method_of(method);
-        options.quality = quality_of(quality);
+        if (quality) options.quality = quality_of(*quality);
         options.seed = seed;
         options.density = density;
         options.clip = clip_of(clip);
@@ -129,7 +129,7 @@ void bind_robot_fit(nb::module_& m) {
       nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = nb::none(),
       nb::arg("max_protrusion_share") = nb::none(), nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0,
       nb::arg("max_radius") = nb::none(), nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
-      nb::arg("fixed_spheres") = nb::none(), nb::arg("method") = "optimized", nb::arg("quality") = "fast",
+      nb::arg("fixed_spheres") = nb::none(), nb::arg("method") = "optimized", nb::arg("quality") = nb::none(),
       nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(),
       nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
       nb::arg("workers") = nb::none(),
@@ -141,7 +141,7 @@ void bind_robot_fit(nb::module_& m) {
           "min_radius: float = 0.0, max_radius: float | None = None, visual: bool = False, skip: set[str] = set(), "
           "fixed_spheres: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = "
           "'optimized', "
-          "quality: morula.typing.Quality = 'fast', seed: int = 1, density: float = 1000.0, "
+          "quality: morula.typing.Quality | None = None, seed: int = 1, density: float = 1000.0, "
           "clip: dict[str, morula.typing.FloatArray] | None = None, clip_margin: float | None = None, inner: int = 0, "
           "progress: collections.abc.Callable[[float, str], object] | None = None, "
           "workers: morula._morula.Workers | None = None) -> RobotSpheres"),
@@ -158,6 +158,7 @@ void bind_robot_fit(nb::module_& m) {
            {"visual", doc::FitOptions_visual},
            {"skip", doc::FitOptions_skip},
            {"fixed_spheres", doc::FitOptions_fixed_spheres},
+           {"quality", doc::FitOptions_quality},
            {"density", doc::FitOptions_density},
            {"clip", "planes (n, 4) by link: normal and offset. The part of a link beyond a plane need not be covered"},
            {"clip_margin", doc::FitOptions_clip_margin},

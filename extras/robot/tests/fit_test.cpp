@@ -130,6 +130,45 @@ TEST(FitSpheres, a_common_budget_is_kept_and_goes_where_it_helps) {
   EXPECT_LT(volume(shared), volume(even));
 }
 
+TEST(FitSpheres, a_common_budget_includes_links_with_a_number_or_spheres_of_their_own) {
+  const robot::RobotSpheres some = robot::fit_spheres(arm_robot, {.spheres = 6, .quality = Quality::draft});
+  robot::FitOptions o{.max_total = 40, .quality = Quality::draft};
+  o.fixed_spheres["upper"] = some.of(arm_robot.find_link("upper"))->spheres;
+  o.link_spheres = {{"forearm", 9}};
+  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, o);
+  EXPECT_EQ(fitted.of(arm_robot.find_link("upper"))->spheres, o.fixed_spheres["upper"]);
+  EXPECT_LE(fitted.of(arm_robot.find_link("forearm"))->spheres.size(), 9u);
+  EXPECT_LE(fitted.sphere_count(), 40u);
+  EXPECT_GE(fitted.sphere_count(), 28u);
+  EXPECT_TRUE(fitted.notes.empty()) << fitted.notes[0];
+  o.max_total = 12;
+  const robot::RobotSpheres more = robot::fit_spheres(arm_robot, o);
+  EXPECT_GT(more.sphere_count(), 12u);
+  ASSERT_EQ(more.notes.size(), 1u);
+  EXPECT_TRUE(more.notes[0].starts_with("the robot has " + std::to_string(more.sphere_count()) +
+                                        " spheres, and the largest total is 12: "))
+      << more.notes[0];
+}
+
+TEST(FitSpheres, progress_ascends_and_ends_at_1_once) {
+  Workers three(3);
+  for (const std::optional<std::size_t> total : {std::optional<std::size_t>(), std::optional<std::size_t>(30)}) {
+    std::vector<double> shares;
+    robot::FitOptions o{.spheres = 2, .max_total = total, .quality = Quality::draft};
+    o.link_spheres = {{"forearm", 3}};
+    o.progress = [&](double share, const std::string&) { shares.push_back(share); };
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, o, three);
+    ASSERT_FALSE(shares.empty());
+    EXPECT_GT(shares[0], 0);
+    for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_LT(shares[i - 1], shares[i]);
+    EXPECT_EQ(shares.back(), 1);
+    const auto groups = static_cast<std::size_t>(
+        std::count_if(fitted.links.begin(), fitted.links.end(),
+                      [](const robot::LinkSpheres& link) { return link.same_shape_as == robot::none; }));
+    EXPECT_EQ(shares.size(), total ? 2 * groups - 1 : groups) << "the link with a number of its own takes no share";
+  }
+}
+
 TEST(FitSpheres, links_alike_share_and_one_refitted_alone_keeps_the_others) {
   const robot::RobotSpheres fitted = robot::fit_spheres(gripper_robot, {.spheres = 5});
   const robot::LinkSpheres &left = *fitted.of(gripper_robot.find_link("left")),
@@ -168,7 +207,23 @@ TEST(FitSpheres, kept_spheres_cover_only_where_they_do_so_as_floats) {
     return robot::fit_spheres(ball, {.fixed_spheres = {{"ball", {Sphere{{0, 0, 0}, radius}}}}});
   };
   EXPECT_FALSE(kept(0.7).covered());
+  EXPECT_GT(kept(0.7).links[0].figures.uncovered_distance, 0);
+  EXPECT_LT(kept(0.7).links[0].figures.uncovered_distance, 1e-6);
+  EXPECT_NEAR(kept(0.45).links[0].figures.uncovered_distance, 0.25, 1e-6);
   EXPECT_TRUE(kept(0.701).covered());
+  EXPECT_EQ(kept(0.701).links[0].figures.uncovered_distance, 0);
+  // The sphere that reaches farthest out of all given ones counts, next to a polyhedron that is covered.
+  robot::Robot both = ball;
+  robot::Shape box;
+  box.kind = robot::Shape::Kind::box;
+  box.size = {0.2, 0.2, 0.2};
+  shape.origin.translation = {3, 0, 0};
+  both.links[0].collision = {shape, box};
+  const std::vector<Sphere> given{{{0, 0, 0}, 1}, {{3, 0, 0.5}, 0.7}};
+  const robot::RobotSpheres apart = robot::fit_spheres(both, {.fixed_spheres = {{"ball", given}}});
+  EXPECT_FALSE(apart.covered());
+  EXPECT_NEAR(apart.links[0].figures.uncovered_distance, 0.5, 1e-6);
+  shape.origin = {};
   // So for polyhedra: the corner of a box, and the sphere through it.
   shape.kind = robot::Shape::Kind::box;
   shape.size = {2.4, 3.2, 0.0001};
@@ -194,12 +249,36 @@ TEST(FitSpheres, refuses_what_makes_no_sense) {
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.padding = -1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.min_radius = 2, .max_radius = 1}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.spheres = 0}), std::invalid_argument);
+  EXPECT_THROW(robot::fit_spheres(arm_robot, {.fixed_spheres = {{"base", {}}}}), std::invalid_argument);
   // Absent limits are absent, not 0.
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_total = 0}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_protrusion = 0}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_protrusion_share = 0}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.max_radius = 0}), std::invalid_argument);
   EXPECT_THROW(robot::fit_spheres(arm_robot, {.clip_margin = 0}), std::invalid_argument);
+}
+
+TEST(FitSpheres, every_method_fits_with_the_options_as_they_are) {
+  for (const Method method : all_methods()) {
+    const robot::RobotSpheres fitted =
+        robot::fit_spheres(gripper_robot, {.spheres = 6, .skip = {"left"}, .method = method});
+    EXPECT_TRUE(fitted.covered()) << name(method);
+    const robot::RobotSpheres standard =
+        robot::fit_spheres(gripper_robot, {.spheres = 6,
+                                           .skip = {"left"},
+                                           .method = method,
+                                           .quality = method == Method::optimized ? Quality::fast : Quality::standard});
+    ASSERT_EQ(fitted.links.size(), standard.links.size());
+    for (std::size_t i = 0; i < fitted.links.size(); ++i)
+      EXPECT_EQ(fitted.links[i].spheres, standard.links[i].spheres) << name(method);
+  }
+  try {
+    robot::fit_spheres(gripper_robot, {.method = Method::grid, .quality = Quality::fast});
+    ADD_FAILURE() << "a quality that the method does not have";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(),
+                 "quality fast is for method optimized; method grid has one way only: leave the quality out");
+  }
 }
 
 /// All pairs of all spheres, nothing left out.

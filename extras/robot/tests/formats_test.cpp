@@ -133,7 +133,7 @@ TEST_F(Formats, of_all_formats_only_shapes_that_are_asked_for_are_refused) {
     EXPECT_EQ(read.links[0].visual.size(), 0u);
     if (fault.find("hfield") == std::string::npos) {
       ASSERT_EQ(read.notes.size(), 1u) << fault;
-      EXPECT_NE(read.notes[0].find("a shape of a that is not asked for is left out: "), std::string::npos);
+      EXPECT_NE(read.notes[0].find("a shape of a that is not requested is left out: "), std::string::npos);
     }
     EXPECT_THROW(mjcf(geoms(good, fault)), FileError) << fault;
   }
@@ -150,7 +150,7 @@ TEST_F(Formats, of_all_formats_only_shapes_that_are_asked_for_are_refused) {
     EXPECT_EQ(read.links[0].collision.size(), 1u);
     EXPECT_EQ(read.links[0].visual.size(), 0u);
     ASSERT_EQ(read.notes.size(), 1u) << fault;
-    EXPECT_NE(read.notes[0].find("a shape of a that is not asked for is left out: "), std::string::npos);
+    EXPECT_NE(read.notes[0].find("a shape of a that is not requested is left out: "), std::string::npos);
     EXPECT_THROW(sdf(shapes(ball, fault)), FileError) << fault;
   }
   for (const char* nothing : {"<sphere><radius>0</radius></sphere>", "<ellipsoid><radii>0 0 1</radii></ellipsoid>",

@@ -229,6 +229,38 @@ TEST(InnerSpheres, files_have_them_in_the_place_of_those_that_cover) {
   EXPECT_EQ(json["links"][0]["inner_spheres"][0]["radius"], fitted.links[0].inner[0].radius);
 }
 
+TEST(InnerSpheres, a_robot_of_inner_spheres_keeps_its_shapes_and_all_notes) {
+  const ScratchFolder folder;
+  Mesh open = box_mesh({-1, -1, -1}, {1, 1, 1}, 1);
+  open.facets.pop_back();
+  write_mesh(folder.path() / "open.obj", open);
+  robot::Robot robot;
+  robot.name = "mixed";
+  robot.file = folder.path() / "mixed.urdf";
+  robot.root = 0;
+  robot.links.resize(3);
+  const char* names[] = {"closed", "open", "empty"};
+  for (std::size_t i = 0; i < 3; ++i) robot.links[i].name = names[i];
+  robot::Shape ball, mesh;
+  ball.kind = robot::Shape::Kind::sphere;
+  ball.radius = 1;
+  mesh.file = folder.path() / "open.obj";
+  robot.links[0].visual = {ball};
+  robot.links[1].visual = {mesh};
+  robot.links[2].visual = {ball};
+  const robot::FitOptions options{
+      .spheres = 4, .visual = true, .clip = {{"empty", {{{0, 0, 1}, 2}}}}, .inner = 2, .quality = Quality::draft};
+  const robot::RobotSpheres fitted = robot::fit_spheres(robot, options);
+  ASSERT_EQ(fitted.links.size(), 2u);
+  const robot::RobotSpheres inner = fitted.with_inner_spheres();
+  ASSERT_EQ(inner.links.size(), 1u);
+  EXPECT_TRUE(inner.visual);
+  EXPECT_EQ(inner.links[0].notes, fitted.links[0].notes);
+  ASSERT_EQ(fitted.notes.size(), 1u);
+  EXPECT_EQ(inner.notes,
+            (std::vector<std::string>{fitted.notes[0], "link open has no inner spheres: no surface of it is closed"}));
+}
+
 /// Are points of what a plane keeps of the link's shapes all in spheres, and is something left out?
 void expect_kept_is_covered(const robot::Robot& robot, const robot::LinkSpheres& link, const robot::ClipPlane& plane,
                             double margin) {

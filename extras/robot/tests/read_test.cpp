@@ -408,7 +408,7 @@ TEST(ReadRobot, shapes_that_nobody_asks_for_never_end_a_robot) {
       EXPECT_EQ(read.links[0].collision.size(), 1u);
       EXPECT_EQ(read.links[0].visual.size(), 1u);
       ASSERT_EQ(read.notes.size(), 1u) << fault;
-      EXPECT_EQ(read.notes[0].rfind("a shape of a that is not asked for is left out: " + file.string() + ":2: ", 0), 0u)
+      EXPECT_EQ(read.notes[0].rfind("a shape of a that is not requested is left out: " + file.string() + ":2: ", 0), 0u)
           << read.notes[0];
       write(file, text(visual ? "visual" : "collision"));
       EXPECT_THROW(robot::read_robot(file, {.visual = visual}), FileError) << fault;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <morula/geometry/inspect.hpp>
 #include <morula/study/run.hpp>
 #include <morula/update/body.hpp>
@@ -55,6 +57,41 @@ TEST(StudyPlan, samples_go_out_or_there_and_back) {
   plan.measured = {0, 2};
   EXPECT_EQ(plan.measured_samples(), (std::vector<std::size_t>{0, 2}));
   EXPECT_EQ(plan.levels(), (std::vector<std::size_t>{2, 3}));
+}
+
+TEST(StudyPlan, fresh_trees_end_at_the_full_amount_also_there_and_back) {
+  for (const bool and_back : {false, true}) {
+    for (const std::size_t samples : {3, 5, 8, 13, 25}) {
+      Plan plan;
+      plan.samples = samples;
+      plan.and_back = and_back;
+      for (const Method method : {Method::medial, Method::octree}) {
+        const Source source{.method = std::string(name(method)), .generator = method};
+        const std::vector<std::size_t> fresh_at = plan.fresh_samples(source);
+        EXPECT_EQ(fresh_at.front(), 0u);
+        EXPECT_EQ(plan.parameters().at(fresh_at.back()), 1) << samples << and_back;
+        EXPECT_TRUE(std::is_sorted(fresh_at.begin(), fresh_at.end(), std::less_equal<>()));
+      }
+    }
+  }
+}
+
+TEST(StudyPlan, the_origin_of_a_sph_file_is_the_one_that_its_name_says) {
+  const Mesh prism = needle_prism(8);
+  const Vec3 point{1, -0.5, 1e-3};
+  using Kind = SphOrigin::Kind;
+  EXPECT_EQ(name(SphOrigin{Kind::none, point}), "none");
+  EXPECT_EQ((SphOrigin{Kind::none, point}.of(prism)), (Vec3{0, 0, 0}));
+  EXPECT_EQ(name(SphOrigin{Kind::box_center, point}), "bbox-center");
+  EXPECT_EQ((SphOrigin{Kind::box_center, point}.of(prism)), bounding_box(prism).center());
+  EXPECT_EQ(name(SphOrigin{Kind::point, point}), "1,-0.5,0.001");
+  EXPECT_EQ((SphOrigin{Kind::point, point}.of(prism)), point);
+}
+
+TEST(StudyPlan, axes_have_four_names) {
+  std::set<std::string_view> names;
+  for (const Axis axis : {Axis::x, Axis::y, Axis::z, Axis::automatic}) names.insert(name(axis));
+  EXPECT_EQ(names, (std::set<std::string_view>{"x", "y", "z", "auto"}));
 }
 
 TEST(StudyPlan, the_prism_is_closed_and_has_its_volume) {

@@ -110,6 +110,19 @@ TEST(StudyRun, there_and_back_certified_and_timed) {
   for (const TreeFigures& tree : result.trees) EXPECT_GT(tree.build_seconds, 0);
 }
 
+TEST(StudyRun, only_trees_that_were_built_in_a_run_with_times_have_a_time) {
+  Plan plan = small_plan();
+  plan.rules = {Rule::traditional};
+  plan.measures = {.paper_grid = false, .protrusion = false, .timed_updates = 1};
+  const test::ScratchFolder folder;
+  const Cache cache(folder.path());
+  const RunOptions options{.cache = &cache};
+  for (const TreeFigures& tree : run(plan, serial_workers(), options).trees) EXPECT_GT(tree.build_seconds, 0);
+  for (const TreeFigures& tree : run(plan, serial_workers(), options).trees) EXPECT_EQ(tree.build_seconds, 0);
+  plan.measures.timed_updates = 0;
+  for (const TreeFigures& tree : run(plan).trees) EXPECT_EQ(tree.build_seconds, 0);
+}
+
 TEST(StudyRun, same_figures_for_any_workers_from_the_cache_and_after_a_stop) {
   const Plan plan = small_plan();
   const std::string expected = cells_csv(plan, run(plan));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Budget: the limit of a query's work, in tests or in time.
+// Budget: the limit of a query's work, as a number of pair tests or as a time.
 #pragma once
 
 #include <chrono>
@@ -10,15 +10,16 @@
 
 namespace morula {
 
-/// The limit of a query's work.
+/// The limit of a query's work. Queries reject a negative one.
 class Budget {
  public:
   /// No limit.
   Budget() = default;
-  /// A number of pair tests. The result has the same bits for any number of workers.
+  /// A number of pair tests. With it, a query has the same bits for any number of workers and on any machine.
   template <std::integral Count>
   Budget(Count pair_tests) : unit_(Unit::tests), amount_(static_cast<std::int64_t>(pair_tests)) {}
-  /// A time from the start of the call, by CollideOptions::clock.
+  /// A time from the start of the call, in whole units such as std::chrono::microseconds; the query's option `clock`
+  /// measures it.
   template <std::integral Rep, class Period>
   Budget(std::chrono::duration<Rep, Period> time)
       : unit_(Unit::time), amount_(std::chrono::duration_cast<std::chrono::nanoseconds>(time).count()) {}
@@ -26,7 +27,9 @@ class Budget {
   bool is_unlimited() const { return unit_ == Unit::none; }
   bool is_time() const { return unit_ == Unit::time; }
   bool is_tests() const { return unit_ == Unit::tests; }
+  /// The number of pair tests, if is_tests().
   std::int64_t tests() const { return amount_; }
+  /// The time, if is_time().
   std::chrono::nanoseconds time() const { return std::chrono::nanoseconds(amount_); }
 
  private:
@@ -35,7 +38,7 @@ class Budget {
   std::int64_t amount_ = 0;
 };
 
-/// A monotone clock; called on the thread of the query alone.
+/// A clock that never goes back, such as std::chrono::steady_clock. A query calls it on its own thread alone.
 using Clock = std::function<std::chrono::nanoseconds()>;
 
 }  // namespace morula

@@ -22,8 +22,12 @@
 #include <vector>
 
 namespace morula {
+class Collider;
 namespace detail {
 class ColliderAsRead;
+class FacetLists;
+/// Copies, for each facet of a leaf, the share of its area that the leaf owns.
+void copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
 
 /// Counts the changes of the object that contains it. Assignment to the object is a change.
 struct ChangeCount {
@@ -44,9 +48,11 @@ struct ChangeCount {
 class Collider {
  public:
   /// A body with its surface. The body must have been made from mesh. Throws std::invalid_argument if their sizes
-  /// differ. Cost: linear in patches; memory 4 bytes per pair of leaf and facet.
+  /// differ. Cost: constant, except for the first collider of a tree: linear in patches. Colliders of all bodies that
+  /// follow one CoveredTree share this memory, 4 bytes per pair of leaf and facet.
   Collider(const MeshView& mesh, const Body& body);
-  /// A sphere state with its surface, such as a copy of a body's state. Queries on facets need set_positions().
+  /// A sphere state with its surface, such as a copy of a body's state. Queries on facets need set_positions(). Cost:
+  /// linear in patches.
   Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose);
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries on facets reject this collider.
   explicit Collider(const SphereState& pose);
@@ -87,7 +93,7 @@ class Collider {
   /// node's are the lists of the leaves below it, in order. Empty without a surface.
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
     if (facet_begin_.empty()) return {};
-    return std::span(facets_).subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
+    return facets_.subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
   }
   /// Position of a vertex in the world: the present position, then the transform, each rounded to double. Exact
   /// verdicts are about these numbers.
@@ -99,6 +105,9 @@ class Collider {
 
  private:
   friend class detail::ColliderAsRead;
+  friend void detail::copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
+  Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose,
+           std::shared_ptr<const detail::FacetLists> facet_lists);
   const SphereState* pose_;
   std::shared_ptr<const void> kept_;  // sphere state and cover, if the source shares them
   const Cover* cover_ = nullptr;
@@ -106,7 +115,8 @@ class Collider {
   RigidTransform transform_{};
   std::optional<PositionView> rest_{}, given_{};
   std::uint64_t given_frame_ = 0;
-  std::vector<std::uint32_t> facets_, facet_begin_, facet_end_;
+  std::shared_ptr<const detail::FacetLists> facet_lists_;
+  std::span<const std::uint32_t> facets_, facet_begin_, facet_end_;  // of facet_lists_
   detail::ChangeCount changes_{};  // changes of the transform and of the given positions
 };
 

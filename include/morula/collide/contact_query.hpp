@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Contacts in every frame, of several pairs of bodies under one budget; queries can be interrupted and resumed.
+//
+//   morula::ContactQuery query({.budget = std::chrono::microseconds(200)});
+//   query.add(a, b);                           // once: colliders follow their bodies
+//   const auto status = query.run();           // every frame
+//   if (!status) std::puts(message(status).c_str());
+//   for (const morula::Contact& contact : query.contacts().contacts) std::printf("depth %g\n", contact.depth);
 #pragma once
 
 #include <memory>
@@ -34,6 +40,7 @@ class ContactQuery {
   /// Adds a pair and returns its number, from 0. Colliders are borrowed until clear(). weight: factor of
   /// Priority::importance, finite, not negative; otherwise throws std::invalid_argument. Ends the front.
   std::uint32_t add(const Collider& a, const Collider& b, double weight = 1);
+  /// Removes all pairs, with the front and the contacts, which refer to them. Keeps the memory.
   void clear();
   /// Sets the options of the next call. Throws like the constructor.
   void set_options(CollideOptions options);
@@ -67,10 +74,12 @@ class ContactQuery {
   ContactSurface surface(std::size_t contact);
 
   const Front& front() const;
-  /// Replaces the query's own front; resume() and carry() check it.
+  /// Replaces the query's own front. resume(), carry() and cut() check that it belongs to the pairs and that no index
+  /// of it is out of range; its verdicts are taken as they are.
   void set_front(Front front);
   /// The complete cut: separated, finished and waiting pairs; each final pair is in it or below exactly one pair of it.
-  /// Colliders must be current.
+  /// Empty without a front. Colliders must be current. Throws std::invalid_argument for a front of set_front() that is
+  /// of other bodies or has indices out of range.
   void cut(std::vector<FrontPair>& pairs) const;
 
  private:

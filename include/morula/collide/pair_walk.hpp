@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Pair walk: traverses the tree of node pairs of two sphere states, for the caller's own queries.
+// Pair walk: a traversal of the pairs of nodes of two trees, from the roots down, for the caller's own queries.
 #pragma once
 
 #include <cstddef>
@@ -11,29 +11,32 @@
 
 namespace morula {
 
-/// Action of a walk at a pair of nodes whose spheres are no farther apart than the margin.
+/// The action that a visit returns: how the walk goes on after a pair of nodes.
 enum class Step : std::uint8_t {
-  open,  ///< visit the pairs below
-  skip,  ///< skip all pairs below
+  open,  ///< visit the pairs below this pair
+  skip,  ///< go on without the pairs below this pair
   stop,  ///< end the walk
 };
 
 struct PairWalkOptions {
-  /// Level set of both trees for the final pairs; no value: the leaves.
+  /// Level set of both trees whose nodes form the final pairs; no value: leaves form them.
   std::optional<std::uint32_t> level{};
-  double margin = 0;  ///< largest gap of visited pairs, mesh units; finite, not negative
+  double margin = 0;  ///< largest gap between the spheres of a visited pair, mesh units; finite, 0 or more
 };
 
-/// Visits the pairs of nodes whose spheres, and the spheres of all pairs above them, are no farther apart than the
-/// margin: depth-first, by the nodes of b, then of a. A pair opens into all pairs of children; if one node is final, it
-/// is paired with the children of the other.
+/// Visits each pair of nodes, one of a and one of b, whose spheres are no farther apart than the margin, if the same
+/// holds for all pairs above it. The pairs below a pair are those of a child of one node and a child of the other; a
+/// node that is final stays, and is paired with the children of the other.
 ///
-/// visit(pair, is_final): called once for each such pair, the pair of roots first, and returns a Step. At a final pair
-/// only stop has an effect. Tests err on the near side: no pair within the margin is missed, and a pair slightly beyond
-/// it may be visited. The walk reads spheres alone, so any two colliders serve. Returns the number of pair tests.
-/// Throws std::invalid_argument for a body that queries reject, a margin out of range, and a level that neither tree
-/// has; and at its end if a visit has moved a body, unless that visit stopped the walk. Cost: half a nanosecond per
-/// pair test, in blocks of children against children.
+/// visit(pair, is_final): called once for each such pair on the calling thread; returns a Step. is_final: the pair has
+/// no pairs below it, and `open` and `skip` have the same effect. The order is depth-first from the pair of roots;
+/// pairs below one pair are in the order of b's nodes, then of a's.
+///
+/// A test may count a pair slightly beyond the margin as near, and never misses a pair within it. The walk reads
+/// spheres only, so colliders without facets also serve. Returns the number of pair tests. Throws std::invalid_argument
+/// for a body that queries reject, a margin out of range, and a level that neither tree has. It also throws, after the
+/// last visit, if a visit has moved a body and none has stopped the walk. Cost: about 0.5 ns per pair test with
+/// AVX-512, besides the visits.
 template <class Visit>
 std::size_t walk_pairs(const Collider& a, const Collider& b, const PairWalkOptions& options, const Visit& visit);
 

@@ -1,10 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Simple shapes against a body: a floor, a tool, a haptic probe, a picking ray.
+// Simple shapes against one body: half spaces, balls, capsules, convex hulls and rays, such as a floor, a tool, a
+// haptic probe or a picking ray.
 //
-// All of these queries are about the body's surface, not its interior: a sphere inside a closed body that does not
-// reach a wall touches nothing. InsideQuery tests the interior (containment.hpp). Surfaces may be open. Shapes are in
-// world coordinates; the transform of its collider places a body.
+// These queries are about the surface of the body, not its interior: a ball inside a closed body that does not reach
+// the surface touches nothing. InsideQuery tests the interior (containment.hpp). Surfaces may be open. Shapes are in
+// world coordinates; bodies are at the transforms of their colliders.
+//
+//   const morula::Touch floor = morula::touch(a, morula::HalfSpace{.normal = {0, 0, 1}, .offset = 0});
+//   if (floor.touches) std::printf("%g below the floor\n", floor.deepest->depth);
+//   morula::TouchQuery tool;  // keeps its memory from frame to frame
+//   if (tool.run(a, morula::Capsule{{0, 0, 1}, {0, 0, 2}, 0.1}).proven_clear) std::puts("the tool is clear");
+//   const morula::RayHit hit = morula::first_hit(a, {.origin = {0, 0, 5}, .direction = {0, 0, -1}});
+//   if (hit.first) std::printf("the ray hits facet %u\n", hit.first->point.facet);
 #pragma once
 
 #include <limits>
@@ -16,109 +24,124 @@
 
 namespace morula {
 
-/// The half space normal . x <= offset: all points behind a plane. The normal may have any length except 0.
+/// The points x with normal · x ≤ offset: those behind a plane. The normal may have any length except 0; the plane is
+/// nearer than 2^200 to the origin.
 struct HalfSpace {
   Vec3 normal{0, 0, 1};
-  double offset = 0;
+  double offset = 0;  ///< mesh units × length of the normal
 };
-/// The points within radius (0 or more) of the segment from p to q; p = q gives a ball.
+/// The points within a distance `radius` of the segment from p to q; a ball if p = q.
 struct Capsule {
   Vec3 p{}, q{};
-  double radius = 0;
+  double radius = 0;  ///< mesh units; 0 or more
 };
 
 struct TouchOptions {
-  /// Largest distance outside the shape that still counts as a touch; a negative margin is the least depth inside. Mesh
-  /// units.
+  /// Largest distance from the shape at which the surface counts as touching, mesh units; finite. If it is negative,
+  /// the surface must reach at least this far into the shape.
   double margin = 0;
-  bool nearest = false;        ///< find the nearest point of the surface even if it is farther away than the margin
-  bool stop_at_first = false;  ///< stop at the first touching facet, for a yes or no
-  bool collect_all = false;    ///< list every facet that touches, and the leaves that own parts of them
+  bool nearest = false;  ///< true: find the point of the surface nearest to the shape, also beyond the margin
+  /// true: stop at the first facet that touches, for a yes or no; Touch::deepest is then not the deepest point.
+  bool stop_at_first = false;
+  /// true: list all facets that touch, and the leaves that own parts of them (Touch::facets, Touch::leaves).
+  bool collect_all = false;
 };
 
-/// The point of a facet that is deepest in the shape.
+/// A facet, with its point that is deepest in the shape, or nearest to it.
 struct TouchingFacet {
   SurfacePoint point{};
-  /// Depth of the point inside the shape, mesh units; negative outside. A capsule limits it to its radius, because the
-  /// depth decreases behind its axis.
+  /// Depth of the point below the surface of the shape, mesh units; negative outside the shape. In a capsule it is at
+  /// most the radius, which it has on the axis.
   double depth = 0;
-  Vec3 normal{};  ///< unit vector out of the shape at the point; into the body on a capsule's axis or at a sphere's
-                  ///< center
+  /// Unit vector out of the shape at the point. On the axis of a capsule or at the center of a ball, where no direction
+  /// is special, it points into the body.
+  Vec3 normal{};
 };
 
+/// The result of a touch query.
 struct [[nodiscard]] Touch {
   Status status;
-  bool touches = false;  ///< the depth of the result, in double, is -margin or more
-  /// Proof that no point of the surface is within the margin. If the surface only just touches, up to rounding, both
-  /// may be false.
+  bool touches = false;  ///< true if the depth of `deepest`, computed in double, is −margin or more
+  /// true: it is proven that no point of the surface is within the margin. If the distance is the margin up to
+  /// rounding, neither `touches` nor `proven_clear` may be true.
   bool proven_clear = false;
   bool certified = false;  ///< SphereState::covers of the body; if false, `proven_clear` and `lower` are not proven
-  /// Lower bound of the surface's signed distance to the shape (negative inside), mesh units. It is near the depth of
-  /// the result, or above the margin if `proven_clear`; looser with `stop_at_first`.
+  /// A lower bound of the surface's signed distance from the shape, negative inside, mesh units: slightly less than
+  /// −depth of `deepest`, or above the margin if `proven_clear`. It may be much lower with `stop_at_first`.
   double lower = 0;
-  /// The deepest point within the margin, or at any distance with `nearest`: on the lowest facet of equals, or on the
-  /// first touching facet with `stop_at_first`; no value if there is none.
+  /// The deepest point of the surface within the margin, with `nearest` at any distance; on the lowest facet of equals.
+  /// With `stop_at_first` it is a point of the first facet that touches. No value if there is none.
   std::optional<TouchingFacet> deepest;
-  /// With `collect_all`: all touching facets, ascending, each with its own deepest point.
+  /// With `collect_all`: all facets that touch, ascending, each with its own deepest point.
   std::vector<TouchingFacet> facets;
   /// With `collect_all`: the leaves that own a part of these facets and whose spheres reach the shape.
   std::vector<std::uint32_t> leaves;
-  std::size_t sphere_tests = 0, facet_tests = 0;
+  std::size_t sphere_tests = 0, facet_tests = 0;  ///< number of spheres, and of facets, that were tested
 };
 
-/// Touch query: repeated queries; a run allocates nothing once its lists have grown. Cost: about 15 ns per sphere and
-/// 50...300 ns per facet that it meets; docs/how-to/distance.md has medians.
+/// Finds where a shape touches a body, again and again. It keeps its memory, so a run allocates only while its lists
+/// grow. Only one thread may use it at a time. Cost: about 15 ns per sphere and 50 to 300 ns per facet that it tests;
+/// docs/how-to/distance.md has medians.
 class TouchQuery {
  public:
-  /// The result stays until the next run; its status reports a rejection.
+  /// Tests one shape against one body. The result is valid until the next run. Rejects a body that queries reject, a
+  /// collider without facets, positions of another frame than the spheres, a bad shape and a margin that is not finite;
+  /// Touch::status has the reason.
   const Touch& run(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
   const Touch& run(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
   const Touch& run(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
   const Touch& run(const Collider& body, const ConvexHull& shape, const TouchOptions& options = {});
+  /// The result of the last run.
   const Touch& result() const { return result_; }
 
  private:
   Touch result_;
 };
-/// The same, once. Throws std::invalid_argument, with the message, for rejected input.
+/// The result of TouchQuery::run(), for a single call. Throws std::invalid_argument, with the message of the status,
+/// for input that it rejects.
 Touch touch(const Collider& body, const HalfSpace& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Sphere& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const Capsule& shape, const TouchOptions& options = {});
 Touch touch(const Collider& body, const ConvexHull& shape, const TouchOptions& options = {});
 
-/// The points origin + t direction, 0 <= t <= t_end. {p, q - p, 1} is the segment from p to q.
+/// The points origin + t direction with 0 ≤ t ≤ t_end. {p, q - p, 1} is the segment from p to q.
 struct Ray {
-  Vec3 origin{}, direction{0, 0, 1};  ///< direction of any length except 0
-  double t_end = std::numeric_limits<double>::infinity();
+  Vec3 origin{}, direction{0, 0, 1};                       ///< largest |component| of the direction: 2^-200 to 2^200
+  double t_end = std::numeric_limits<double>::infinity();  ///< 0 or more
 };
 
 /// A point where a ray meets the surface.
 struct RayPoint {
-  double t = 0;          ///< parameter, in lengths of the direction
-  SurfacePoint point{};  ///< the point, on the lowest facet of those hit at the same t
-  Vec3 normal{};  ///< outward unit normal of the facet; opposite to the direction where the ray enters; 0 for a facet
-                  ///< without area
+  double t = 0;          ///< parameter of the ray: the distance from its origin in lengths of the direction
+  SurfacePoint point{};  ///< the point; if the ray hits several facets at this t, on the lowest one
+  /// Outward unit normal of the facet; 0 for a facet without area. Its product with the direction is negative where the
+  /// ray enters a body.
+  Vec3 normal{};
 };
 
+/// The result of a ray query.
 struct [[nodiscard]] RayHit {
   Status status;
-  std::optional<RayPoint> first;  ///< first hit; no value is a proof that the ray misses, if `certified`
+  std::optional<RayPoint> first;  ///< first hit; no value: the ray misses the surface, which is proven if `certified`
   bool certified = false;         ///< SphereState::covers of the body
-  std::size_t sphere_tests = 0, facet_tests = 0;
+  std::size_t sphere_tests = 0, facet_tests = 0;  ///< number of spheres, and of facets, that were tested
 };
 
-/// Ray query: the first facet that the ray hits.
+/// Finds the first facet that a ray hits.
 ///
-/// The test is watertight [woop2013]. Facets are sheared so that the ray becomes an axis; each vertex has the same
-/// sheared coordinates in all its facets, and the sides of edges and corners are decided exactly. So no ray slips
-/// through between adjacent facets; it hits the surface with vertices moved by less than 2^-48 of their largest
-/// |coordinate|. A facet seen edge-on is hit only if its neighbors are. Cost: 15 ns per sphere, 40 ns per facet.
+/// The test is watertight [woop2013]: no ray passes between adjacent facets. It shears space so that the ray becomes an
+/// axis. Each vertex has the same sheared coordinates in all its facets, and the sides of the ray on which edges and
+/// vertices lie are decided exactly. The result is exact for a surface whose vertices differ by less than 2^-48 of
+/// their largest |coordinate|. A facet parallel to the ray is hit only if its neighbors are. Cost: about 15 ns per
+/// sphere and 40 ns per facet.
 class RayQuery {
  public:
-  /// Finds the first hit. The status reports a fault. Allocates nothing.
+  /// Finds the first hit. Rejects a body that queries reject, a collider without facets, positions of another frame
+  /// than the spheres, and a bad ray. Allocates nothing. Several threads may call it at once.
   RayHit run(const Collider& body, const Ray& ray) const;
 };
-/// The same, once. Throws std::invalid_argument, with the message, for rejected input.
+/// The result of RayQuery::run(), for a single call. Throws std::invalid_argument, with the message of the status, for
+/// input that it rejects.
 RayHit first_hit(const Collider& body, const Ray& ray);
 
 }  // namespace morula

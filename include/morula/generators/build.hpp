@@ -33,15 +33,9 @@ enum class Method {
   combined,   ///< several reducers, the best for each node [bradshaw2002]
   optimized,  ///< Morula's own: least outside volume, searched from several starts
 };
-std::string_view name(Method method);
-std::optional<Method> method_from_name(std::string_view name);
-std::span<const Method> all_methods();
 
 /// The reduction of a node's spheres to a few, by name: the methods above, and the three reductions of `medial`.
 enum class Reduction { grid, hubbard, spawn, merge, burst, expand };
-std::string_view name(Reduction reduction);
-std::optional<Reduction> reduction_from_name(std::string_view name);
-std::span<const Reduction> all_reductions();
 
 /// The optimization of proposed spheres ahead of their fit to the surface.
 enum class Optimizer {
@@ -50,24 +44,12 @@ enum class Optimizer {
   simplex,   ///< worst sphere first, searches center and radius, with reassignment of samples [bradshaw2002]
   balance,   ///< like simplex, then removes spheres while this costs nothing [bradshaw2002]
 };
-std::string_view name(Optimizer optimizer);
-std::optional<Optimizer> optimizer_from_name(std::string_view name);
-std::span<const Optimizer> all_optimizers();
 
 /// Trade-off of build time and tightness, for the method `optimized`; the other methods have only one. draft is for
 /// rebuilds while a body moves: 0.7 of the time of fast.
 enum class Quality { draft, fast, standard, best };
-/// Names: "draft", "fast", "default", "best".
-std::string_view name(Quality quality);
-std::optional<Quality> quality_from_name(std::string_view name);
-std::span<const Quality> all_qualities();
 
-/// The progress of a build.
-struct BuildProgress {
-  double share;                        ///< share of the total time, 0…1, estimated; never decreasing, 1 at the end
-  int level;                           ///< present level; with spheres or max_protrusion, the deepest one
-  std::optional<double> seconds_left;  ///< estimate of the remaining time, seconds; no value until one is possible
-};
+struct BuildProgress;
 
 struct BuildOptions {
   Method method = Method::optimized;
@@ -102,6 +84,24 @@ struct BuildOptions {
   std::function<void(const BuildProgress&)> progress{};
 };
 
+/// Builds a tree in which every level covers the surface. Each sphere contains its region; regions of siblings are
+/// disjoint; a node's region is the union of its children's (region wrapping; child spheres may stick out of their
+/// parent's, unless options.nested). Accepts open, non-manifold and multi-component meshes. The last step proves that
+/// spheres contain their regions: certify() holds for every returned tree, for a mesh at any position.
+///
+/// A region that cannot be divided further, or does not get tighter by division, ends in a leaf above the last level;
+/// so does a node with a child that is the same sphere. The result has the same bits for any number of workers, unless
+/// a time limit ends the build. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes
+/// (require_usable, require_usable_scale) and for options out of range, ahead of any work; throws BuildStopped.
+CoveredTree build(const MeshView& mesh, const BuildOptions& options = {}, WorkersOrAll workers = {});
+
+/// The progress of a build.
+struct BuildProgress {
+  double share;                        ///< share of the total time, 0…1, estimated; never decreasing, 1 at the end
+  int level;                           ///< present level; with spheres or max_protrusion, the deepest one
+  std::optional<double> seconds_left;  ///< estimate of the remaining time, seconds; no value until one is possible
+};
+
 /// A stop was requested; no tree was built.
 class BuildStopped : public std::runtime_error {
  public:
@@ -118,15 +118,23 @@ int automatic_depth(std::size_t facet_count, int branching);
 /// at most twice that of equilateral facets. mesh: finite, of the range of build(). Cost: linear in facets.
 int automatic_depth(const MeshView& mesh, int branching);
 
-/// Builds a tree in which every level covers the surface. Each sphere contains its region; regions of siblings are
-/// disjoint; a node's region is the union of its children's (region wrapping; child spheres may stick out of their
-/// parent's, unless options.nested). Accepts open, non-manifold and multi-component meshes. The last step proves that
-/// spheres contain their regions: certify() holds for every returned tree, for a mesh at any position.
-///
-/// A region that cannot be divided further, or does not get tighter by division, ends in a leaf above the last level;
-/// so does a node with a child that is the same sphere. The result has the same bits for any number of workers, unless
-/// a time limit ends the build. Cost: near-linear in facets × levels. Throws std::invalid_argument for unusable meshes
-/// (require_usable, require_usable_scale) and for options out of range, ahead of any work; throws BuildStopped.
-CoveredTree build(const MeshView& mesh, const BuildOptions& options = {}, WorkersOrAll workers = {});
+// Names of the enumerators in files and commands, and lists of all of them.
+
+std::string_view name(Method method);
+std::optional<Method> method_from_name(std::string_view name);
+std::span<const Method> all_methods();
+
+std::string_view name(Reduction reduction);
+std::optional<Reduction> reduction_from_name(std::string_view name);
+std::span<const Reduction> all_reductions();
+
+std::string_view name(Optimizer optimizer);
+std::optional<Optimizer> optimizer_from_name(std::string_view name);
+std::span<const Optimizer> all_optimizers();
+
+/// Names: "draft", "fast", "default", "best".
+std::string_view name(Quality quality);
+std::optional<Quality> quality_from_name(std::string_view name);
+std::span<const Quality> all_qualities();
 
 }  // namespace morula

@@ -2,6 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Connectivity: edges, neighbors, fans, components and borders of a surface. They depend on the facets alone, so no
 // deformation changes them.
+//
+//   const morula::Connectivity surface = morula::connectivity(mesh);
+//   for (const std::uint32_t edge : morula::border_edges(surface))
+//     std::printf("the edge from vertex %u to %u has one facet\n", surface.edges[edge][0], surface.edges[edge][1]);
+//   const std::uint32_t neighbor = surface.facet_across(0, 1);  // across the second side of facet 0
+//   const morula::Components parts = morula::components_by_edges(mesh, surface);
 #pragma once
 
 #include <array>

@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Mesh report: counts, closedness, orientation, volume.
+//
+//   const morula::MeshReport report = morula::inspect(mesh);
+//   std::printf("%zu components, area %g\n", report.component_count, report.area);
+//   if (!report.closed) std::printf("%zu edges have one facet\n", report.boundary_edges);
+//   if (!report.manifold) std::printf("%zu edges have more than two facets\n", report.nonmanifold_edges);
+//   if (report.has_volume()) std::printf("volume %g\n", report.volume);
 #pragma once
 
 #include <morula/geometry/connectivity.hpp>
@@ -8,7 +14,16 @@
 
 namespace morula {
 
-/// Facets with a repeated index have no edges: they count as degenerate and are otherwise ignored.
+struct MeshReport;
+
+/// Counts the parts and the defects of a mesh, and measures its area and volume. require_usable() must accept the mesh.
+/// Cost: O(F log F) for F facets, about a second for a million.
+MeshReport inspect(const MeshView& mesh);
+/// The same for a caller that already has the connectivity of the mesh.
+MeshReport inspect(const MeshView& mesh, const Connectivity& connectivity);
+
+/// The result of inspect(). Facets with a repeated index have no edges, so the counts of edges, of fans and what
+/// follows from them ignore these facets. They count as degenerate, and like other facets in all other counts.
 struct [[nodiscard]] MeshReport {
   std::size_t vertex_count = 0;
   std::size_t facet_count = 0;
@@ -21,7 +36,7 @@ struct [[nodiscard]] MeshReport {
   std::size_t duplicate_facets = 0;      ///< facets with the same three vertices as an earlier one
   std::size_t duplicate_vertices = 0;    ///< vertices at exactly the position of an earlier vertex, used or not
   std::size_t unused_vertices = 0;       ///< vertices of no facet
-  bool closed = false;                   ///< every edge has an even number of facets
+  bool closed = false;                   ///< there are edges, and every edge has an even number of facets
   /// Facets that share an edge agree on the outer side: every edge is traversed equally often in both directions,
   /// except for one facet if their number is odd. An open mesh can be oriented; a Moebius strip cannot.
   bool oriented = false;
@@ -30,13 +45,8 @@ struct [[nodiscard]] MeshReport {
   double area = 0;
   double volume = 0;  ///< signed volume, mesh units³; meaningful only if has_volume()
 
-  /// The mesh is closed and oriented, so inside and outside are well defined.
+  /// The mesh is closed and oriented, so inside and outside are well defined. False for a mesh without edges.
   bool has_volume() const { return closed && oriented; }
 };
-
-/// Reports on a mesh. Cost: O(F log F), about a second for a million facets.
-MeshReport inspect(const MeshView& mesh);
-/// The same with a connectivity that exists already.
-MeshReport inspect(const MeshView& mesh, const Connectivity& connectivity);
 
 }  // namespace morula

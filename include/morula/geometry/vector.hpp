@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Three-component vectors: double for all that is built or measured, float for all that moves every frame.
+// Vectors of three components: Vec3 in double for numbers that are read, built or measured, Vec3f in float for numbers
+// that change every frame.
 #pragma once
 
-// MSVC defines a macro of its own for the language version, unless /Zc:__cplusplus is given.
+// MSVC keeps __cplusplus at 199711 without /Zc:__cplusplus; _MSVC_LANG has its language version.
 #if !(__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
 #error "Morula needs C++20: -std=c++20, /std:c++20, or target_compile_features(... cxx_std_20)"
 #endif
@@ -13,17 +14,19 @@
 
 namespace morula {
 
+/// A point or a vector; all components are 0 by default. Operators work component by component and round to Scalar.
 template <class Scalar>
 struct Vector3 {
   Scalar x{}, y{}, z{};
 
   constexpr Vector3() = default;
   constexpr Vector3(Scalar x_, Scalar y_, Scalar z_) : x(x_), y(y_), z(z_) {}
-  /// Conversion between float and double is explicit, because narrowing rounds.
+  /// Converts between float and double. It is explicit, because a conversion to float rounds to the nearest number.
   template <class Other>
   constexpr explicit Vector3(const Vector3<Other>& v)
       : x(static_cast<Scalar>(v.x)), y(static_cast<Scalar>(v.y)), z(static_cast<Scalar>(v.z)) {}
 
+  /// The component of an axis: 0 is x, 1 is y, any other number is z.
   constexpr Scalar& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
   constexpr Scalar operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
   constexpr bool operator==(const Vector3&) const = default;
@@ -68,7 +71,8 @@ template <class Scalar>
 Scalar distance(const Vector3<Scalar>& a, const Vector3<Scalar>& b) {
   return length(a - b);
 }
-/// The unit vector along a; `fallback` if a is zero.
+/// The unit vector along a; `fallback` if length(a) is computed as 0 or is not a number. In double that includes
+/// vectors shorter than about 1e-162, whose squares vanish.
 template <class Scalar>
 Vector3<Scalar> normalized(const Vector3<Scalar>& a, const Vector3<Scalar>& fallback = {Scalar(1), 0, 0}) {
   const Scalar l = length(a);
@@ -86,7 +90,7 @@ template <class Scalar>
 bool is_finite(const Vector3<Scalar>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
-/// Largest of |x|, |y|, |z|.
+/// The largest of |x|, |y| and |z|.
 template <class Scalar>
 Scalar max_norm(const Vector3<Scalar>& a) {
   return std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z)});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Meshes on disk. Readers keep the file's vertex order and count, because motions refer to them.
+// Meshes on disk. Readers keep the number and the order of a file's vertices, because motions have the same.
 //
 //   const morula::Mesh read = morula::read_mesh("limb.obj");  // by extension
 //   morula::write_mesh("limb.ply", read);
@@ -21,41 +21,48 @@
 
 namespace morula {
 
-/// Facts about a mesh file that its mesh does not show.
+/// Facts about a mesh file that the mesh read from it does not show.
 struct MeshInfo {
-  std::size_t polygons = 0;  ///< faces with more than three corners
-  /// Polygons that a fan about the first corner would not cover; split by ear clipping.
+  std::size_t polygons = 0;  ///< number of faces with more than three corners
+  /// Number of concave polygons, which a fan about the first corner does not cover: ear clipping divides them.
   std::size_t concave_polygons = 0;
-  std::size_t crossing_polygons = 0;  ///< polygons that cross themselves; split into a fan about the first corner
-  /// Polygons that are not flat: corners are more than a tenth of the polygon's diagonal apart along its normal.
+  /// Number of polygons that cross themselves: a fan about the first corner divides them.
+  std::size_t crossing_polygons = 0;
+  /// Number of polygons that are not flat: along their normal, two corners are farther apart than a tenth of their
+  /// diagonal.
   std::size_t bent_polygons = 0;
-  std::vector<std::string> notes;  ///< parts of the file that are not in the mesh, and doubts about it, as text
+  std::vector<std::string> notes;  ///< parts of the file that are not in the mesh, and possible faults of it, as text
 };
 
-/// Reads OBJ, OFF, PLY (ascii, little and big endian), STL (ascii, binary), glTF 2.0 (.gltf, .glb), VTK (.vtk, .vtp,
-/// .vtu) or Gmsh (.msh), selected by extension.
+/// Reads a mesh from OBJ, OFF, PLY (ascii, little and big endian), STL (ascii, binary), glTF 2.0 (.gltf, .glb), VTK
+/// (.vtk, .vtp, .vtu) or Gmsh (.msh); the extension determines the format.
 ///
-/// Convex polygons become triangle fans about their first corner; concave polygons are split by ear clipping. STL has
-/// no vertices: bitwise equal corners become one vertex (exact welding), in order of first use. Texture coordinates,
-/// normals, colors, materials and groups are ignored. Throws FileError: unknown extension, unreadable, truncated or
-/// malformed file, non-finite coordinates, indices out of range, no facets.
+/// Convex polygons become fans of triangles about their first corner; concave polygons are divided by ear clipping. An
+/// STL file has triangles without common vertices: corners with the same bits become one vertex, in the order of first
+/// use. Texture coordinates, normals, colors, materials and groups are ignored.
+///
+/// Throws FileError for an unknown extension, for a file that is missing, truncated or malformed, for coordinates that
+/// are not finite, for indices out of range, and for a file without facets.
 Mesh read_mesh(const std::filesystem::path& path);
-/// Reads a mesh, with facts about the file for the user.
+/// Reads a mesh, and writes facts about the file to `info`.
 Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info);
 
-/// Writes OBJ, OFF or PLY (binary, doubles) by extension, in any pose: `{positions, mesh.facets}`. Text has enough
-/// digits to read back the same bits. The write is atomic.
+/// Writes a mesh to OBJ, OFF or PLY (binary, doubles); the extension determines the format. For a deformed mesh pass
+/// `{positions, mesh.facets}`. read_mesh() returns positions with the same bits. The write is atomic: the path has the
+/// old file until the new one is complete. Throws FileError for another extension and for a file that cannot be
+/// written.
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
+/// A format of mesh files.
 struct MeshFileKind {
   std::string_view extension;  ///< lower case, with the dot
-  bool is_written;             ///< write_mesh supports the format; read_mesh supports all
+  bool is_written;             ///< true: write_mesh() writes it; read_mesh() reads all
 };
-/// Every format that read_mesh supports.
+/// The formats that read_mesh() reads.
 std::span<const MeshFileKind> mesh_file_kinds();
-/// The extensions that read_mesh supports, for help texts: ".obj .off .ply .stl .gltf .glb".
+/// The extensions that read_mesh() reads, as text for help: ".obj .off .ply .stl" and so on.
 std::string readable_mesh_extensions();
-/// The extensions that write_mesh supports: ".obj, .off or .ply".
+/// The extensions that write_mesh() writes, as text: ".obj, .off or .ply".
 std::string writable_mesh_list();
 
 }  // namespace morula

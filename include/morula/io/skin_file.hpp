@@ -33,8 +33,9 @@ BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_
                             const MotionOptions& options = {});
 
 /// Writes float64 arrays of the shapes above. Transforms read back to the bit, and so do weights with rows that add up
-/// to exactly 1. The write is atomic and replaces an existing file. Throws FileError if the file cannot be written,
-/// std::invalid_argument for sizes that do not match.
+/// to exactly 1. The write is atomic and replaces an existing file. Throws FileError if the file cannot be written;
+/// std::invalid_argument for data that read_skin and read_bone_frames reject: sizes and indices that do not match, no
+/// bone or no frame, weights that do not add up to 1 within 1e-3, numbers that are not finite.
 void write_skin(const std::filesystem::path& path, const Skin& skin);
 void write_bone_frames(const std::filesystem::path& path, const BoneFrames& frames);
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Workers: one thread, a pool of the library, or the host's own executor. Results do not depend on the choice.
+// Workers: the threads that run the loops of a call. They are the caller's thread alone, a pool of the library, or the
+// executor of the host program. Results have the same bits with each of them.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +12,8 @@
 
 namespace morula {
 
-/// A borrowed callable void(std::size_t chunk): no allocation, valid only during the call it is passed to.
+/// A reference to a callable void(std::size_t chunk). It allocates nothing, and is valid as long as the callable: for
+/// an executor, until it returns.
 class ChunkFunction {
  public:
   template <class F>
@@ -24,28 +26,33 @@ class ChunkFunction {
   void (*call_)(const void*, std::size_t);
 };
 
+/// Runs loops on threads. Functions that take workers divide their loops into chunks and call run().
 class Workers {
  public:
-  /// One thread: the caller's.
+  /// Runs all chunks on the thread that calls run().
   Workers();
-  /// A pool of thread_count threads, including the caller's; 0 means one per processor. A build without MORULA_THREADS
-  /// always has 1. After a loop threads stay awake for 50 us if each has a processor, because waking a thread takes as
-  /// long.
+  /// A pool of thread_count threads, one of which is the thread that calls run(); 0 means one per processor. It has
+  /// fewer threads if the system cannot start them, and only the caller's in a build without MORULA_THREADS:
+  /// thread_count() returns the number. If each thread has a processor, threads stay awake for 50 us after a loop,
+  /// because waking a thread takes about as long.
   explicit Workers(unsigned thread_count);
-  /// The host's own executor: run must call chunk(i) once for every i < count, in any order and on any threads, and
-  /// return after the last.
+  /// A function of the host program that runs a loop: it must call chunk(i) once for every i < count, in any order and
+  /// on any threads, and return when all calls have returned.
   using Executor = std::function<void(std::size_t count, ChunkFunction chunk)>;
+  /// Runs loops with the host's executor. thread_count: the number of threads that it uses; 0 counts as 1. Throws
+  /// std::invalid_argument if run is empty.
   Workers(Executor run, unsigned thread_count);
   ~Workers();
   Workers(Workers&&) noexcept;
   Workers& operator=(Workers&&) noexcept;
 
+  /// Number of threads that run loops, at least 1.
   unsigned thread_count() const;
   /// True if an executor of the host runs the loops.
   bool is_of_host() const { return static_cast<bool>(executor_); }
-  /// Calls chunk(i) once for every i < count. If a chunk throws, some others are skipped, and the exception of the
-  /// lowest i is rethrown. Allocates nothing. Only one call may run at a time; a call from inside a chunk runs on the
-  /// calling thread.
+  /// Calls chunk(i) once for every i < count, and returns when all calls have returned. If a chunk throws, others may
+  /// be skipped, and run() rethrows the exception of the lowest i. The library allocates nothing. Workers with a pool
+  /// or an executor may run one loop at a time; a call from inside a chunk runs its whole loop on the calling thread.
   void run(std::size_t count, ChunkFunction chunk);
 
  private:
@@ -55,11 +62,11 @@ class Workers {
   unsigned thread_count_ = 1;
 };
 
-/// Shared default for functions that take workers: runs on the caller's thread.
+/// The default of functions that take workers: runs loops on the caller's thread. Several threads may use it at once.
 Workers& serial_workers();
 
-/// Workers for one call of a long function: the caller's workers if given, otherwise one thread per processor for this
-/// call alone. If the caller is itself a chunk of a loop, its thread stays the only one.
+/// The workers of one call of a long function: the given ones; by default, a pool with one thread per processor that
+/// exists only during the call. By default, a call from inside a chunk of a loop runs on its own thread alone.
 class WorkersOrAll {
  public:
   WorkersOrAll() = default;
@@ -73,8 +80,9 @@ class WorkersOrAll {
   Workers* used_ = nullptr;
 };
 
-/// Calls f(begin, end) over [0, count) in chunks of `grain`. Chunks depend on count and grain alone, so partial results
-/// that are joined in chunk order have the same bits for any number of workers.
+/// Divides [0, count) into chunks of `grain` numbers, the last one possibly shorter, and calls f(begin, end) for each,
+/// on the threads of the workers. grain: at least 1. Chunks depend on count and grain alone, so partial results that
+/// are joined in the order of chunks have the same bits for any number of workers.
 template <class F>
 void parallel_for(Workers& workers, std::size_t count, std::size_t grain, const F& f) {
   if (count == 0) return;

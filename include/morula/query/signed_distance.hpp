@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Signed distance to a mesh, negative inside, and the volumes of a ball inside and outside the mesh.
+// Signed distance from points to a mesh, negative inside, and the volumes of a ball inside and outside the mesh.
 #pragma once
 
 #include <limits>
@@ -9,40 +9,47 @@
 
 namespace morula {
 
-/// The rule that separates inside from outside.
+/// The rule that decides whether a point is inside.
 enum class SignMethod {
-  pseudo_normal,   ///< angle-weighted normals at the closest feature: exact on closed, oriented, manifold meshes
-                   ///< [baerentzen2005]
-  winding_number,  ///< generalized winding number above ½: a sensible result for open, non-manifold or overlapping
-                   ///< meshes
+  pseudo_normal,   ///< by the angle-weighted normal at the nearest vertex, edge or facet [baerentzen2005]; exact on
+                   ///< closed, oriented, manifold meshes
+  winding_number,  ///< inside if the generalized winding number is above ½: also for open, non-manifold or overlapping
+                   ///< meshes, for which it is an estimate
 };
 
+/// Signed distances to one mesh. Several threads may call its members at once.
 class SignedDistance {
  public:
-  /// Selects pseudo_normal if the mesh is closed, oriented and manifold, and if it has inside and outside on opposite
-  /// sides of a thousand facets spread over it (overlapping shells, and nested shells of the same orientation, do not);
-  /// otherwise winding_number. A closed mesh that is inside out is recognized by its negative volume and handled
-  /// correctly. Copies the required data, so the mesh need not outlive it. Cost: that of the index and of inspect().
+  /// Selects the method: pseudo_normal if the mesh is closed, oriented and manifold, and if up to a thousand facets
+  /// spread over it each have inside on one side and outside on the other; otherwise winding_number. Overlapping
+  /// shells, and a shell inside a shell of the same orientation, fail that test. A closed mesh that is inside out is
+  /// recognized by its negative volume, and gets the signs of the mesh with reversed facets.
+  ///
+  /// Copies the required data, so the mesh may be destroyed afterwards. Throws std::invalid_argument for a mesh that
+  /// require_usable() or require_usable_scale() rejects. Cost: that of a TriangleBvh and of inspect().
   explicit SignedDistance(const MeshView& mesh, Workers& workers = serial_workers());
+  /// Uses the given method for any mesh.
   SignedDistance(const MeshView& mesh, SignMethod method, Workers& workers = serial_workers());
 
-  /// Signed distance of p. p must be finite and nearer than 2^200 to the origin along each axis; otherwise the distance
-  /// is NaN.
+  /// The signed distance of p, mesh units. NaN if p is not finite or has a |coordinate| of 2^200 or more.
   double operator()(const Vec3& p) const { return at(p).distance; }
   struct Result {
-    double distance;  ///< signed distance, mesh units: negative inside; 0 on the surface
-    ClosestFacetPoint closest;
+    double distance;            ///< signed distance, mesh units: negative inside, 0 on the surface
+    ClosestFacetPoint closest;  ///< nearest point of the surface
   };
-  /// Signed distance and nearest point. known: an upper bound of the distance, for example from a sample. It speeds up
-  /// the search and does not change the result; if it is too small, the search only takes longer.
+  /// The signed distance and the nearest point. known: an upper bound of the absolute distance, mesh units, for example
+  /// from a nearby point. A good bound makes the search faster; no bound changes the result, and a bound that is too
+  /// small makes the search slower.
   Result at(const Vec3& p, double known = std::numeric_limits<double>::infinity()) const;
+  /// True if the signed distance of p is below 0; points on the surface are not inside.
   bool is_inside(const Vec3& p) const { return at(p).distance < 0; }
 
-  /// Upper bound of the ball's protrusion out of the object, (r + φ(c))⁺, mesh units: exact for convex objects.
+  /// An upper bound of the largest distance by which the ball sticks out of the object, mesh units: its radius plus the
+  /// signed distance of its center, or 0 if that is negative. Exact for convex objects.
   double protrusion_bound(const Sphere& ball) const { return std::max(0.0, ball.radius + (*this)(ball.center)); }
 
   SignMethod method() const { return method_; }
-  /// True if the mesh is closed and consistently oriented: inside is then a property of the surface, not an estimate.
+  /// True if the mesh is closed and oriented (MeshReport::has_volume). Otherwise inside is an estimate.
   bool has_volume() const { return has_volume_; }
   /// −1 for a mesh that is inside out, otherwise 1.
   double orientation() const { return orientation_; }
@@ -69,17 +76,21 @@ class SignedDistance {
   double orientation_ = 1.0;
 };
 
-/// Volume of ball ∩ object: the sum, over the facets that meet the ball, of the signed volume of ball ∩ cone(center,
-/// facet) in closed form; far facets count through their total solid angle.
+/// The volume of the part of a ball that is inside the object, mesh units³; 0 for a radius of 0 or less.
 ///
-/// The mesh must be closed and oriented. The error is then about 1e-12 of the ball's volume for any center, even on
-/// edges and vertices, if the ball is not smaller than the spacing of its coordinates. For an open mesh the result is
-/// the integral of the winding number, to about a percent of the ball. Overlapping layers all count, up to the whole
-/// ball. Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F) for k facets that meet
-/// the ball.
+/// For each facet that meets the ball, the function adds the signed volume of the part of the ball in the cone from the
+/// ball's center over the facet, in closed form; other facets enter by their total solid angle. For a closed, oriented
+/// mesh the error is about 1e-12 of the ball's volume, for any center, also on edges and vertices; a ball of less than
+/// 2^-60 of the mesh's largest |coordinate| counts as a point. For an open mesh the result is the integral of the
+/// winding number over the ball, with an error of about 1 % of the ball's volume. Space in several overlapping layers
+/// counts once for each, up to the whole ball.
+///
+/// Throws std::invalid_argument for balls with numbers beyond 2^100. Cost: O(k + log F) for k of F facets that meet the
+/// ball.
 double inside_volume(const SignedDistance& object, const Sphere& ball);
 
-/// Volume of ball minus object: the sphere outside volume [wang2006].
+/// The volume of the part of a ball that is outside the object, mesh units³ (sphere outside volume [wang2006]):
+/// volume(ball) − inside_volume(object, ball).
 double outside_volume(const SignedDistance& object, const Sphere& ball);
 
 }  // namespace morula

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of features: the results of queries on surface trees, the filters of pairs, and the progress of queries.
+// Pairs of features, which are vertices, edges and facets: the results of queries on surface trees, the filters that
+// skip pairs, and the status of queries.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +15,17 @@
 
 namespace morula {
 
-/// The features of a pair: the first of surface a, the second of surface b.
+/// The kinds of the two features of a pair: the first is of surface a, the second of surface b. Queries for distances
+/// find the first three kinds.
 enum class PairKind : std::uint8_t {
-  vertex_facet,  ///< for one surface with itself, only this and edge_edge occur
+  vertex_facet,  ///< with edge_edge the only kinds for one surface with itself
   facet_vertex,
   edge_edge,
-  facet_facet,  ///< for crossings
+  facet_facet,  ///< pairs of queries for crossings
 };
 
-/// Two features by number: a vertex or facet of the mesh, or an edge of SurfaceTree::edges(). Numbers do not change
-/// while a tree lives, so kind, a and b identify a pair in later frames.
+/// Two features by their numbers: a vertex or facet of the mesh, or an edge of SurfaceTree::edges(). Numbers stay the
+/// same as long as the tree exists, so kind, a and b identify a pair in all frames.
 struct FeaturePair {
   PairKind kind{};
   std::uint32_t a = 0, b = 0;
@@ -31,42 +33,42 @@ struct FeaturePair {
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-/// Groups of facets, one bit per group: facets i of a and j of b are compared if category[i] & mask[j] and category[j]
-/// & mask[i] are not 0. Edges and vertices belong to all groups of their facets, and form a pair if one of these facets
-/// does.
+/// Groups of facets, one bit per group. Facets i of a and j of b are compared if category[i] & mask[j] and category[j]
+/// & mask[i] are both not 0. Edges and vertices are compared if any two facets to which they belong are.
 struct FacetMasks {
-  std::vector<std::uint32_t> category{}, mask{};  ///< one per facet each; empty: all bits set
+  std::vector<std::uint32_t> category{}, mask{};  ///< one number per facet each; empty: all bits set for all facets
 };
 
-/// Pairs to skip. For one surface with itself, pairs that share a vertex are always skipped.
+/// The pairs that a query skips. A query of one surface with itself always skips pairs that share a vertex.
 ///
-/// The first query with given `rings` and `rest_distance` makes a table of the pairs that these skip, which the surface
-/// keeps: at most 512 bytes per facet, and the last four tables. If the table would be larger, every query tests these
-/// pairs one by one.
+/// The first query with given `rings` and `rest_distance` makes a table of the pairs that they skip. The surface tree
+/// keeps the last four tables, of at most 512 bytes per facet each. If a table would be larger, there is none, and
+/// every query tests its pairs one by one.
 struct PairFilter {
-  /// Number of edges, for one surface with itself: skips pairs with two vertices at most this many edges apart. 0: only
-  /// pairs that share a vertex.
+  /// For one surface with itself: skips pairs of which two vertices are at most this number of edges apart. 0: skips
+  /// only pairs that share a vertex.
   std::uint32_t rings = 0;
-  /// Distance at rest, for one surface with itself, mesh units: skips pairs that are at most this far apart at rest. 0:
-  /// none.
+  /// For one surface with itself: skips pairs that are at most this far apart at rest, mesh units; finite, 0 or more. 0
+  /// skips none.
   double rest_distance = 0;
-  /// Skips pairs of one component (components_by_vertices), for one surface with itself.
+  /// For one surface with itself: true skips pairs whose features belong to one component (components_by_vertices).
   bool same_component = false;
-  FacetMasks masks_a{}, masks_b{};  ///< groups of both surfaces; for one surface with itself only masks_a is read
-  /// Filter: returns true to keep a pair. Workers call it concurrently, for pairs whose boxes are near; it must give
-  /// the same result for the same pair.
+  FacetMasks masks_a{}, masks_b{};  ///< groups of the facets of a and b; one surface with itself uses masks_a for both
+  /// Filter: returns true to keep a pair; empty keeps all. A query calls it for pairs whose boxes are near, on several
+  /// threads at once. It must return the same value for the same pair every time.
   std::function<bool(const FeaturePair&)> accepts{};
 };
 
-/// A rejection, or the progress of the call. Results found stay valid; open() lists the rest.
+/// A rejection, or the progress of the call. If the call is not finished, its results are correct but not all, and
+/// open() of the query lists the facets with missing pairs.
 struct [[nodiscard]] SurfaceQueryStatus : Status {
-  bool finished = false;
-  std::size_t box_tests = 0;   ///< tests of this call
-  std::size_t candidates = 0;  ///< pairs of features with near boxes, of all calls since the start
+  bool finished = false;       ///< true: the results are complete
+  std::size_t box_tests = 0;   ///< number of tests of boxes in this call
+  std::size_t candidates = 0;  ///< number of pairs of features with near boxes, in all calls since start()
 };
 
-/// Facets of a and of b that an interrupted query has not compared: all missing pairs are of such facets, their edges
-/// and their vertices.
+/// Facets of a and of b that an unfinished query has not compared with each other, in part or at all. Every missing
+/// pair consists of such facets, their edges or their vertices.
 struct OpenFacets {
   std::span<const std::uint32_t> a, b;
 };

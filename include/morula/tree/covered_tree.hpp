@@ -9,6 +9,7 @@
 #include <memory>
 #include <morula/geometry/vector.hpp>
 #include <morula/tree/sphere_tree.hpp>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -91,7 +92,28 @@ struct KnownPose {
   std::shared_ptr<const CoveredTree> model;
 };
 
-/// A tree with its proof.
+namespace detail {
+class FacetLists;
+
+/// Lists of facets of a covered tree, made on first use, on any thread. Copies and assignment keep the trees' lists
+/// apart: a tree that may have changed has none.
+class SharedFacetLists {
+ public:
+  SharedFacetLists() = default;
+  SharedFacetLists(const SharedFacetLists&) noexcept {}
+  SharedFacetLists& operator=(const SharedFacetLists&) noexcept {
+    made_.reset();
+    return *this;
+  }
+  std::shared_ptr<const FacetLists> get(const SphereTree& tree, const Cover& cover) const;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<const FacetLists> made_;
+};
+}  // namespace detail
+
+/// A tree with its proof. Bodies borrow it: it must not change as long as a body follows it.
 struct CoveredTree {
   SphereTree tree;
   Cover cover;
@@ -99,6 +121,7 @@ struct CoveredTree {
   /// Trees for known poses: made by add_known_poses (update/known_poses.hpp), written into native files, used by
   /// RebuiltBody.
   std::vector<KnownPose> poses{};
+  detail::SharedFacetLists facet_lists{};  ///< lists for colliders of all bodies that follow this tree
 };
 
 }  // namespace morula

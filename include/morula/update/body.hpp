@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A body: a mesh with its tree and cover, whose spheres follow the vertices.
+// A body: a mesh with its tree and cover. Its spheres follow the mesh's vertices from frame to frame.
 //
 //   morula::Body body(mesh, morula::build(mesh));
 //   if (const morula::UpdateStatus status = body.update(positions); !status) std::puts(message(status).c_str());
@@ -21,32 +21,40 @@ namespace detail {
 struct FittedBody;
 }
 
-/// A body reads positions and writes spheres. It has value semantics: copies are independent. Every update starts from
-/// the rest state, so the result depends only on the positions: back at rest, the spheres equal the rest spheres bit
-/// for bit.
+/// A body computes the spheres of its tree from the positions of the mesh's vertices. Copies of a body are independent
+/// of each other. Every update starts from the rest state, so the result depends on the given positions alone, not on
+/// earlier frames: back at rest, the spheres equal the rest spheres bit for bit.
+///
+/// Several threads may call const members at once; no other member may run at the same time.
 class Body {
  public:
   // ---- Construction. ----
 
   /// Copies the required data of mesh and model. The model must be built from the mesh.
   ///
-  /// The body starts at rest, with the spheres that update(mesh.positions) makes. With approach1 and approach2 these
-  /// are the tree's spheres, narrowed to float with radii rounded up; with the other rules they have the same centers
-  /// and the radii of the rule.
-  /// Throws std::invalid_argument if mesh and model do not belong together (sizes, indices, regions, mesh hash); if a
-  /// rule list is empty or has an invalid rule; if an option is out of range; if modes or a skin are not finite, belong
-  /// to another mesh, or are missing for a level of the rule `modal` or `skinned`; if levels use both of these rules;
-  /// or if coordinates about the center reach 2^57 (1.4e17), because their squares would leave the range of float. The
-  /// center itself may be as far away as 2^100 (1e30). The spheres contain even the smallest body; below about 2^-60
-  /// (1e-18) the spheres are as large as the resolution of float.
+  /// The body starts at rest, with the spheres that update(mesh.positions) computes. With approach1 and approach2 these
+  /// are the tree's spheres in float, with radii rounded up (and enlarged further if UpdateOptions::conservative
+  /// requires it). The other rules keep the tree's centers and compute their own radii; only `wrapped` with
+  /// WrappedCenter::smallest also moves centers.
+  ///
+  /// Throws std::invalid_argument if mesh and model do not belong together (sizes, indices, regions, mesh hash); if the
+  /// list of rules is empty or has an invalid rule; if an option is out of range; if modes or a skin are not finite,
+  /// belong to another mesh, or are missing for a level of the rule `modal` or `skinned`; or if levels use both of
+  /// these rules.
+  ///
+  /// It also throws if a coordinate relative to the center of the mesh's box exceeds 2^57 (1.4e17), because squares
+  /// would leave the range of float, or if the center is farther than 2^100 (1e30) from the origin of the mesh's
+  /// coordinates. There is no lower limit: a pad of at least 2^-62 (2e-19) mesh units on radii keeps the smallest body
+  /// covered, but makes the spheres of bodies below about 1e-18 loose.
   Body(const MeshView& mesh, const CoveredTree& model, UpdateOptions options = {}, Workers& workers = serial_workers());
   Body(const MeshView& mesh, CoveredTree&& model, UpdateOptions options = {}, Workers& workers = serial_workers());
-  /// Shares tree and cover instead of copying them, for several bodies of one model, or a caller that keeps the model.
+  /// Shares the model with the caller and with other bodies instead of copying it. Otherwise like the constructors
+  /// above; also throws std::invalid_argument for a null pointer.
   Body(const MeshView& mesh, std::shared_ptr<const CoveredTree> model, UpdateOptions options = {},
        Workers& workers = serial_workers());
   ~Body();
-  /// Another body of the same model in the same pose, independent from then on; tree and cover are shared. A copy only
-  /// copies a few arrays, while the constructors compute anchors and owned corners.
+  /// Another body of the same model in the same pose, independent from then on; the two share tree and cover. A copy is
+  /// cheaper than construction: it copies arrays that the constructors above compute.
   Body(const Body&);
   Body& operator=(const Body&);
   Body(Body&&) noexcept;
@@ -54,116 +62,144 @@ class Body {
 
   // ---- Updates by positions. ----
 
-  /// Moves every sphere to the given positions: one per mesh vertex, in mesh order and units, float or double.
+  /// Updates all spheres to the given positions: one per mesh vertex, in mesh order and units, float or double.
   ///
-  /// With the rule `exact`, every level then covers the surface; radii are rounded up, so rounding cannot lose cover.
-  /// Positions are narrowed to float about an origin that moves with the body, so a distant body loses no precision.
-  /// Reports faults and then changes nothing, so the last good spheres stay: a wrong count; a coordinate, of a vertex
-  /// that facets use, that is not finite or 2^57 or more from the origin; an origin beyond 2^100. Rejects a body with
-  /// levels of the rule `modal` or `skinned`, because positions do not determine coordinates or transforms. Allocates
-  /// nothing. The result has the same bits for any number of workers. Cost: linear in vertices + cut points + owned
-  /// corners (exact) or links (other rules).
+  /// With the rule `exact` on all levels, every level then covers the surface; radii are rounded up, so rounding cannot
+  /// lose cover. Positions are converted to float relative to an origin that moves with the body, so a body far
+  /// from the mesh's origin loses no precision.
+  ///
+  /// Rejects another number of positions; a vertex that facets use with a coordinate that is not finite, or more than
+  /// 2^57 from the origin; an origin beyond 2^100; and a body with levels of the rule `modal` or `skinned`, because
+  /// positions do not determine coordinates or transforms. After a rejection the last good spheres stay, and
+  /// is_current() is false.
+  ///
+  /// Allocates nothing. The result has the same bits for any number of workers. Cost: linear in vertices, cut points,
+  /// and the points that the rules read: owned corners (exact) or vertices of linked facets and children (other rules).
   UpdateStatus update(const PositionView& positions, Workers& workers = serial_workers()) noexcept;
 
   // ---- Updates by modes or bones. ----
 
-  /// Moves every sphere to the given coordinates of the modes: vertex i is then at rest_i + sum_j q_j U_ij.
+  /// Updates all spheres to the given coordinates q of UpdateOptions::modes: vertex i is then at rest_i + sum_j q_j
+  /// U_ij.
   ///
-  /// coordinates: one per mode, finite; all 0 gives rest, bit for bit. Levels of the rule `modal` contain every corner
-  /// they own [james2004], both for positions summed in double (move_by_modes) and in exact arithmetic. Other levels
-  /// follow the positions, which are computed first, with their usual guarantees. Reports bad coordinates, and then
-  /// changes nothing. Allocates nothing. The result has the same bits for any number of workers.
-  /// Cost: nodes × modes if all levels are modal, for any number of vertices; otherwise vertices × modes plus the cost
-  /// of update().
+  /// coordinates: one per mode, finite; all 0 gives rest, bit for bit. Spheres on levels of the rule `modal` contain
+  /// every corner that their nodes own [james2004], both for positions summed in double (move_by_modes) and in exact
+  /// arithmetic. Levels of other rules follow these positions, which the update computes first, and keep their own
+  /// guarantees.
+  ///
+  /// Rejects bad coordinates, and a body without modes or with levels of the rule `skinned`; the last good spheres then
+  /// stay, and is_current() is false. Allocates nothing. The result has the same bits for any number of workers. Cost:
+  /// nodes × modes if all levels are modal, for any number of vertices; otherwise vertices × modes plus the cost of
+  /// update().
   UpdateStatus update_modal(std::span<const double> coordinates, Workers& workers = serial_workers()) noexcept;
 
-  /// Moves every sphere by the transforms of the skin's bones, relative to rest: vertex i is then at rest_i + sum_b
-  /// w_ib (T_b rest_i - rest_i).
+  /// Updates all spheres to the given transforms T of the bones of UpdateOptions::skin, relative to rest: vertex i is
+  /// then at rest_i + sum_b w_ib (T_b rest_i - rest_i).
   ///
-  /// transforms: one per bone, finite, affine; the identity for all gives rest, bit for bit. Levels of the rule
-  /// `skinned` blend the transforms with the mean weights of their regions, without a guarantee of cover;
-  /// covers(options(), rule) tests the guarantee of a rule. Other levels follow the positions, which are computed first
-  /// as by move_by_skin, with their usual guarantees. Reports bad transforms, and then changes nothing. Allocates
-  /// nothing. The result has the same bits for any number of workers.
-  /// Cost: nodes × their bones if all levels are skinned, for any number of vertices; otherwise influences plus the
-  /// cost of update().
+  /// transforms: one per bone, finite; the identity for all gives rest, bit for bit. On levels of the rule `skinned`
+  /// each sphere follows the blend of the transforms by the mean weights of its region. Such a level may leave surface
+  /// uncovered; covers(options(), rule) is true for rules that guarantee cover. Levels of other rules follow the
+  /// positions of move_by_skin(), which the update computes first, and keep their own guarantees.
+  ///
+  /// Rejects bad transforms, and a body without a skin or with levels of the rule `modal`; the last good spheres then
+  /// stay, and is_current() is false. Allocates nothing. The result has the same bits for any number of workers. Cost:
+  /// nodes × bones per node if all levels are skinned, for any number of vertices; otherwise linear in the skin's
+  /// influences, plus the cost of update().
   UpdateStatus update_skinned(std::span<const AffineTransform> transforms,
                               Workers& workers = serial_workers()) noexcept;
 
-  /// One node's sphere at the given coordinates, in mesh coordinates; the current spheres stay unchanged. It serves
-  /// traversals from the root, which then pay only for the nodes that they reach. The result has the same bits as
-  /// sphere() after update_modal(). Coordinates that update_modal() rejects, and nodes on levels of other rules, give a
-  /// sphere of infinite radius, which contains everything. Cost: modes. Several threads may call it at once.
+  /// The sphere that a node on a level of the rule `modal` has at the given coordinates, in mesh coordinates; the
+  /// current spheres stay unchanged. A traversal from the root that uses it pays only for the nodes that it visits. The
+  /// result has the same bits as sphere(node) after update_modal(coordinates). Coordinates that update_modal() rejects,
+  /// and nodes on levels of other rules, give a sphere of infinite radius, which contains everything. Cost: linear in
+  /// modes.
   Sphere modal_sphere(std::uint32_t node, std::span<const double> coordinates) const noexcept;
 
   // ---- Partial and lazy updates. ----
 
-  /// The same spheres as update(), bit for bit, if only vertices in these ranges differ from the last update's
-  /// positions.
+  /// Updates the spheres to positions that differ from those of the last update only in the vertices of some ranges.
+  /// The spheres have the same bits as after update(positions).
   ///
-  /// positions: of all vertices. With `exact` or `wrapped` on all levels, the cost depends on the moved vertices: the
-  /// leaves that own parts of their facets, and the leaves below nodes whose centers depend on them. The whole body is
-  /// updated with other rules, after a failed update, and if the first vertex that a facet uses has moved, which
-  /// determines the origin. A range that ends before it begins or beyond the last vertex gives bad_range and changes
-  /// nothing.
+  /// positions: of all vertices. changed: the ranges; the caller ensures that no other vertex has moved. With `exact`
+  /// or `wrapped` on all levels, the cost depends on the moved vertices: the update visits the leaves that own parts of
+  /// their facets, and the leaves below nodes whose centers depend on them. It updates the whole body with other rules,
+  /// after a rejected or lazy update, and if the lowest vertex that facets use has moved, because that vertex
+  /// determines the origin. Rejects a range that ends before it begins or beyond the last vertex (bad_range), and the
+  /// input that update() rejects.
   UpdateStatus update(const PositionView& positions, std::span<const VertexRange> changed,
                       Workers& workers = serial_workers()) noexcept;
 
-  /// Updates the nodes of levels 0…level only. Nodes below keep the spheres of an older frame, about an older origin,
-  /// until refresh_children() updates them; they must not be read earlier.
+  /// Updates only the nodes of levels 0 to `level`. Nodes on deeper levels keep spheres of an older frame, about an
+  /// older origin; do not read them until refresh_children() has updated them.
   ///
-  /// Lazy updates need the rule `exact` on all levels; other bodies are updated in full. They pay off if queries visit
-  /// few nodes of a tree with many leaves. Every vertex is read in any case, because the root's sphere depends on it.
-  /// When all nodes are refreshed, the spheres equal those of update(), bit for bit.
+  /// Lazy updates need the rule `exact` on all levels; other bodies, and a level beyond the last, get a full update. A
+  /// lazy update saves time if queries visit few nodes of a tree with many leaves. It reads every vertex, because the
+  /// root's sphere depends on all of them. Once all nodes are refreshed, the spheres equal those of update(), bit for
+  /// bit.
   UpdateStatus update_lazily(const PositionView& positions, std::size_t level,
                              Workers& workers = serial_workers()) noexcept;
-  /// The lazy form of update_modal(); if all levels follow `modal`, it costs only the nodes that are refreshed.
+  /// Like update_modal(), but updates only the nodes of levels 0 to `level`, like update_lazily(). It is lazy if all
+  /// levels follow `modal`; otherwise it updates all nodes. Cost: linear in modes × updated nodes.
   UpdateStatus update_modal_lazily(std::span<const double> coordinates, std::size_t level,
                                    Workers& workers = serial_workers()) noexcept;
-  /// Updates the children of a node, which must be current itself, to the frame of the last lazy update. Not for
-  /// several threads at once. Allocates nothing. Cost: the corners that the children own, or modes; none if they are
-  /// current. Returns the number of updated nodes; 0 if an update was rejected since.
+  /// Updates the children of a node to the frame of the last lazy update. The node itself must be fresh (is_fresh).
+  /// Returns the number of updated nodes: 0 for a leaf, if the children are fresh, and if an update has been rejected
+  /// since the lazy one. Allocates nothing. Only one thread may call it at a time. Cost: linear in the corners that the
+  /// children own (exact) or in modes × children (modal).
   std::size_t refresh_children(std::uint32_t node) noexcept;
-  /// True if the node's sphere belongs to this frame, as all do after an update that was not lazy.
+  /// True if the node's sphere belongs to the frame of the last good update. A lazy update leaves nodes for which it is
+  /// false.
   bool is_fresh(std::uint32_t node) const;
-  /// True if all nodes are fresh.
+  /// True if is_fresh() is true for all nodes.
   bool is_complete() const;
 
   // ---- Spheres. ----
 
-  /// The current spheres, one per node, about origin(). They must not be read during an update.
+  /// The current spheres, one per node, in float, with centers relative to origin(), mesh units. The span stays valid
+  /// until the body is assigned to or destroyed; do not read it during an update.
   std::span<const Spheref> spheres() const;
+  /// The origin of spheres(), in mesh coordinates; updates move it with the body.
   Vec3 origin() const;
-  /// The current spheres in mesh coordinates.
+  /// The current sphere of a node, in mesh coordinates.
   Sphere sphere(std::uint32_t node) const;
+  /// Writes the current spheres in mesh coordinates, one per node, over the contents of `spheres`.
   void copy_spheres(std::vector<Sphere>& spheres) const;
-  /// The current tree in mesh coordinates, as `morula update` writes it for each frame.
+  /// A copy of the tree with the current spheres, in mesh coordinates. `morula update` writes it for each frame.
   SphereTree current_tree() const;
-  /// Proves that the current spheres of every level contain the surface at these positions, one per mesh vertex. Throws
-  /// std::invalid_argument for another number of them. Cost: about 0.1 us per corner and level.
+  /// Checks the proof that the current spheres of every level contain the surface at these positions, one per mesh
+  /// vertex. Throws std::invalid_argument for another number of positions. Cost: linear in corners × levels; about 0.1
+  /// us for each.
   Certificate certify(const PositionView& positions, Workers& workers = serial_workers()) const;
-  /// 64-bit FNV-1a over origin and spheres.
+  /// 64-bit FNV-1a over origin() and spheres(): equal for equal bits.
   std::uint64_t hash() const;
 
-  /// The current spheres in the form that queries read, with a number for the frame. The address stays valid as long as
-  /// the body's state lives, even if the body is moved. Assignment to the body and its destruction end the state
-  /// (SphereState::ended): colliders share its data, and queries reject them with body_replaced. Its `positions` is the
-  /// view of the last update; for queries on facets the caller keeps the data until the next update.
+  /// The current spheres in the form that queries read, with the number of the frame. The reference stays valid if the
+  /// body is moved. Assignment to the body and its destruction end the state (SphereState::ended): colliders keep its
+  /// data alive, and queries reject these colliders with body_replaced.
+  ///
+  /// `positions` of the state is the view that the last good update got, so queries on facets need the caller's array
+  /// unchanged until the next update. After update_modal() and update_skinned() it is a view of the body's own array,
+  /// or has no value if the body computes no positions.
   const SphereState& sphere_state() const;
 
   // ---- Identity: frame and tree. ----
 
-  /// Number of good updates, which identifies a set of spheres. 0 at rest, ahead of the first update.
+  /// Number of good updates of this body; 0 before the first one. A query that stores it recognizes new spheres.
   std::uint64_t frame() const;
-  /// False after a rejected update, until the next good one: the spheres then belong to an older frame.
+  /// False after a rejected update, until the next good one. The spheres then belong to an older frame.
   bool is_current() const;
-  /// Identifies the tree and its regions: equal for bodies of one tree, at any positions.
+  /// Hash of the tree and the sizes of its regions: equal for bodies of one model, at any positions.
   std::uint64_t cover_id() const;
 
+  /// The tree that the body follows, with its cover.
+  const CoveredTree& model() const;
+  /// The tree of the model, with its spheres at rest.
   const SphereTree& rest_tree() const;
   const Cover& cover() const;
   const UpdateOptions& options() const;
+  /// Degenerate cases that the constructor found.
   const BindReport& bind_report() const;
+  /// Number of vertices of the mesh: the number of positions of an update.
   std::size_t vertex_count() const;
 
  private:
@@ -174,18 +210,19 @@ class Body {
   std::shared_ptr<State> state_;  // shared with the colliders
 };
 
-/// True if the rule of some level guarantees cover.
+/// True if the rule of at least one level guarantees cover, with the body's options.
 bool any_promises_cover(const Body& body);
 
-/// certify() of the body's current spheres at these positions, for the levels whose rules guarantee cover.
+/// Checks the body's current spheres at these positions like Body::certify, but only on the levels whose rules
+/// guarantee cover. Throws std::invalid_argument for another number of positions.
 Certificate certify_promised_levels(const Body& body, const std::vector<Vec3>& positions,
                                     Workers& workers = serial_workers());
 
-/// True if the nodes of some inner level are guaranteed to contain their children's spheres, by the rule `wrapped`.
+/// True if at least one inner level has the rule `wrapped`: each of its spheres contains the spheres of its children.
 bool any_promises_nesting(const Body& body);
 
-/// certify_nesting() of the body's current spheres, for the nodes with that guarantee, both about its origin and in
-/// mesh coordinates.
+/// Checks with certify_nesting() that the current spheres of these levels contain their children's, both as stored (in
+/// float, about origin()) and in mesh coordinates. Returns the worse result.
 Nesting certify_promised_nesting(const Body& body);
 
 }  // namespace morula

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Looseness of a body's current spheres, estimated from samples of its surface: cheap enough for every frame, unlike
-// counting voxels (accuracy/looseness.hpp).
+// The looseness of a body's current spheres, estimated from samples of its surface. It is cheap enough for every frame,
+// unlike the count of voxels in accuracy/looseness.hpp.
 #pragma once
 
 #include <cstddef>
@@ -12,53 +12,62 @@
 
 namespace morula {
 
-/// E = Σ A (h + H h² + K h³/3) / V over samples of the surface: A is the area of a sample; h is the distance from it
-/// along the outward direction to the end of the level's spheres that contain it; H and K are the mean and Gauss
-/// curvature there (Steiner's formula); V is the volume of the object. Between facing parts of the surface each side
-/// counts up to the middle.
+/// The estimate is the sum of A (h + H h² + K h³/3) over samples of the surface, divided by V. A is the area of a
+/// sample; h is the way from it along the outward normal until it leaves the spheres of the level; H and K are mean and
+/// Gaussian curvature there (Steiner's formula); V is the volume of the object. If two parts of the surface face each
+/// other, the space between them counts up to the middle for each.
 ///
-/// The estimate is mostly within 5 % of the voxel measure up to a looseness of 1.5, and within 15 % in all poses of the
-/// tests, including deformed and rough bodies. The largest known error is 20 %, on a limb stretched to twice its
-/// length. Bodies that intersect themselves read too loose, up to several times, because the shared volume counts in
-/// each part. Surface outside all spheres counts as perfectly tight, so looseness should be read with the certificate.
-/// An open mesh has no inside: both sides count, and V is the volume of the ball with the mesh's area; only ratios are
-/// meaningful then.
+/// Compared with looseness() by voxels, the error is mostly below 5 % up to a looseness of 1.5, and below 15 % in all
+/// poses of the tests, which include deformed and rough bodies. The largest known error is 20 %, on a limb stretched to
+/// twice its length. A body that intersects itself gets a value that is too large, up to several times, because the
+/// shared volume counts for each part. Surface outside all spheres counts as perfectly tight, so check the certificate
+/// also. An open mesh has no inside: both sides count, V is the volume of the ball with the mesh's area, and only
+/// ratios of estimates have a meaning.
+///
+/// Only one thread may use an estimator at a time.
 class LoosenessEstimator {
  public:
   static constexpr std::size_t default_samples = 1024;
 
-  /// Places samples evenly on the surface at rest; they stay on their facets. Copies the required data.
-  /// sample_count: 64…2^20, rounded up to a multiple of 16; the error falls slowly with it, the cost grows linearly.
-  /// Throws std::invalid_argument for a mesh that is not usable or has no area, and for a count out of range.
+  /// Places samples evenly on the surface at rest; each stays at its place on its facet. Copies the required data.
+  ///
+  /// sample_count: 64 to 2^20, rounded up to a multiple of 16. The error decreases slowly with it, and the cost grows
+  /// linearly. Throws std::invalid_argument for a mesh that require_usable() or require_usable_scale() rejects or that
+  /// has no area, and for a count out of range.
   explicit LoosenessEstimator(const MeshView& rest, std::size_t sample_count = default_samples);
   ~LoosenessEstimator();
   LoosenessEstimator(LoosenessEstimator&&) noexcept;
   LoosenessEstimator& operator=(LoosenessEstimator&&) noexcept;
 
-  /// Moves the samples; called once per estimated frame. positions: one per vertex of the mesh, mesh units, finite.
-  /// Allocates nothing. Cost: linear in facets (the volume) and samples.
+  /// Moves the samples to the positions of a frame; call it before estimate(). positions: one per vertex of the mesh,
+  /// mesh units, finite. Allocates nothing. Cost: linear in facets and samples.
   void pose(const PositionView& positions) noexcept;
 
-  /// Looseness of every level set of a body at the same positions, from the root; in object volumes. Fills all of
-  /// `looseness`; levels deeper than the tree repeat its last. The root's value is exact if the root contains the
-  /// object. Allocates nothing; the same bits in every run.
+  /// Estimates the looseness of the level sets of a body at the positions of pose(): looseness[j] is that of level j,
+  /// in volumes of the object. Entries beyond the tree's last level repeat its value. The value of the root is exact if
+  /// its sphere contains the object. Allocates nothing. The result has the same bits in every run.
   void estimate(const Body& body, std::span<double> looseness) noexcept;
 
-  /// Starts an estimate in `steps` calls of step() of about equal cost, for as many frames. begin() copies positions
-  /// and spheres, and the last step() has the results that pose() and estimate() give at begin(), bit for bit. Only one
-  /// estimate runs at a time; pose() and begin() cancel it. body: keeps its tree until the last step. Allocates nothing
-  /// for bodies of at most `nodes` nodes after reserve(nodes).
+  /// Begins an estimate that is divided into `steps` calls of step() of about equal cost, such as one per frame.
+  /// begin() copies positions and spheres; the last step() returns the values that pose() and estimate() would return
+  /// at the time of begin(), bit for bit. An estimator runs one such estimate at a time; pose() and begin() cancel it.
+  /// positions: as for pose(). body: must exist, with the same tree, until the last step. Allocates nothing for bodies
+  /// with at most as many nodes as reserve() was called for.
   void begin(const PositionView& positions, const Body& body, std::size_t steps) noexcept;
-  /// Runs a step. Returns true at the last step, which sets `looseness`; returns false and does nothing if no estimate
-  /// is running.
+  /// Runs a step of the estimate that begin() began. The last step writes `looseness`, like estimate(), and returns
+  /// true; the others return false, and so does a call without such an estimate, which does nothing.
   bool step(std::span<double> looseness) noexcept;
+  /// Cancels the estimate that begin() began.
   void give_up() noexcept;
+  /// Allocates the memory that begin() needs for a body with this number of nodes.
   void reserve(std::size_t nodes);
 
+  /// Number of samples, a multiple of 16.
   std::size_t sample_count() const;
-  /// Volume V at the last pose, mesh units³.
+  /// The volume V at the positions of the last pose(), mesh units³.
   double volume() const;
-  /// True if the mesh is closed: it then has an inside, and looseness measures the volume outside it.
+  /// True if the mesh has an inside: if it is closed and oriented, with a volume other than 0. Otherwise only ratios of
+  /// estimates have a meaning.
   bool has_volume() const;
 
  private:
@@ -66,8 +75,9 @@ class LoosenessEstimator {
   std::unique_ptr<State> state_;
 };
 
-/// The estimate in one call, with new samples: one value per level set of body, from the root. positions: those of the
-/// body's last update. Throws like LoosenessEstimator, and for a wrong number of positions.
+/// Estimates the looseness of the level sets of a body in one call, with new samples: one value per level, from the
+/// root. rest: the body's mesh at rest. positions: those of the body's last update. Throws std::invalid_argument like
+/// the constructor of LoosenessEstimator, and for another number of positions than vertices.
 std::vector<double> estimate_looseness(const MeshView& rest, const Body& body, const PositionView& positions);
 
 }  // namespace morula

@@ -55,9 +55,9 @@ struct HeldContactQuery : HeldQuery<ContactQuery, SeenSides> {
 };
 
 template <class Call>
-Contacts asked(HeldContactQuery& self, Threads* workers, bool keep, const Call& call) {
+Contacts contacts_of_call(HeldContactQuery& self, Threads* workers, bool keep, const Call& call) {
   Contacts contacts;
-  require(self.ask(workers, [&](ContactQuery& query, Workers& threads) {
+  require(self.call(workers, [&](ContactQuery& query, Workers& threads) {
     if (self.seen.exclusive) {
       CollideOptions options = self.options;
       reach_by(options, self.seen.all());
@@ -153,44 +153,44 @@ void bind_contact_query(nb::module_& m) {
       .def(
           "warm_up",
           [](HeldContactQuery& self, Threads* workers) {
-            require(self.ask(workers, [](ContactQuery& q, Workers& c) { return q.warm_up(c); }));
+            require(self.call(workers, [](ContactQuery& q, Workers& c) { return q.warm_up(c); }));
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_warm_up)
       .def(
           "run",
           [](HeldContactQuery& self, Threads* w) {
-            return asked(self, w, false, [](ContactQuery& q, Workers& c) { return q.run(c); });
+            return contacts_of_call(self, w, false, [](ContactQuery& q, Workers& c) { return q.run(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_run)
       .def(
           "start",
           [](HeldContactQuery& self, Threads* w) {
-            return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.start(c); });
+            return contacts_of_call(self, w, true, [](ContactQuery& q, Workers& c) { return q.start(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_start)
       .def(
           "resume",
           [](HeldContactQuery& self, Threads* w) {
-            return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.resume(c); });
+            return contacts_of_call(self, w, true, [](ContactQuery& q, Workers& c) { return q.resume(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_resume)
       .def(
           "carry",
           [](HeldContactQuery& self, Threads* w) {
-            return asked(self, w, true, [](ContactQuery& q, Workers& c) { return q.carry(c); });
+            return contacts_of_call(self, w, true, [](ContactQuery& q, Workers& c) { return q.carry(c); });
           },
           nb::arg("workers") = nb::none(), doc::ContactQuery_carry)
       .def(
           "surface",
           [](HeldContactQuery& self, std::size_t contact) {
-            return ContactSurfaces{{self.ask([&](ContactQuery& q) { return q.surface(contact); })}};
+            return ContactSurfaces{{self.call([&](ContactQuery& q) { return q.surface(contact); })}};
           },
           nb::arg("contact"), doc::ContactQuery_surface)
       .def(
           "cut",
           [](HeldContactQuery& self) {
             FrontPairs cut;
-            self.ask([&](ContactQuery& q) { q.cut(cut.rows); });
+            self.call([&](ContactQuery& q) { q.cut(cut.rows); });
             return cut;
           },
           doc::ContactQuery_cut)

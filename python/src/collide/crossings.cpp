@@ -58,10 +58,10 @@ void bind_crossings(nb::module_& m) {
             const Status status = without_gil([&] {
               const std::scoped_lock lock(self.mutex);
               const Reading reading({a.get(), b.get()});
-              const Status asked =
+              const Status result =
                   all ? self.query.run(a->current(), b->current()) : self.query.run(a->current(), b->current(), pairs);
-              if (asked) found.pairs.assign(self.query.pairs().begin(), self.query.pairs().end());
-              return asked;
+              if (result) found.pairs.assign(self.query.pairs().begin(), self.query.pairs().end());
+              return result;
             });
             require(status);
             return found;

@@ -48,7 +48,7 @@ void bind_inside(nb::module_& m) {
       .def(
           "locate",
           [](HeldInside& self, Vec3 point) {
-            const PointLocation location = self.ask([&](InsideQuery& query) { return query.locate(point); });
+            const PointLocation location = self.call([&](InsideQuery& query) { return query.locate(point); });
             require(location.status);
             return location;
           },
@@ -57,7 +57,7 @@ void bind_inside(nb::module_& m) {
           "inside",
           [](HeldInside& self, ArrayGiven given) {
             const std::vector<Vec3> points = points_of(given.object, "points");
-            auto [values, owner] = kept(self.ask([&](InsideQuery& query) {
+            auto [values, owner] = kept(self.call([&](InsideQuery& query) {
               std::vector<std::uint8_t> inside;
               SignalCheck check;
               for (const Vec3& p : points) {
@@ -76,7 +76,7 @@ void bind_inside(nb::module_& m) {
       .def(
           "probe",
           [](HeldInside& self, Sphere ball) {
-            const Probe probe = self.ask([&](InsideQuery& query) { return query.probe(ball); });
+            const Probe probe = self.call([&](InsideQuery& query) { return query.probe(ball); });
             require(probe.status);
             return probe;
           },
@@ -93,10 +93,10 @@ void bind_inside(nb::module_& m) {
               sides.push_back(other.get());
               const Reading reading(sides);
               self.seen.sides.front()->current();
-              const Collider& asked = other->current();
+              const Collider& other_collider = other->current();
               for (const std::uint32_t vertex : vertices)
-                if (vertex >= asked.vertex_count()) throw nb::index_error("vertices: there is no such vertex");
-              self.query.components_inside(asked, vertices, found);
+                if (vertex >= other_collider.vertex_count()) throw nb::index_error("vertices: there is no such vertex");
+              self.query.components_inside(other_collider, vertices, found);
             });
             require(found.status);
             return found;

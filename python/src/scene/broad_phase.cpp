@@ -31,7 +31,7 @@ IndexPairs own_pairs(std::span<const BoxPair> pairs) {
 }  // namespace
 
 void bind_broad_phase(nb::module_& m) {
-  const auto ask = [](const HeldBroadPhase& self, const auto& find) {
+  const auto call = [](const HeldBroadPhase& self, const auto& find) {
     return own_indices(without_gil([&] {
       std::vector<std::uint32_t> found;
       const std::scoped_lock lock(self.mutex);
@@ -123,20 +123,20 @@ void bind_broad_phase(nb::module_& m) {
           "(n, 2) uint32, ascending; the state of the last update.")
       .def(
           "find",
-          [ask](const HeldBroadPhase& self, Vec3 lower, Vec3 upper) {
-            return ask(self, [&](auto& found) { self.boxes.find({lower, upper}, found); });
+          [call](const HeldBroadPhase& self, Vec3 lower, Vec3 upper) {
+            return call(self, [&](auto& found) { self.boxes.find({lower, upper}, found); });
           },
           nb::arg("lower"), nb::arg("upper"), doc::BroadPhase_find)
       .def(
           "find_behind",
-          [ask](const HeldBroadPhase& self, Vec3 normal, double offset) {
-            return ask(self, [&](auto& found) { self.boxes.find_behind(normal, offset, found); });
+          [call](const HeldBroadPhase& self, Vec3 normal, double offset) {
+            return call(self, [&](auto& found) { self.boxes.find_behind(normal, offset, found); });
           },
           nb::arg("normal"), nb::arg("offset"), doc::BroadPhase_find_behind)
       .def(
           "find_along",
-          [ask](const HeldBroadPhase& self, Vec3 origin, Vec3 direction, double t_end) {
-            return ask(self, [&](auto& found) { self.boxes.find_along(origin, direction, t_end, found); });
+          [call](const HeldBroadPhase& self, Vec3 origin, Vec3 direction, double t_end) {
+            return call(self, [&](auto& found) { self.boxes.find_along(origin, direction, t_end, found); });
           },
           nb::arg("origin"), nb::arg("direction"), nb::arg("t_end") = std::numeric_limits<double>::infinity(),
           doc::BroadPhase_find_along);

@@ -55,8 +55,7 @@ struct HeldScene : Exchanging {
     };
   }
   void require_idle() const {
-    if (is_updating)
-      throw std::runtime_error("accepts: the scene that asks it may not be changed or asked for contacts");
+    if (is_updating) throw std::runtime_error("accepts: its scene cannot be changed or queried during the call");
   }
   /// A filter often refers to its scene.
   void visit(References& references) const {
@@ -133,7 +132,7 @@ void bind_scene_bodies(Class& scene) {
                                            "collider() then returns it"},
                                           {"is_static", doc::SceneBodyOptions_is_static},
                                           {"category", doc::SceneBodyOptions_category},
-                                          {"with_", "`with` of C++"},
+                                          {"mask", "the groups whose bodies it may touch, one bit per group"},
                                           {"weight", doc::SceneBodyOptions_weight},
                                           {"user_data", doc::SceneBodyOptions_user_data}})
               .c_str())
@@ -275,10 +274,10 @@ void bind_scene_questions(Class& scene) {
             const SceneStatus status = with_shape(shape, [&](const auto& s) {
               return locked_idle(self, [&] {
                 const Reading reading(self.all());
-                const SceneStatus asked = self.scene.touch(s, options);
-                if (asked)
+                const SceneStatus result = self.scene.touch(s, options);
+                if (result)
                   for (const SceneTouch& touch : self.scene.touches()) found.push_back({touch.body, *touch.touch});
-                return asked;
+                return result;
               });
             });
             require_scene(status);

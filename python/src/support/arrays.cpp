@@ -93,7 +93,7 @@ Any array_of(nb::handle given, const char* name, const std::string& wanted) {
   return array;
 }
 
-[[noreturn]] void refuse(const char* name, const Any& array, const std::string& wanted,
+[[noreturn]] void reject(const char* name, const Any& array, const std::string& wanted,
                          const std::string& remedy = {}) {
   throw std::invalid_argument(std::string(name) + ": an array of " + type_of(array) + ", shape " + shape_of(array) +
                               ", but " + wanted + " is needed" + (remedy.empty() ? "" : ": " + remedy));
@@ -125,8 +125,8 @@ double number(const Any& array, std::size_t i, std::size_t j) {
 Any rows_of(nb::handle given, const char* name, std::size_t columns, const char* each) {
   const std::string wanted = "an array of float32 or float64, shape (n, " + std::to_string(columns) + ")" + each + ",";
   Any array = array_of(given, name, wanted);
-  if (array.ndim() != 2 || array.shape(1) != columns) refuse(name, array, wanted);
-  if (!is_float(array)) refuse(name, array, wanted, std::string(name) + ".astype(float)");
+  if (array.ndim() != 2 || array.shape(1) != columns) reject(name, array, wanted);
+  if (!is_float(array)) reject(name, array, wanted, std::string(name) + ".astype(float)");
   return array;
 }
 
@@ -159,7 +159,7 @@ void require_rows(std::size_t given, std::size_t wanted, const char* name, int c
                               with_commas(given) + by + " given");
 }
 
-void refuse_type(nb::handle given, const std::string& name, const std::string& wanted) {
+void reject_type(nb::handle given, const std::string& name, const std::string& wanted) {
   throw nb::type_error((name + ": " + describe(given) + ", but " + wanted + " is needed").c_str());
 }
 
@@ -187,8 +187,8 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
   const std::string wanted = axes == 2 ? "an array of float32 or float64, shape (vertices, 3),"
                                        : "an array of float32 or float64, shape (frames, vertices, 3),";
   array_ = array_of(given, name, wanted);
-  if (array_.ndim() != axes || array_.shape(axes - 1) != 3) refuse(name, array_, wanted);
-  if (!is_float(array_)) refuse(name, array_, wanted, std::string(name) + ".astype(float)");
+  if (array_.ndim() != axes || array_.shape(axes - 1) != 3) reject(name, array_, wanted);
+  if (!is_float(array_)) reject(name, array_, wanted, std::string(name) + ".astype(float)");
   const std::size_t count = array_.shape(axes - 2);
   const std::int64_t scalar = array_.dtype().bits / 8;
   const bool is_double = scalar == 8;
@@ -248,8 +248,8 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
   for (std::size_t i = 0; fits && i < axes.size(); ++i) {
     fits = axes[i] < 0 || array.shape(i) == static_cast<std::size_t>(axes[i]);
   }
-  if (!fits) refuse(name, array, wanted);
-  if (!is_float(array)) refuse(name, array, wanted, std::string(name) + ".astype(float)");
+  if (!fits) reject(name, array, wanted);
+  if (!is_float(array)) reject(name, array, wanted, std::string(name) + ".astype(float)");
   shape.assign(array.ndim(), 0);
   std::size_t count = 1;
   for (std::size_t i = 0; i < shape.size(); ++i) count *= shape[i] = array.shape(i);
@@ -292,7 +292,7 @@ void read_integers(const Any& array, const char* name, std::uint32_t* to) {
 void read_integers(const Any& array, const char* name, const std::string& wanted, std::uint32_t* to) {
   const bool is_signed = is_kind(array, nb::dlpack::dtype_code::Int);
   if (!is_signed && !is_kind(array, nb::dlpack::dtype_code::UInt)) {
-    refuse(name, array, wanted, std::string(name) + ".astype(numpy.uint32)");
+    reject(name, array, wanted, std::string(name) + ".astype(numpy.uint32)");
   }
   switch (array.dtype().bits) {
     case 8:
@@ -304,7 +304,7 @@ void read_integers(const Any& array, const char* name, const std::string& wanted
     case 64:
       return is_signed ? read_integers<std::int64_t>(array, name, to) : read_integers<std::uint64_t>(array, name, to);
     default:
-      refuse(name, array, wanted);
+      reject(name, array, wanted);
   }
 }
 
@@ -313,7 +313,7 @@ void read_integers(const Any& array, const char* name, const std::string& wanted
 std::vector<std::uint32_t> indices_of(nb::handle given, const char* name) {
   const std::string wanted = "an array of integers, shape (n,),";
   const Any array = array_of(given, name, wanted);
-  if (array.ndim() != 1) refuse(name, array, wanted);
+  if (array.ndim() != 1) reject(name, array, wanted);
   std::vector<std::uint32_t> indices(array.shape(0));
   read_integers(array, name, wanted, indices.data());
   return indices;
@@ -327,11 +327,11 @@ Any facet_array_of(nb::handle given, const char* name) {
   const std::string wanted = wanted_facets;
   Any array = array_of(given, name, wanted);
   if (array.ndim() == 1 && array.shape(0) > 0 && array.shape(0) % 4 == 0) {
-    refuse(name, array, wanted,
+    reject(name, array, wanted,
            "if these are PyVista's padded faces, give " + std::string(name) + ".reshape(-1, 4)[:, 1:]");
   }
   if (array.ndim() != 2 || array.shape(1) != 3) {
-    refuse(name, array, wanted, array.ndim() == 2 && array.shape(1) == 4 ? "divide quadrangles into triangles" : "");
+    reject(name, array, wanted, array.ndim() == 2 && array.shape(1) == 4 ? "divide quadrangles into triangles" : "");
   }
   return array;
 }

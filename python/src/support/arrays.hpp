@@ -22,12 +22,12 @@ namespace morula::python {
 /// "an array of int64, shape (5, 3)", "a list": for messages.
 std::string describe(nb::handle object);
 /// Throws TypeError for `given`. wanted: the required type as text, "an array of floats".
-[[noreturn]] void refuse_type(nb::handle given, const std::string& name, const std::string& wanted);
+[[noreturn]] void reject_type(nb::handle given, const std::string& name, const std::string& wanted);
 /// A plain value that is looked at by name. Throws TypeError.
 template <class Value>
 Value value_of(nb::handle given, const std::string& name, const char* wanted) {
   Value value;
-  if (!nb::try_cast(given, value)) refuse_type(given, name, wanted);
+  if (!nb::try_cast(given, value)) reject_type(given, name, wanted);
   return value;
 }
 /// The same for a value that a Python function has returned.

@@ -21,11 +21,11 @@ inline Quality quality_of(std::string_view text, const char* argument = "quality
 /// Returns a function that checks for Ctrl-C and then passes its arguments to `callback`, which is None or outlives the
 /// function. It must be called without the GIL. An exception of either ends the work.
 inline auto progress_of(const nb::object& callback) {
-  return [&callback, check = SignalCheck()](const auto&... told) mutable {
+  return [&callback, check = SignalCheck()](const auto&... reported) mutable {
     check();
     if (callback.is_none()) return;
     const nb::gil_scoped_acquire gil;
-    callback(told...);
+    callback(reported...);
   };
 }
 

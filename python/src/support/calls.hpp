@@ -11,9 +11,9 @@ namespace morula::python {
 /// Instances of classes that have __setstate__ are unpickled all the same.
 nanobind::type_slots only_returned();
 /// The same in parts, for a class that has more slots.
-PyType_Slot refused_call();
-PyType_Slot refused_new();
-PyType_Slot refused_init();
+PyType_Slot rejecting_call();
+PyType_Slot rejecting_new();
+PyType_Slot rejecting_init();
 
 /// Makes TypeErrors of functions and methods of the module and its submodules name the function and the argument, by
 /// morula._calls. To be called once, after all are bound.

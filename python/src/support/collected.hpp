@@ -100,9 +100,9 @@ template <class Holder>
 nb::type_slots collected_and_only_returned() {
   static PyType_Slot slots[]{{Py_tp_traverse, reinterpret_cast<void*>(&traverse_holder<Holder>)},
                              {Py_tp_clear, reinterpret_cast<void*>(&clear_holder<Holder>)},
-                             refused_call(),
-                             refused_new(),
-                             refused_init(),
+                             rejecting_call(),
+                             rejecting_new(),
+                             rejecting_init(),
                              {0, nullptr}};
   return nb::type_slots(slots);
 }

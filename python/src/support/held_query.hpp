@@ -28,20 +28,20 @@ struct HeldQuery : Exchanging {
 
   /// f(query, workers) with all objects locked that it needs, without the GIL.
   template <class F>
-  auto ask(Threads* workers, const F& f) {
+  auto call(Threads* workers, const F& f) {
     return without_gil(*this, [&] {
       const std::scoped_lock lock(mutex);
       return look(workers, f);
     });
   }
   template <class F>
-  auto ask(const F& f) {
-    return ask(nullptr, [&](Query& own, Workers&) { return f(own); });
+  auto call(const F& f) {
+    return call(nullptr, [&](Query& own, Workers&) { return f(own); });
   }
   /// The same for other objects, which the query reads afterwards; f returns a status. A rejected call changes nothing:
   /// the query may still be resumed where it stood. `next` gets the objects that are not read any longer.
   template <class F>
-  auto ask_of(Seen& next, Threads* workers, const F& f) {
+  auto call_with(Seen& next, Threads* workers, const F& f) {
     return without_gil(*this, [&] {
       const std::scoped_lock lock(mutex);
       std::swap(seen, next);
@@ -127,8 +127,8 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
   /// call(query, seen, workers).
   template <class Call>
   SurfaceQueryStatus run(Seen next, Threads* workers, const Call& call) {
-    const SurfaceQueryStatus status = this->ask_of(next, workers, [&](Query& query, Workers& threads) {
-      return or_begin_anew([&] { return call(query, this->seen, threads); });
+    const SurfaceQueryStatus status = this->call_with(next, workers, [&](Query& query, Workers& threads) {
+      return or_restart([&] { return call(query, this->seen, threads); });
     });
     require(status);
     return status;
@@ -141,8 +141,8 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
     if (accepts) accepts->reset();
   }
   SurfaceQueryStatus resume(Threads* workers) {
-    const SurfaceQueryStatus status = this->ask(
-        workers, [&](Query& query, Workers& threads) { return or_begin_anew([&] { return query.resume(threads); }); });
+    const SurfaceQueryStatus status = this->call(
+        workers, [&](Query& query, Workers& threads) { return or_restart([&] { return query.resume(threads); }); });
     require(status);
     return status;
   }
@@ -150,7 +150,7 @@ struct HeldSurfaceQuery : HeldQuery<Query, Seen> {
  private:
   /// An exception of a filter or a field ends the query, which then cannot be resumed.
   template <class F>
-  SurfaceQueryStatus or_begin_anew(const F& f) {
+  SurfaceQueryStatus or_restart(const F& f) {
     try {
       return f();
     } catch (...) {

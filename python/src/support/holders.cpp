@@ -81,7 +81,7 @@ RigidTransform transform_of(const TransformGiven& given, const char* name) {
   RigidTransform translation;
   if (nb::try_cast(given.object, translation.translation)) return translation;
   if (nb::hasattr(given.object, "ndim")) return matrix_transform(given.object, name);
-  refuse_type(given.object, name, "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)");
+  reject_type(given.object, name, "a RigidTransform, a matrix (4, 4) or (3, 4), or a translation (x, y, z)");
 }
 
 Budget budget_of(const BudgetGiven& given, const char* name) {

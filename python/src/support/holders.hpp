@@ -157,7 +157,7 @@ struct Side {
   /// Throws RuntimeError when the body has changed its tree.
   const Collider& current() const {
     if (posed->tree_version() != tree_version) {
-      throw std::runtime_error("the body was rebuilt and has another tree now: make another Collider");
+      throw std::runtime_error("the body was rebuilt and has another tree: make another Collider");
     }
     return *collider;
   }

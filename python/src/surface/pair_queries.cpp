@@ -140,7 +140,7 @@ void bind_pair_queries(nb::module_& m) {
           "safe_distances",
           [](Near& self) {
             return own_numbers(self.locked([&](const ProximityQuery& query) {
-              if (!self.seen.a) throw std::invalid_argument("nothing was asked yet");
+              if (!self.seen.a) throw std::invalid_argument("the query has not run yet");
               std::vector<double> distances(self.seen.a->tree.vertex_count());
               query.safe_distances(distances);
               return distances;

@@ -19,7 +19,7 @@ namespace {
 
 /// Runs a query once, and throws ValueError for rejected arguments.
 template <class Query>
-void ask(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
+void run_locked(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
   const SurfaceQueryStatus status = without_gil([&] {
     CallWorkers call(workers);
     const SurfaceReading reading(&a, b);
@@ -106,7 +106,7 @@ void bind_pairs(nb::module_& m) {
              filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
              {},
              {}});
-        ask(query, a, b, workers);
+        run_locked(query, a, b, workers);
         return ProximityPairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance"),
@@ -121,7 +121,7 @@ void bind_pairs(nb::module_& m) {
       "safe_distances",
       [](const HeldSurface& a, const HeldSurface* b, double distance, Threads* workers) {
         ProximityQuery query({distance, false, {}, {}, {}});
-        ask(query, a, b, workers);
+        run_locked(query, a, b, workers);
         std::vector<double> distances(a.tree.vertex_count());
         query.safe_distances(distances);
         return own_numbers(std::move(distances));
@@ -138,7 +138,7 @@ void bind_pairs(nb::module_& m) {
              filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
              {},
              {}});
-        ask(query, a, b, workers);
+        run_locked(query, a, b, workers);
         return SweptPairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("rings") = 0,
@@ -153,7 +153,7 @@ void bind_pairs(nb::module_& m) {
       "swept_candidates",
       [](const HeldSurface& a, const HeldSurface* b, double distance, std::uint32_t rings, Threads* workers) {
         SweptQuery query({distance, true, filter_of(rings, 0, false, nullptr), {}, {}});
-        ask(query, a, b, workers);
+        run_locked(query, a, b, workers);
         return FeaturePairs{copy_of(query.candidates())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("distance") = 0.0, nb::arg("rings") = 0,
@@ -166,7 +166,7 @@ void bind_pairs(nb::module_& m) {
             {filter_of(rings, rest_distance, same_component, callback_of(accepts, "accepts", pair_filter_wanted)),
              {},
              {}});
-        ask(query, a, b, workers);
+        run_locked(query, a, b, workers);
         return FeaturePairs{copy_of(query.pairs())};
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::kw_only(), nb::arg("rings") = 0, nb::arg("rest_distance") = 0.0,

@@ -34,8 +34,8 @@ std::vector<Pair> copy_of(std::span<const Pair> pairs) {
     copy.reserve(pairs.size());
     SignalCheck check;
     for (std::size_t i = 0; i < pairs.size(); i += at_once) {
-      const auto piece = pairs.subspan(i, std::min(at_once, pairs.size() - i));
-      copy.insert(copy.end(), piece.begin(), piece.end());
+      const auto chunk = pairs.subspan(i, std::min(at_once, pairs.size() - i));
+      copy.insert(copy.end(), chunk.begin(), chunk.end());
       check();
     }
     return copy;

@@ -22,7 +22,7 @@ namespace {
 std::vector<VertexRange> ranges_of(nb::handle given) {
   std::vector<VertexRange> ranges;
   constexpr const char* wanted = "a list of pairs (begin, end) of vertices";
-  if (!nb::hasattr(given, "__iter__")) refuse_type(given, "changed", wanted);
+  if (!nb::hasattr(given, "__iter__")) reject_type(given, "changed", wanted);
   for (nb::handle range : nb::borrow<nb::object>(given)) {
     const auto [begin, end] = value_of<std::pair<std::uint32_t, std::uint32_t>>(range, "changed", wanted);
     ranges.push_back({begin, end});
@@ -44,7 +44,7 @@ UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view a
   if (PyUnicode_Check(rules.ptr())) {
     add(rules);
   } else {
-    if (!nb::hasattr(rules, "__iter__")) refuse_type(rules, "rules", "the name of a rule, or a list of names,");
+    if (!nb::hasattr(rules, "__iter__")) reject_type(rules, "rules", "the name of a rule, or a list of names,");
     for (nb::handle rule : nb::borrow<nb::object>(rules)) add(rule);
   }
   options.conservative = conservative;

@@ -120,12 +120,6 @@ void SurfaceScratch::start(const Collider& a, const Collider& b) {
   sides_[1].start(b);
 }
 
-void SurfaceScratch::start(const Collider& a, const FacetShares& shares_a, const Collider& b,
-                           const FacetShares& shares_b) {
-  sides_[0].start(a, shares_a);
-  sides_[1].start(b, shares_b);
-}
-
 SurfacePoint nearest_facet(const Collider& collider, std::uint32_t node, const Vec3& point, SurfaceScratch& scratch) {
   LeafSurfaces& surfaces = scratch.of(collider);
   const Vec3 p = in_coordinates_of(collider, point);

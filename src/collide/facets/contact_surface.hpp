@@ -15,11 +15,8 @@ namespace morula::detail {
 class SurfaceScratch {
  public:
   /// Begins a batch: transforms, positions and spheres stay as they are until the next. Both colliders must be current.
-  /// Both may be the same collider. Allocates when the bodies differ from the last batch's, or when more leaves are
-  /// read than in any earlier batch.
+  /// Both may be the same collider. Allocates when more leaves are read than in any earlier batch.
   void start(const Collider& a, const Collider& b);
-  /// The same with shares that the caller keeps until the next batch: several scratches may use the same shares.
-  void start(const Collider& a, const FacetShares& shares_a, const Collider& b, const FacetShares& shares_b);
   /// The leaves of one of the two.
   LeafSurfaces& of(const Collider& collider) {
     assert(&collider == sides_[0].collider() || &collider == sides_[1].collider());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "collide/facets/corner_reader.hpp"
 #include "simd/float4.hpp"
@@ -13,38 +14,6 @@ namespace {
 
 std::size_t filled(std::size_t count) {
   return (count + facet_columns_step - 1) / facet_columns_step * facet_columns_step;
-}
-
-/// A corner's barycentric coordinates in its facet, without that of the facet's first corner.
-std::array<double, 2> place_in(const Facet& facet, const Cover& cover, std::uint32_t corner) {
-  std::array<double, 2> place{};
-  const auto add = [&](std::uint32_t vertex, double weight) {
-    if (vertex == facet[0]) return;
-    if (vertex == facet[1])
-      place[0] += weight;
-    else if (vertex == facet[2])
-      place[1] += weight;
-  };
-  if (corner < cover.vertex_count) {
-    add(corner, 1);
-  } else {
-    const CutPoint& point = cover.cut_points[corner - cover.vertex_count];
-    for (std::size_t k = 0; k < 3; ++k) add(point.vertex[k], point.weight[k]);
-  }
-  return place;
-}
-
-/// The area of a patch as a share of its facet; it is constant under any deformation.
-double share_of(const Facet& facet, const Cover& cover, std::size_t patch) {
-  const std::span<const std::uint32_t> corners = cover.patch(patch);
-  double share = 0;
-  std::array<double, 2> last = place_in(facet, cover, corners.back());
-  for (const std::uint32_t corner : corners) {
-    const std::array<double, 2> next = place_in(facet, cover, corner);
-    share += last[0] * next[1] - last[1] * next[0];
-    last = next;
-  }
-  return std::clamp(std::abs(share), 0.0, 1.0);
 }
 
 /// The largest |coordinate| of all corners.
@@ -60,39 +29,28 @@ float largest(const FacetColumns& facets) {
 
 }  // namespace
 
-bool FacetShares::is_of(const Collider& collider) const {
-  return cover_id_ == collider.sphere_state().cover_id && share_.size() == collider.facets(0).size();
-}
-
-void FacetShares::follow(const Collider& collider) {
-  if (is_of(collider)) return;
-  const SphereTree& tree = collider.tree();
-  const Cover& cover = collider.cover();
-  const std::uint32_t* const first = collider.facets(0).data();
-  share_.assign(collider.facets(0).size(), 0);
-  for (std::uint32_t leaf = 0; leaf < tree.node_count(); ++leaf) {
-    if (!tree.is_leaf(leaf)) continue;
-    const std::span<const std::uint32_t> facets = collider.facets(leaf);
-    for (std::uint32_t patch = cover.region_begin[leaf]; patch < cover.region_end[leaf]; ++patch) {
-      const std::uint32_t facet = cover.patch_facet[patch];
-      const auto entry = std::lower_bound(facets.begin(), facets.end(), facet) - facets.begin();
-      share_[static_cast<std::size_t>(facets.data() - first + entry)] +=
-          static_cast<float>(share_of(collider.mesh_facets()[facet], cover, patch));
-    }
-  }
-  cover_id_ = collider.sphere_state().cover_id;
-}
-
-void LeafSurfaces::start(const Collider& collider, const FacetShares& shares) {
+void LeafSurfaces::start(const Collider& collider) {
   collider_ = &collider;
-  share_ = shares.data();
-  const std::size_t nodes = collider.tree().node_count();
-  if (stamp_.size() < nodes) stamp_.resize(nodes, now_), leaf_.resize(nodes);
   if (++now_ == 0) {
-    std::fill(stamp_.begin(), stamp_.end(), 0);
+    std::fill(table_.begin(), table_.end(), Entry{});
     now_ = 1;
   }
+  leaf_count_ = 0;
   used_ = 0;
+}
+
+// An entry of an earlier batch counts as empty.
+LeafSurfaces::Entry& LeafSurfaces::entry_of(std::uint32_t node) {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t place = (std::size_t{node} * 0x9e3779b97f4a7c15u >> 32) & mask;
+  while (table_[place].batch == now_ && table_[place].node != node) place = (place + 1) & mask;
+  return table_[place];
+}
+
+void LeafSurfaces::grow() {
+  const std::vector<Entry> before = std::exchange(table_, std::vector<Entry>(2 * table_.size()));
+  for (const Entry& entry : before)
+    if (entry.batch == now_) entry_of(entry.node) = entry;
 }
 
 FacetColumns LeafSurfaces::columns(const Leaf& leaf) const {
@@ -103,11 +61,13 @@ FacetColumns LeafSurfaces::columns(const Leaf& leaf) const {
 }
 
 LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
-  Leaf& leaf = leaf_[node];
-  if (stamp_[node] == now_) return leaf;
-  stamp_[node] = now_;
+  if (const Entry& entry = entry_of(node); entry.batch == now_) return leaves_[entry.leaf];
+  if (2 * (leaf_count_ + 1) > table_.size()) grow();
+  if (leaf_count_ == leaves_.size()) leaves_.emplace_back();
+  entry_of(node) = {node, now_, static_cast<std::uint32_t>(leaf_count_)};
+  Leaf& leaf = leaves_[leaf_count_++];
   const std::span<const std::uint32_t> facets = collider_->facets(node);
-  const float* const share = share_ + (facets.data() - collider_->facets(0).data());
+  copy_shares(*collider_, node, share_);
   leaf = {};
   leaf.begin = static_cast<std::uint32_t>(used_);
   leaf.size = static_cast<std::uint32_t>(facets.size());
@@ -136,7 +96,7 @@ LeafSurfaces::Leaf& LeafSurfaces::read(std::uint32_t node) {
     column[6][i] = static_cast<float>(r.x), column[7][i] = static_cast<float>(r.y),
     column[8][i] = static_cast<float>(r.z);
     const Vec3 normal = cross(q - p, r - p);
-    const double half_share = 0.5 * static_cast<double>(share[i]);
+    const double half_share = 0.5 * static_cast<double>(share_[i]);
     area_vectors += normal * half_share;
     area += std::sqrt(squared_length(normal)) * half_share;
   }

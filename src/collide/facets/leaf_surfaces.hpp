@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <morula/collide/collider.hpp>
 #include <morula/geometry/vector.hpp>
 #include <optional>
@@ -35,30 +36,10 @@ std::span<const FacetKernels> all_facet_kernels();
 /// The widest kernels.
 const FacetKernels& facet_kernels();
 
-/// The share of each facet of each leaf that the leaf owns, in the order of the collider's lists. They are the same for
-/// all queries of a body.
-class FacetShares {
- public:
-  bool is_of(const Collider& collider) const;
-  /// Fills the shares for the collider's cover. Cost: linear in patches if the shares are of another cover, else
-  /// constant.
-  void follow(const Collider& collider);
-  const float* data() const { return share_.data(); }
-
- private:
-  std::uint64_t cover_id_ = 0;
-  std::vector<float> share_;
-};
-
 class LeafSurfaces {
  public:
-  /// Forgets all leaves and keeps the memory. shares: the collider's, which have to stay until the next start.
-  void start(const Collider& collider, const FacetShares& shares);
-  /// The same with shares of its own: linear in patches once per cover, constant afterwards.
-  void start(const Collider& collider) {
-    own_shares_.follow(collider);
-    start(collider, own_shares_);
-  }
+  /// Forgets all leaves and keeps the memory.
+  void start(const Collider& collider);
   const Collider* collider() const { return collider_; }
 
   struct Leaf {
@@ -83,16 +64,23 @@ class LeafSurfaces {
   }
 
  private:
+  struct Entry {
+    std::uint32_t node = 0, batch = 0, leaf = 0;  // leaf: index in leaves_
+  };
+  Entry& entry_of(std::uint32_t node);
+  void grow();
+
   const Collider* collider_ = nullptr;
-  FacetShares own_shares_;
-  const float* share_ = nullptr;  // by facet of each leaf
-  std::vector<std::uint32_t> stamp_;
-  std::vector<Leaf> leaf_;
-  std::uint32_t now_ = 0;
+  // The leaves that were read, found by node: memory follows the leaves of a batch, not those of the tree.
+  std::vector<Entry> table_ = std::vector<Entry>(64);  // size is a power of two, at most half of it used
+  std::deque<Leaf> leaves_;                            // references stay valid while leaves are added
+  std::size_t leaf_count_ = 0;                         // leaves of this batch, the first ones
+  std::uint32_t now_ = 0;                              // number of the batch
   // By slot.
   std::vector<float> columns_[9];
   std::vector<std::uint32_t> facet_;
   std::size_t used_ = 0;
+  std::vector<float> share_;  // the share of each facet's area that the leaf being read owns
 };
 
 }  // namespace morula::detail

@@ -36,7 +36,7 @@ void ContactExtras::add_surfaces(std::span<const ColliderPair> pairs, const Coll
   if (surfaces_.size() < pairs.size()) surfaces_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) surfaces_[i].start(*pairs[i].a, *pairs[i].b);
   for (std::size_t i = before; i < count; ++i) {
-    ask_to_go_on();
+    check_interrupt();
     // The first surface is computed at any cost, so that repeated resume() calls always finish.
     if (i > before && meter != nullptr && meter->by_time() && meter->out_of_time()) return;
     const Contact& c = result.contacts[i];

@@ -37,7 +37,7 @@ void FrontWalk::adopt(Front other) {
   opened_before_.clear();
   roots_before_.assign(front.pairs.size(), none);
   for (Front::Waiting& pair : front.waiting) pair.before = none;
-  keeps_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
+  records_paths_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
 }
 
 void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
@@ -53,7 +53,7 @@ void FrontWalk::list_finished(const CollideOptions& options, Contacts& result) {
 void FrontWalk::cut(std::vector<FrontPair>& list) {
   using State = FrontPair::State;
   list.clear();
-  if (front.pairs.size() != pairs.size()) return;
+  if (front.pairs.empty()) return;
   trees_.clear();
   for (const ColliderPair& pair : pairs) trees_.emplace_back(*pair.a, *pair.b, front.margin, front.level);
   each_verdict([&](const Front::Waiting& pair, bool overlapping) {

@@ -33,7 +33,7 @@ void FrontWalk::place(const CollideOptions& options) {
 
 void FrontWalk::start(const CollideOptions& options, bool accepts, Workers& workers, Contacts& result) {
   place(options);
-  keeps_ = accepts;
+  records_paths_ = accepts;
   front.level = options.level.value_or(none);
   front.margin = options.margin;
   front.pairs.resize(pairs.size());
@@ -60,7 +60,7 @@ void FrontWalk::resume(const CollideOptions& options, Workers& workers, Contacts
 
 void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts& result) {
   place(options);
-  keeps_ = true;
+  records_paths_ = true;
   roots_before_.assign(pairs.size(), none);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     Front::Pair& bodies = front.pairs[i];
@@ -139,11 +139,11 @@ void FrontWalk::take_in(const Slot& slot, const std::uint64_t* masks, Run& run) 
   front.masks.insert(front.masks.end(), masks, masks + slot.below_b.count);
   Front::Opened& entry = front.opened.emplace_back(
       Front::Opened{pair.pair, pair.a, pair.b, pair.depth, first_mask, none, none, slot.clearance, 0, 0});
-  if (slot.knows_verdicts) {
+  if (slot.has_verdicts) {
     const Front::Opened& before = opened_before_[pair.before];
     // mutant front-forgets-the-way: `before.path_length_a, entry.path_length_b = before.path_length_b` -> `front.pairs[pair.pair].a.path_length[before.a], entry.path_length_b = front.pairs[pair.pair].b.path_length[before.b]`
     entry.path_length_a = before.path_length_a, entry.path_length_b = before.path_length_b;
-  } else if (keeps_) {
+  } else if (records_paths_) {
     const Front::Pair& bodies = front.pairs[pair.pair];
     entry.path_length_a = bodies.a.path_length[pair.a], entry.path_length_b = bodies.b.path_length[pair.b];
   }
@@ -205,7 +205,7 @@ void FrontWalk::fill_round(Run& run) {
 
 void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_b, std::uint64_t* masks) const {
   const TreePair& trees = trees_[slot.pair.pair];
-  if (keeps_ && !options.refresh_children) {
+  if (records_paths_ && !options.refresh_children) {
     // The pads of this frame decided, and the pads of a later frame may be smaller, when a vertex that was far away has
     // come back. So the allowance for rounding is subtracted at both ends.
     const double measured = trees.test_and_measure(slot.below_a, below_b, masks);
@@ -218,11 +218,11 @@ void FrontWalk::test(const CollideOptions& options, Slot& slot, NodeRange below_
 
 void FrontWalk::test_round(Run& run) {
   std::size_t to_test = 0, tests = 0;
-  for (const Slot& slot : round_) to_test += !slot.knows_verdicts, tests += slot.tests();
+  for (const Slot& slot : round_) to_test += !slot.has_verdicts, tests += slot.tests();
   run.meter.done += tests;
   const auto test_slots = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (!round_[i].knows_verdicts)
+      if (!round_[i].has_verdicts)
         test(run.options, round_[i], round_[i].below_b, round_masks_.data() + round_[i].first_mask);
   };
   if (to_test > slots_per_chunk && run.workers.thread_count() > 1) {
@@ -234,7 +234,7 @@ void FrontWalk::test_round(Run& run) {
 
 bool FrontWalk::test_in_time(Run& run) {
   for (Slot& slot : round_) {
-    if (slot.knows_verdicts) continue;
+    if (slot.has_verdicts) continue;
     const std::uint32_t step = std::max(1u, tests_per_look / slot.below_a.count);
     for (std::uint32_t j = 0; j < slot.below_b.count; j += step) {
       if (j > 0 && run.meter.out_of_time()) {
@@ -260,7 +260,7 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
   std::make_heap(front.waiting.begin(), front.waiting.end(), comes_later);
   test_roots(run);
   while (!front.waiting.empty() && !run.meter.out_of_time()) {
-    ask_to_go_on();
+    check_interrupt();
     fill_round(run);
     std::size_t mask_count = 0;
     for (Slot& slot : round_) slot.first_mask = std::exchange(mask_count, mask_count + slot.below_b.count);
@@ -273,7 +273,7 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
     for (std::size_t i = 0; i < round_.size(); ++i) {
       Slot& slot = round_[i];
       const std::uint64_t* masks = round_masks_.data() + slot.first_mask;
-      if (slot.knows_verdicts) {
+      if (slot.has_verdicts) {
         const Front::Opened& before = opened_before_[slot.pair.before];
         slot.clearance = before.clearance;
         masks = masks_before_.data() + before.first_mask;
@@ -306,10 +306,18 @@ void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& re
   extras.add(pairs, options, &meter, result);
 }
 
+void FrontWalk::end_front() noexcept {
+  front.pairs.clear();
+  front.opened.clear();
+  front.masks.clear();
+  front.waiting.clear();
+  front.next_order = 0;
+}
+
 void FrontWalk::forget() noexcept {
   front = Front{};
   extras.forget();
-  keeps_ = false;
+  records_paths_ = false;
   trees_.clear();
   opened_before_.clear(), masks_before_.clear(), roots_before_.clear();
   round_.clear(), round_masks_.clear(), aside_.clear();

@@ -81,7 +81,10 @@ class FrontWalk {
   bool is_well_formed() const;
   /// Lists only the finished contacts of the front, which belongs to the present frame.
   void list_finished(const CollideOptions& options, Contacts& result);
+  /// Lists the cut of the front, which belongs to these pairs; nothing without a front.
   void cut(std::vector<FrontPair>& list);
+  /// Discards the front; keeps its memory.
+  void end_front() noexcept;
   /// Discards the front, and all memory that an exception may have left in any state.
   void forget() noexcept;
 
@@ -90,10 +93,10 @@ class FrontWalk {
   struct Slot {
     Front::Waiting pair;
     NodeRange below_a, below_b;
-    bool knows_verdicts;  // whether there are verdicts of the previous frame
+    bool has_verdicts;  // whether there are verdicts of the previous frame
     double clearance;
     std::size_t first_mask = 0;  // begin of the masks in round_masks_
-    std::uint32_t tests() const { return knows_verdicts ? 0 : below_a.count * below_b.count; }
+    std::uint32_t tests() const { return has_verdicts ? 0 : below_a.count * below_b.count; }
   };
   struct Run {
     const CollideOptions& options;
@@ -120,7 +123,7 @@ class FrontWalk {
   void admit(const Front::Waiting& found, Run& run);
   void report(const Front::Waiting& pair, bool finished, Contacts& result) const;
 
-  bool keeps_ = false;
+  bool records_paths_ = false;
   std::vector<TreePair> trees_;
   // The opened pairs of the previous frame, while its verdicts may serve.
   std::vector<Front::Opened> opened_before_;

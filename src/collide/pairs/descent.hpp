@@ -22,7 +22,7 @@ Descent each_overlapping(const TreePair& trees, const Final& f,
                          std::size_t most_tests = std::numeric_limits<std::size_t>::max()) {
   if (most_tests == 0) return {.finished = false};
   Descent result{.tests = 1};
-  AskNowAndThen ask_now_and_then(128);
+  InterruptPoller poll_interrupt(128);
   const auto enter = [&](const auto& self, std::uint32_t a, std::uint32_t b, std::uint32_t depth) -> void {
     if (trees.is_final(a, b, depth)) return f(a, b);
     const NodeRange below_a = trees.below_a(a, depth), below_b = trees.below_b(b, depth);
@@ -33,7 +33,7 @@ Descent each_overlapping(const TreePair& trees, const Final& f,
       result.finished = false;
       return;
     }
-    ask_now_and_then();
+    poll_interrupt();
     std::uint64_t masks[max_branching];
     trees.test(below_a, below_b, masks);
     result.tests += tests;

@@ -50,10 +50,10 @@ std::vector<Facet> facets_around(std::span<const Vec3> points) {
   const auto [a, b, c, d] = first_four(points);
   std::vector<Facet> facets{{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}}, kept;
   std::map<std::array<std::uint32_t, 2>, bool> seen;  // sides of facets that see the point
-  AskNowAndThen ask_now_and_then(64);
+  InterruptPoller poll_interrupt(64);
   for (std::uint32_t p = 1; p < points.size(); ++p) {
     if (p == b || p == c || p == d) continue;
-    ask_now_and_then();
+    poll_interrupt();
     kept.clear();
     seen.clear();
     for (const Facet& f : facets) {
@@ -128,9 +128,9 @@ void ConvexHull::measure() {
   largest_ = 0;
   for (const Vec3& p : vertices_) largest_ = std::max(largest_, max_norm(p));
   planes_.resize(facets_.size());
-  AskNowAndThen ask_now_and_then(64);
+  InterruptPoller poll_interrupt(64);
   for (std::size_t f = 0; f < facets_.size(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     const Vec3 &a = vertices_[facets_[f][0]], &b = vertices_[facets_[f][1]], &c = vertices_[facets_[f][2]];
     const double size = std::max(max_norm(b - a), max_norm(c - a));
     const Vec3 normal = normalized(cross((b - a) / size, (c - a) / size));

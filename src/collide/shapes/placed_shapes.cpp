@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collide/shapes/placed_shapes.hpp"
 
+#include <cmath>
+
 #include "collide/facets/world_facets.hpp"
 
 namespace morula::detail {
@@ -60,9 +62,20 @@ Barycentric where_greatest_is_least(std::span<const Heights> planes) {
 
 }  // namespace
 
+HalfSpace scaled(const HalfSpace& shape) {
+  const int exponent = std::ilogb(max_norm(shape.normal));
+  const auto scale = [&](double x) { return std::ldexp(x, -exponent); };
+  return {{scale(shape.normal.x), scale(shape.normal.y), scale(shape.normal.z)}, scale(shape.offset)};
+}
+
 bool is_usable(const HalfSpace& shape) {
-  const double size = length(shape.normal);
-  return is_near(shape.normal) && size > 0x1p-200 && std::abs(shape.offset) / size < 0x1p200;
+  if (!is_finite(shape.normal) || shape.normal == Vec3{}) return false;
+  const HalfSpace unit = scaled(shape);
+  return std::abs(unit.offset) / length(unit.normal) < 0x1p200;
+}
+bool is_usable(const Ray& ray) {
+  const double longest = max_norm(ray.direction);
+  return is_near(ray.origin) && is_finite(ray.direction) && longest > 0x1p-200 && longest < 0x1p200 && ray.t_end >= 0;
 }
 bool is_usable(const Sphere& shape) {
   return is_near(shape.center) && is_good(shape.radius);

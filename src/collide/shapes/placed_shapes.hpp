@@ -15,10 +15,15 @@
 
 namespace morula::detail {
 
+/// The same half space with a normal whose largest |component| is in [1, 2): squares of its lengths stay in range. It
+/// is scaled by a power of two, which changes no digit. The normal must be finite and not 0.
+HalfSpace scaled(const HalfSpace& shape);
+
 bool is_usable(const HalfSpace& shape);
 bool is_usable(const Sphere& shape);
 bool is_usable(const Capsule& shape);
 bool is_usable(const ConvexHull& shape);
+bool is_usable(const Ray& ray);
 
 inline Vec3 abs(const Vec3& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
@@ -43,8 +48,11 @@ struct FoundOnShape {
 class PlacedHalfSpace {
  public:
   static constexpr bool looks_at_spheres_first = false;
-  explicit PlacedHalfSpace(const HalfSpace& shape)
-      : normal_(shape.normal / length(shape.normal)), offset_(shape.offset / length(shape.normal)) {}
+  explicit PlacedHalfSpace(const HalfSpace& shape) {
+    const HalfSpace unit = scaled(shape);
+    const double size = length(unit.normal);
+    normal_ = unit.normal / size, offset_ = unit.offset / size;
+  }
 
   // Unit normal and offset are off by 5 u of themselves, products and sums by 4 u of |x| <= 1.8 coordinates: the
   // allowance is 32 u of each.

@@ -8,6 +8,7 @@
 
 #include "collide/pairs/placed_spheres.hpp"
 #include "collide/require.hpp"
+#include "collide/shapes/placed_shapes.hpp"
 #include "geometry/exact_predicates.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -101,19 +102,13 @@ class ShearedRay {
   int x_, y_, z_;
 };
 
-bool is_good(const Ray& ray) {
-  const double longest = max_norm(ray.direction);
-  return is_finite(ray.origin) && is_finite(ray.direction) && max_norm(ray.origin) < 0x1p200 && longest > 0x1p-200 &&
-         longest < 0x1p200 && ray.t_end >= 0;
-}
-
 }  // namespace
 
 RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
   const StandardFloats standard;
   RayHit result;
   result.status = askable(body);
-  if (result.status && !is_good(ray)) result.status = {Status::Code::bad_shape};
+  if (result.status && !is_usable(ray)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
   result.certified = body.sphere_state().covers;
   const PlacedSpheres spheres(body);

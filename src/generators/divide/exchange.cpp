@@ -70,20 +70,20 @@ struct Gifts {
     std::uint32_t to;
   };
   std::vector<Gift> gifts;
-  Region pieces;
-  void add_polygon(std::uint32_t who, std::size_t polygon) {
-    gifts.push_back({static_cast<std::uint32_t>(polygon), who});
+  Region parts;
+  void add_polygon(std::uint32_t owner, std::size_t polygon) {
+    gifts.push_back({static_cast<std::uint32_t>(polygon), owner});
   }
-  void add_piece(std::uint32_t who, const Region& region, std::size_t of_polygon, std::span<const Barycentric> piece) {
-    add_polygon(who, region.size() + pieces.size());
-    pieces.add(region.facet[of_polygon], piece);
+  void add_part(std::uint32_t owner, const Region& region, std::size_t of_polygon, std::span<const Barycentric> part) {
+    add_polygon(owner, region.size() + parts.size());
+    parts.add(region.facet[of_polygon], part);
   }
   // Calls visit(receiver, region, polygon of that region).
   template <class Visit>
   void each(const Region& region, const Visit& visit) const {
     for (const auto& [polygon, to] : gifts) {
-      const bool is_piece = polygon >= region.size();
-      visit(to, is_piece ? pieces : region, is_piece ? polygon - region.size() : polygon);
+      const bool is_part = polygon >= region.size();
+      visit(to, is_part ? parts : region, is_part ? polygon - region.size() : polygon);
     }
   }
 };
@@ -161,7 +161,7 @@ class Exchange {
     for (const BuildNode& node : nodes_) spheres.push_back(node.sphere);
     std::vector<Gifts> gifts(spheres.size());
     workers.run(spheres.size(), [&](std::size_t s) { gifts[s] = give(static_cast<std::uint32_t>(s), spheres); });
-    hand_over(gifts);
+    transfer(gifts);
   }
 
   void refit(Workers& workers) {
@@ -178,7 +178,7 @@ class Exchange {
  private:
   // On fine meshes regions are a large part of a build's memory, so they get exactly the room that they need, and given
   // parts are freed at once.
-  void hand_over(std::vector<Gifts>& gifts) {
+  void transfer(std::vector<Gifts>& gifts) {
     std::vector<std::size_t> polygons(nodes_.size(), 0), cut_corners(nodes_.size(), 0);
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       gifts[i].each(nodes_[i].region, [&](std::uint32_t to, const Region& from, std::size_t k) {
@@ -242,12 +242,12 @@ class Exchange {
         gifts.add_polygon(from, k);
         continue;
       }
-      for (std::size_t piece = 0; piece < cut.size(); ++piece) {
+      for (std::size_t part = 0; part < cut.size(); ++part) {
         corners.clear();
-        for (const Barycentric& b : cut.polygon(piece)) corners.push_back(at_barycentric(geometry.corners, b));
-        const std::uint32_t to = cut.owner[piece];
-        gifts.add_piece(to != from && contains(spheres[to], corners, pad_) ? to : from, own.region, k,
-                        cut.polygon(piece));
+        for (const Barycentric& b : cut.polygon(part)) corners.push_back(at_barycentric(geometry.corners, b));
+        const std::uint32_t to = cut.owner[part];
+        gifts.add_part(to != from && contains(spheres[to], corners, pad_) ? to : from, own.region, k,
+                       cut.polygon(part));
       }
     }
     // A node that becomes empty is lost for the level: a node that would give everything keeps everything.

@@ -112,13 +112,13 @@ class Parts {
 }  // namespace
 
 double largest_protrusion(const MeshView& mesh, const ObjectShape& shape, std::span<const BuildNode> leaves) {
-  const bool asks_index = shape.has_index() || !shape.has_volume();
-  const Parts parts(mesh, asks_index ? std::span<const BuildNode>{} : leaves);
+  const bool uses_index = shape.has_index() || !shape.has_volume();
+  const Parts parts(mesh, uses_index ? std::span<const BuildNode>{} : leaves);
   double largest = 0;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     const Sphere& sphere = leaves[i].sphere;
     const double slack = rounding * std::max(sphere.radius, max_norm(sphere.center) + sphere.radius);
-    const double away = asks_index ? 0.0 : parts.distance_to_surface(i);
+    const double away = uses_index ? 0.0 : parts.distance_to_surface(i);
     if (away <= 2 * slack) {
       largest = std::max(largest, shape.distance().protrusion_bound(sphere));
     } else {

@@ -173,7 +173,7 @@ NodeFit::Exact NodeFit::divided_anyway(std::vector<Sphere> spheres) {
   return exact_from(std::move(spheres), 1, true, true);
 }
 
-NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool wants_cost, bool from_node_center) {
+NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool with_cost, bool from_node_center) {
   Exact best;
   best.cost = std::numeric_limits<double>::infinity();
   std::vector<Vec3> corners;
@@ -199,7 +199,7 @@ NodeFit::Exact NodeFit::exact_from(std::vector<Sphere> spheres, int rounds, bool
       now.regions.push_back(std::move(divided.regions[i]));
     }
     children_->start_from_grid(balls);
-    if (rounds > 1 || wants_cost) now.cost = children_->objective() * grid_->cell_volume();
+    if (rounds > 1 || with_cost) now.cost = children_->objective() * grid_->cell_volume();
     spheres = now.spheres;
     if (now.cost < best.cost || round == 0) best = std::move(now);
   }

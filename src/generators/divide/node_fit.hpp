@@ -68,16 +68,16 @@ class NodeFit {
     double cost = 0;  // outside volume, and the balance term; mesh units; 0 if no cost is requested
   };
   /// Divides the region exactly among the children's balls and fits each ball again to its own part; returns the best
-  /// of a few rounds. The children keep that result. wants_cost: the result will be compared with others.
-  Exact exact(bool wants_cost = true) {
-    return exact_from(children_->spheres(), settings_.exact_rounds, wants_cost, false);
+  /// of a few rounds. The children keep that result. with_cost: the result will be compared with others.
+  Exact exact(bool with_cost = true) {
+    return exact_from(children_->spheres(), settings_.exact_rounds, with_cost, false);
   }
   /// Divides once, among other spheres, each of which is also tried at the node's own center: for nodes that one ball
   /// fits as well as many.
   Exact divided_anyway(std::vector<Sphere> spheres);
 
  private:
-  Exact exact_from(std::vector<Sphere> spheres, int rounds, bool wants_cost, bool from_node_center);
+  Exact exact_from(std::vector<Sphere> spheres, int rounds, bool with_cost, bool from_node_center);
 
   const FitInput& input_;
   const BuildNode& node_;

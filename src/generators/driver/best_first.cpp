@@ -71,7 +71,7 @@ class Pruner {
  private:
   // The least cost of joining two leaves among a node's children.
   void look_for_join(std::uint32_t parent) {
-    ask_to_go_on();
+    check_interrupt();
     Candidates& of = candidates_[parent];
     std::vector<std::pair<double, Pair>> pairs;
     const std::vector<std::uint32_t>& children = nodes_[parent].children;
@@ -170,8 +170,8 @@ class BestFirst {
     const Verdict verdict = score_(root.sphere);
     add(std::move(root), verdict);
     all_patches_ = std::max<std::size_t>(1, nodes_[0].node.region.size());
-    told_ = run_.seconds();
-    report_.level_seconds.assign(1, told_);
+    last_report_ = run_.seconds();
+    report_.level_seconds.assign(1, last_report_);
     while (!waiting_.empty() && !full()) {
       const std::uint32_t worst = waiting_.begin()->second;
       if (!nodes_[worst].prepared && !divide_ahead()) break;
@@ -235,9 +235,9 @@ class BestFirst {
       const auto level = static_cast<std::size_t>(nodes_[chosen[i]].node.level) + 1;
       if (!nodes_[chosen[i]].prepared) continue;
       if (report_.level_seconds.size() <= level) report_.level_seconds.resize(level + 1);
-      report_.level_seconds[level] += (now - told_) / levels;
+      report_.level_seconds[level] += (now - last_report_) / levels;
     }
-    told_ = now;
+    last_report_ = now;
     tell();
     run_.throw_if_stopped();
     out_of_time_ = levels < static_cast<double>(chosen.size());
@@ -376,7 +376,7 @@ class BestFirst {
   std::set<std::pair<double, std::uint32_t>> waiting_;  // leaves still to be divided, worst first, then oldest
   std::size_t leaves_ = 1, grown_ = 1, patches_done_ = 0, all_patches_ = 1;
   int deepest_ = 0;
-  double told_ = 0;
+  double last_report_ = 0;
   bool out_of_time_ = false;
 };
 

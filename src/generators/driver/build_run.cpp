@@ -30,11 +30,11 @@ BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
                              std::chrono::duration<double>(std::min(longest, *time_limit_seconds)));
   }
   if (progress)
-    progress = [told = std::make_shared<BuildProgress>(), forward = progress](const BuildProgress& now) {
-      told->share = std::clamp(now.share, told->share, 1.0);
-      told->level = std::max(told->level, now.level);
-      told->seconds_left = now.seconds_left;
-      forward(*told);
+    progress = [reported = std::make_shared<BuildProgress>(), forward = progress](const BuildProgress& now) {
+      reported->share = std::clamp(now.share, reported->share, 1.0);
+      reported->level = std::max(reported->level, now.level);
+      reported->seconds_left = now.seconds_left;
+      forward(*reported);
     };
 }
 

@@ -49,15 +49,15 @@ double signed_area(std::span<const Barycentric> polygon) {
 // the facet, and that corner need not lie in the node's sphere.
 Region joined(std::span<const BuildNode> parts) {
   constexpr double whole = 0.5 * (1 - 1e-12);
-  struct Pieces {
+  struct FacetPatches {
     double area = 0;
     std::size_t count = 0;
     unsigned corners = 0;  // corners of the facet, a bit each
   };
-  std::map<std::uint32_t, Pieces> pieces;
+  std::map<std::uint32_t, FacetPatches> patches;
   for (const BuildNode& part : parts)
     for (std::size_t k = 0; k < part.region.size(); ++k) {
-      Pieces& of = pieces[part.region.facet[k]];
+      FacetPatches& of = patches[part.region.facet[k]];
       of.area += std::abs(signed_area(part.region.polygon(k)));
       ++of.count;
       for (const Barycentric& b : part.region.polygon(k))
@@ -67,7 +67,7 @@ Region joined(std::span<const BuildNode> parts) {
   Region region;
   for (const BuildNode& part : parts)
     for (std::size_t k = 0; k < part.region.size(); ++k) {
-      Pieces& of = pieces[part.region.facet[k]];
+      FacetPatches& of = patches[part.region.facet[k]];
       if (of.area < whole || of.corners != 7)
         region.add(part.region.facet[k], part.region.polygon(k));
       else if (of.count > 0)
@@ -268,9 +268,9 @@ class LevelByLevel {
         workers_(workers),
         level_{root_node(mesh, run, input.root_cell)},
         estimate_(run.depth, run.branching, level_[0].region.size(), workers.thread_count()),
-        told_(run.seconds()) {
+        last_report_(run.seconds()) {
     built_.report = new_report(mesh, run);
-    built_.report.level_seconds.push_back(told_);
+    built_.report.level_seconds.push_back(last_report_);
     built_.tree.branching = built_.report.branching;
     built_.tree.append_level({}, std::span(&level_[0].sphere, 1));
   }
@@ -296,8 +296,8 @@ class LevelByLevel {
     // mutant levels-monotone: `input_.lines)` -> `input_.lines && next.empty())`
     if (input_.lines) keep_monotone(mesh_, *input_.lines, run_.largest_coordinate(), settled_, level_, next, last);
     append(next);
-    built_.report.level_seconds.push_back(run_.seconds() - told_);
-    told_ = run_.seconds();
+    built_.report.level_seconds.push_back(run_.seconds() - last_report_);
+    last_report_ = run_.seconds();
     if (made.undivided > 0) note_time_limit(run_, made.undivided, level_.size(), last ? 0 : next.size(), built_.report);
     level_ = std::move(next);
   }
@@ -347,7 +347,7 @@ class LevelByLevel {
   Workers& workers_;
   std::vector<BuildNode> level_;  // nodes of the current level
   TimeEstimate estimate_;
-  double told_;  // when the last level was finished
+  double last_report_;  // when the last level was finished
   CoveredTree built_;
   Winners winners_;
   std::vector<Sphere> settled_;   // spheres of leaves above the current level

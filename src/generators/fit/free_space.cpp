@@ -47,7 +47,7 @@ void FreeSpace::trace(const ObjectLines& lines, int axis, std::span<const Ball> 
       if (square > 0) trace_line(lines, axis, u, v, std::sqrt(square), row);
     }
   }
-  for (Pieces& p = pieces_[static_cast<std::size_t>(axis)]; p.u.size() % 4 != 0;) p.add(0, 0, 0, 0, 0);
+  for (Segments& p = segments_[static_cast<std::size_t>(axis)]; p.u.size() % 4 != 0;) p.add(0, 0, 0, 0, 0);
 }
 
 void FreeSpace::trace_line(const ObjectLines& lines, int axis, int u, int v, double half, std::span<const Ball> row) {
@@ -77,7 +77,7 @@ void FreeSpace::trace_line(const ObjectLines& lines, int axis, int u, int v, dou
 
   const ObjectLines::WeightsAlong weights = lines.weights_along(axis, u, v);
   const double blocks_end = static_cast<double>(weights.block) * weights.blocks;
-  Pieces& pieces = pieces_[static_cast<std::size_t>(axis)];
+  Segments& segments = segments_[static_cast<std::size_t>(axis)];
   const auto line_u = static_cast<float>(u + 0.5 - in_lattice_[(axis + 1) % 3]),
              line_v = static_cast<float>(v + 0.5 - in_lattice_[(axis + 2) % 3]);
   const auto add = [&](double at, double end) {
@@ -90,7 +90,7 @@ void FreeSpace::trace_line(const ObjectLines& lines, int axis, int u, int v, dou
         block = static_cast<int>(at / weights.block);
         next = std::min(next, static_cast<double>(weights.block) * (block + 1));
       }
-      pieces.add(line_u, line_v, at - middle, next - middle, weights[block]);
+      segments.add(line_u, line_v, at - middle, next - middle, weights[block]);
       at = next;
     }
   };
@@ -110,7 +110,7 @@ void FreeSpace::trace_line(const ObjectLines& lines, int axis, int u, int v, dou
   add(at, to);
 }
 
-void FreeSpace::Pieces::add(float line_u, float line_v, double from, double to, float counts) {
+void FreeSpace::Segments::add(float line_u, float line_v, double from, double to, float counts) {
   u.push_back(line_u);
   v.push_back(line_v);
   begin.push_back(static_cast<float>(from));
@@ -134,7 +134,7 @@ bool FreeSpace::is_inside(const Vec3f& center, float radius) const {
 float FreeSpace::cost(const Vec3f& center, float radius, float enough) const {
   float total = 0;
   for (std::size_t a = 0; a < 3 && total <= enough; ++a) {
-    const Pieces& p = pieces_[a];
+    const Segments& p = segments_[a];
     const Float4 zero(0.0F), square(radius * radius), along(center[static_cast<int>(a)]),
         across_u(center[static_cast<int>((a + 1) % 3)]), across_v(center[static_cast<int>((a + 2) % 3)]);
     Float4 sum(0.0F);

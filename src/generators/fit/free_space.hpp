@@ -35,7 +35,7 @@ class FreeSpace {
 
  private:
   // Intervals in columns. Their number is a multiple of the register width; the last ones are padding with weight 0.
-  struct Pieces {
+  struct Segments {
     std::vector<float> u, v, begin, end, weight;
     void add(float line_u, float line_v, double from, double to, float counts);
   };
@@ -52,7 +52,7 @@ class FreeSpace {
   double radius_, cell_;
   Vec3 in_lattice_;
   int stride_;
-  std::array<Pieces, 3> pieces_;
+  std::array<Segments, 3> segments_;
   std::vector<Interval> apart_;  // scratch
 };
 

@@ -69,17 +69,17 @@ ObjectLines::Axis ObjectLines::trace(const MeshView& mesh, const std::vector<Vec
   std::vector<std::uint32_t> next(lines + 1, 0);
   for (const RawCrossing& r : raw) ++next[r.line + 1];
   for (std::size_t i = 1; i <= lines; ++i) next[i] += next[i - 1];
-  std::vector<RawCrossing> dealt(raw.size());
-  for (const RawCrossing& r : raw) dealt[next[r.line]++] = r;
+  std::vector<RawCrossing> sorted(raw.size());
+  for (const RawCrossing& r : raw) sorted[next[r.line]++] = r;
 
   Axis result;
   result.begin.assign(lines + 1, 0);
   std::size_t i = 0;
   for (std::size_t line = 0; line < lines; ++line) {
     const std::size_t begin = i;
-    while (i < dealt.size() && dealt[i].line == line) ++i;
-    const auto first = dealt.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last = dealt.begin() + static_cast<std::ptrdiff_t>(i);
+    while (i < sorted.size() && sorted[i].line == line) ++i;
+    const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin);
+    const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(i);
     std::sort(first, last, [](const RawCrossing& x, const RawCrossing& y) {
       return x.at != y.at ? x.at < y.at : x.facet < y.facet;
     });

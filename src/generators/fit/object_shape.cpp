@@ -22,7 +22,7 @@ ObjectShape::ObjectShape(const MeshView& mesh, Workers& workers)
       box_(distance_->bvh().bounding_box()) {}
 
 const SignedDistance& ObjectShape::distance() const {
-  std::call_once(asked_, [this] {
+  std::call_once(computed_, [this] {
     if (!distance_) distance_.emplace(mesh_);
   });
   return *distance_;

@@ -31,7 +31,7 @@ class ObjectShape {
 
  private:
   MeshView mesh_;
-  mutable std::once_flag asked_;
+  mutable std::once_flag computed_;
   mutable std::optional<SignedDistance> distance_;
   bool has_volume_;
   double orientation_;

@@ -57,12 +57,12 @@ Partition partition(const MeshView& mesh, const Region& region, std::span<const 
     const FacetGeometry facet = facet_geometry(mesh, region.facet[k]);
     cut.clear();
     cut_by_power(facet, region.polygon(k), spheres, all, cut);
-    for (std::size_t piece = 0; piece < cut.size(); ++piece) {
-      const bool is_inside = std::ranges::all_of(cut.polygon(piece), [&](const Barycentric& b) {
-        return contains(spheres[cut.owner[piece]], at_barycentric(facet.corners, b));
+    for (std::size_t part = 0; part < cut.size(); ++part) {
+      const bool is_inside = std::ranges::all_of(cut.polygon(part), [&](const Barycentric& b) {
+        return contains(spheres[cut.owner[part]], at_barycentric(facet.corners, b));
       });
-      Region& target = is_inside ? result.regions[cut.owner[piece]] : leftovers;
-      target.add(region.facet[k], cut.polygon(piece));
+      Region& target = is_inside ? result.regions[cut.owner[part]] : leftovers;
+      target.add(region.facet[k], cut.polygon(part));
     }
   }
 

@@ -37,11 +37,11 @@ UnionLines::UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres
   }
   seen_.assign(line_count, 0);
   outside_on_.assign(line_count, -1);
-  deal_chords(in_lattice);
+  assign_chords(in_lattice);
 }
 
 // Chords by line: first counted, then assigned.
-void UnionLines::deal_chords(std::span<const Sphere> in_lattice) {
+void UnionLines::assign_chords(std::span<const Sphere> in_lattice) {
   const std::size_t line_count = seen_.size();
   std::vector<std::uint32_t> next(line_count + 1, 0);
   sphere_lines_begin_.push_back(0);

@@ -50,7 +50,7 @@ class UnionLines {
   };
   template <class Visit>
   void each_line(std::size_t axis, const Sphere& in_lattice, const Visit& visit) const;
-  void deal_chords(std::span<const Sphere> in_lattice);
+  void assign_chords(std::span<const Sphere> in_lattice);
   void measure(std::size_t axis, int u, int v, std::span<Chord> chords) const;
   std::span<const Chord> line(std::size_t i) const {
     return std::span(chords_).subspan(line_begin_[i], line_begin_[i + 1] - line_begin_[i]);

@@ -84,9 +84,9 @@ class AdaptiveMedial {
     }
     slots_.resize(diagram_.balls().size());
     for (const std::uint32_t s : diagram_.removed()) slots_[s] = {};
-    AskNowAndThen ask_now_and_then(64);
+    InterruptPoller poll_interrupt(64);
     for (const std::uint32_t s : diagram_.created()) {
-      ask_now_and_then();
+      poll_interrupt();
       slots_[s] = described(s);
     }
     choose_covers();

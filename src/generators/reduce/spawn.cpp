@@ -79,7 +79,7 @@ class Spawn {
     for (std::size_t k = 0; k < node_.samples.size(); ++k) left.add(k);
     while (!left.empty()) {
       if (spheres.size() == node_.branching) return {};
-      ask_to_go_on();
+      check_interrupt();
       const std::size_t remotest = find_remotest(left);
       const Sphere sphere = best_sphere(s, node_.samples[remotest], left, previous);
       SampleSet next = left;

@@ -115,9 +115,9 @@ bool read_codes(Bits& bits, Code& lengths, Code& distances) {
 }
 
 bool read_block(Bits& bits, const Code& lengths, const Code& distances, std::string& out, std::size_t size) {
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (;;) {
-    ask_now_and_then();
+    poll_interrupt();
     const int symbol = lengths.read(bits);
     if (symbol < 0 || bits.ended) return false;
     if (symbol == 256) return true;
@@ -148,7 +148,7 @@ bool inflate(Bits& bits, std::string_view packed, std::string& out, std::size_t 
       const unsigned length = bits.take(16), complement = bits.take(16);
       if (bits.ended || (length ^ 0xffffu) != complement || length > size - out.size()) return false;
       if (length > packed.size() - bits.byte()) return false;
-      ask_to_go_on();
+      check_interrupt();
       for (unsigned i = 0; i < length; ++i) out += static_cast<char>(bits.take(8));
       continue;
     }
@@ -183,9 +183,9 @@ std::optional<std::string> inflate_zlib(std::string_view packed, std::size_t siz
   for (int i = 0; i < 4; ++i) sum = sum << 8 | bits.take(8);
   if (bits.ended) return std::nullopt;
   std::uint32_t a = 1, b = 0;
-  AskNowAndThen ask_now_and_then(1u << 20);
+  InterruptPoller poll_interrupt(1u << 20);
   for (const char c : out) {
-    ask_now_and_then();
+    poll_interrupt();
     a = (a + static_cast<unsigned char>(c)) % 65521;
     b = (b + a) % 65521;
   }

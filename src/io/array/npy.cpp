@@ -190,9 +190,9 @@ template <class Value>
 std::string array_bytes(std::string_view descr, std::span<const Value> values, std::span<const std::size_t> shape) {
   std::string bytes = npy_start(descr, shape);
   bytes.reserve(bytes.size() + values.size_bytes());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const Value value : values) {
-    ask_now_and_then();
+    poll_interrupt();
     store(bytes, value);
   }
   return bytes;
@@ -260,9 +260,9 @@ std::vector<double> read_npy_values(const ByteSource& source, const NpyArray& ar
   const std::string bytes = source.read(array.data_offset + first * scalar, count * scalar);
   std::vector<double> values;
   values.reserve(count);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t i = 0; i < count; ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const char* const at = bytes.data() + i * scalar;
     values.push_back(array.type == NpyType::float64 ? load<double>(at) : static_cast<double>(load<float>(at)));
   }
@@ -275,9 +275,9 @@ std::vector<std::uint32_t> read_npy_indices(const ByteSource& source, const NpyA
   const std::string bytes = source.read(array.data_offset, source.size() - array.data_offset);
   const std::size_t scalar = array.scalar_size();
   std::vector<std::uint32_t> values(bytes.size() / scalar);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const char* const at = bytes.data() + i * scalar;
     std::int64_t value = 0;
     if (array.type == NpyType::int32) value = load<std::int32_t>(at);

@@ -223,11 +223,11 @@ ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry) {
 }
 
 void require_sound(const ByteSource& archive, const ZipEntry& entry) {
-  constexpr std::uint64_t piece = std::uint64_t{1} << 20;
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 20;
   Crc32 sum;
-  for (std::uint64_t done = 0; done < entry.size; done += piece) {
-    ask_to_go_on();
-    sum.add(archive.read(entry.offset + done, std::min(piece, entry.size - done)));
+  for (std::uint64_t done = 0; done < entry.size; done += chunk) {
+    check_interrupt();
+    sum.add(archive.read(entry.offset + done, std::min(chunk, entry.size - done)));
   }
   if (sum.value() != entry.crc)
     fail(archive, in_quotes(entry.name) + " in it is damaged: its checksum differs; write or copy the file again");

@@ -57,18 +57,18 @@ std::vector<double> Accessors::numbers(int index, int type, const std::string& o
   if (a.bufferView >= 0) {
     const Strided from = strided(a.bufferView, a.byteOffset, a.componentType, width, a.count, true, owner);
     values.reserve(a.count * width);
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (std::size_t i = 0; i < a.count; ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       for (std::size_t k = 0; k < width; ++k) values.push_back(from.number(i, k, a.normalized));
     }
   } else {
-    resize_asking(values, a.count * width);
+    resize_interruptibly(values, a.count * width);
   }
   if (a.sparse.isSparse) replace_sparse(a, width, values, owner);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const double value : values) {
-    ask_now_and_then();
+    poll_interrupt();
     if (!std::isfinite(value)) document_.fail(owner + " has a number that is not finite");
   }
   return values;
@@ -78,9 +78,9 @@ std::vector<Vec3> Accessors::vectors(int index, const std::string& owner) const 
   const std::vector<double> values = numbers(index, TINYGLTF_TYPE_VEC3, owner);
   std::vector<Vec3> vectors;
   vectors.reserve(values.size() / 3);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t i = 0; i < values.size(); i += 3) {
-    ask_now_and_then();
+    poll_interrupt();
     vectors.push_back({values[i], values[i + 1], values[i + 2]});
   }
   return vectors;
@@ -96,9 +96,9 @@ std::vector<std::uint32_t> Accessors::indices(int index, int type, const std::st
   if (a.normalized) document_.fail(owner + " has normalized numbers, which are no indices");
   const std::vector<double> values = numbers(index, type, owner);
   result.reserve(values.size());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const double value : values) {
-    ask_now_and_then();
+    poll_interrupt();
     result.push_back(static_cast<std::uint32_t>(value));
   }
   return result;
@@ -165,9 +165,9 @@ void Accessors::replace_sparse(const morula_tinygltf::Accessor& a, std::size_t w
                                 type, 1, count, false, owner);
   const Strided from = strided(a.sparse.values.bufferView, static_cast<std::uint64_t>(a.sparse.values.byteOffset),
                                a.componentType, width, count, false, owner);
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < count; ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const auto target = static_cast<std::size_t>(where.number(i, 0, false));
     if (target >= a.count)
       document_.fail(owner + " replaces number " + std::to_string(target) + " of " + std::to_string(a.count));

@@ -106,11 +106,11 @@ bool mirrors(const AffineTransform& t) {
 
 std::vector<Vec3> morphed(const VertexSet& set, const std::vector<double>& weights) {
   std::vector<Vec3> positions = set.positions;
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t k = 0; k < set.targets.size(); ++k) {
     if (set.targets[k].empty() || weights[k] == 0) continue;
     for (std::size_t v = 0; v < positions.size(); ++v) {
-      ask_now_and_then();
+      poll_interrupt();
       positions[v] += weights[k] * set.targets[k][v];
     }
   }
@@ -123,7 +123,7 @@ AffineTransform joint_transform(const SkinData& skin, std::size_t joint, const M
 
 std::vector<Vec3> positions_of(const Document& document, const Moment& moment, bool with_skins) {
   std::vector<Vec3> positions;
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (const std::uint32_t i : document.drawn) {
     const Node& node = document.nodes[i];
     std::vector<AffineTransform> joints;
@@ -133,7 +133,7 @@ std::vector<Vec3> positions_of(const Document& document, const Moment& moment, b
     for (const VertexSet& set : document.meshes[node.mesh].vertices) {
       std::vector<Vec3> own = morphed(set, moment.weights[i]);
       for (std::size_t v = 0; v < own.size(); ++v) {
-        ask_now_and_then();
+        poll_interrupt();
         if (node.skin == none) {
           own[v] = moment.of_node[i](own[v]);
         } else if (with_skins) {
@@ -201,7 +201,7 @@ double duration(std::span<const Channel> channels) {
 Joined joined(const Document& document) {
   Joined all;
   const Moment rest = at_rest(document);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const std::uint32_t i : document.drawn) {
     const Node& node = document.nodes[i];
     const MeshData& mesh = document.meshes[node.mesh];
@@ -215,7 +215,7 @@ Joined joined(const Document& document) {
     const bool turned_over = node.skin == none && mirrors(rest.of_node[i]);
     for (const Primitive& primitive : mesh.primitives)
       for (Facet facet : primitive.facets) {
-        ask_now_and_then();
+        poll_interrupt();
         make_room(all.facets);
         for (std::uint32_t& v : facet) v += static_cast<std::uint32_t>(first[primitive.vertices]);
         if (turned_over) std::swap(facet[1], facet[2]);
@@ -235,13 +235,13 @@ std::vector<Vec3> bound(const Document& document, const Moment& moment) {
 
 Skin joined_skin(const Document& document) {
   Skin skin{.begin = {0}};
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (const std::uint32_t i : document.drawn) {
     const Node& node = document.nodes[i];
     const auto first_bone = static_cast<std::uint32_t>(skin.bone_count);
     for (const VertexSet& set : document.meshes[node.mesh].vertices)
       for (std::size_t v = 0; v < set.positions.size(); ++v) {
-        ask_now_and_then();
+        poll_interrupt();
         if (node.skin == none) {
           skin.bones.push_back(first_bone);
           skin.weights.push_back(1);

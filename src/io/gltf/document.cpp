@@ -215,9 +215,9 @@ class Reader {
     }
     if (joints.empty()) return;
     set.begin.push_back(0);
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (std::size_t v = 0; v < count; ++v) {
-      ask_now_and_then();
+      poll_interrupt();
       double sum = 0;
       const std::size_t first = set.joints.size();
       for (std::size_t k = 0; k < joints.size(); ++k)
@@ -243,9 +243,9 @@ class Reader {
       corners.resize(set.positions.size());
       for (std::size_t v = 0; v < corners.size(); ++v) corners[v] = static_cast<std::uint32_t>(v);
     }
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (const std::uint32_t v : corners) {
-      ask_now_and_then();
+      poll_interrupt();
       if (v >= set.positions.size())
         document_.fail(owner + " refers to vertex " + std::to_string(v) + " of " +
                        std::to_string(set.positions.size()));
@@ -256,13 +256,13 @@ class Reader {
       if (corners.size() % 3 != 0)
         document_.fail(owner + " has " + std::to_string(corners.size()) + " corners, no whole number of triangles");
       for (std::size_t i = 0; i < corners.size(); i += 3) {
-        ask_now_and_then();
+        poll_interrupt();
         facets.push_back({corners[i], corners[i + 1], corners[i + 2]});
       }
       return facets;
     }
     for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       if (from.mode == TINYGLTF_MODE_TRIANGLE_FAN)
         facets.push_back({corners[i + 1], corners[i + 2], corners[0]});
       else
@@ -294,11 +294,11 @@ class Reader {
       document_.fail(called("node", i) + " has " + std::to_string(node.weights.size()) + " weights for " +
                      std::to_string(mesh.weights.size()) + " morph targets");
     if (node.skin == none) return;
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (const VertexSet& set : mesh.vertices) {
       if (set.begin.empty()) document_.fail(called("node", i) + " has a skin, but its mesh has no joints and weights");
       for (const std::uint32_t joint : set.joints) {
-        ask_now_and_then();
+        poll_interrupt();
         if (joint >= document_.skins[node.skin].joints.size())
           document_.fail(called("node", i) + " refers to joint " + std::to_string(joint) + " of " +
                          std::to_string(document_.skins[node.skin].joints.size()));

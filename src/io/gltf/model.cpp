@@ -14,8 +14,8 @@
 #include <morula/io/mesh_file.hpp>
 #include <nlohmann/json.hpp>
 
-#include "io/asking_text.hpp"
 #include "io/byte_reader.hpp"
+#include "io/interruptible_text.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
 
@@ -193,9 +193,9 @@ void strip(Json& value) {
 int depth_of(std::string_view text) {
   int depth = 0, deepest = 0;
   bool is_in_string = false;
-  AskNowAndThen ask_now_and_then(1u << 20);
+  InterruptPoller poll_interrupt(1u << 20);
   for (std::size_t i = 0; i < text.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const char c = text[i];
     if (is_in_string && c == '\\')
       ++i;
@@ -215,8 +215,8 @@ Json parsed(const Container& file) {
   constexpr int deepest = 32;
   if (depth_of(file.json) > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
   try {
-    const AskingText asking(file.json);
-    return Json::parse(asking.begin(), asking.end());
+    const InterruptibleText interruptible(file.json);
+    return Json::parse(interruptible.begin(), interruptible.end());
   } catch (const Json::parse_error& error) {
     throw FileError(name + ": is not JSON at byte " + std::to_string(error.byte) +
                     " of its text; it was cut short or edited wrongly");
@@ -314,7 +314,7 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
   const std::string_view bytes = uri == binary_chunk ? file.binary : std::string_view(read);
   out->reserve(bytes.size());
   for (std::size_t begin = 0; begin < bytes.size(); begin += bytes_per_look) {
-    ask_to_go_on();
+    check_interrupt();
     const std::string_view part = bytes.substr(begin, bytes_per_look);
     out->insert(out->end(), part.begin(), part.end());
   }
@@ -371,8 +371,8 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
   } catch (const std::exception& problem) {
     error = problem.what();
   }
-  // mutant gltf-ended-is-a-fault: `ask_to_go_on()` -> ``
-  ask_to_go_on();  // an interruption while a buffer was read is no fault of the file
+  // mutant gltf-ended-is-a-fault: `check_interrupt()` -> ``
+  check_interrupt();  // an interruption while a buffer was read is no fault of the file
   // tinygltf continues after certain errors, and leaves out unknown data.
   if (!good || !error.empty()) {
     while (!error.empty() && (error.back() == '\n' || error.back() == '.')) error.pop_back();

@@ -136,9 +136,9 @@ void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
 
 std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, PolygonReader& polygons) {
   std::vector<std::uint32_t> corners;
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (const Polygon& polygon : polygons_) {
-    ask_now_and_then();
+    poll_interrupt();
     corners_of_fan(std::span(surface_).subspan(polygon.first, polygon.corners - 2), corners);
     polygons.cut(points, corners, surface_, polygon.first, {polygon.cell, 0});
   }
@@ -147,9 +147,9 @@ std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, Polygo
 
 std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const Vec3> points) const {
   std::vector<OpenFace> faces;
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t number = 0; number < solids_.size(); ++number) {
-    ask_now_and_then();
+    poll_interrupt();
     const Solid& solid = solids_[number];
     const std::uint32_t* const c = corners_.data() + solid.first;
     // A solid whose corners are mirrored has its faces inward: the sign of its volume shows that.
@@ -179,9 +179,9 @@ std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const 
 void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& reading) const {
   if (surface_.empty()) return;
   std::vector<std::array<std::uint32_t, 3>> parts;
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (const OpenFace& face : faces) {
-    ask_now_and_then();
+    poll_interrupt();
     parts.push_back({face.key[0], face.key[1], face.key[2]});
     if (face.key[3] == no_vertex) continue;
     parts.push_back({face.key[0], face.key[1], face.key[3]});
@@ -191,13 +191,13 @@ void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& rea
   sort_interruptibly(parts, std::less<>());
   std::size_t shells = 0;
   for (const Facet& facet : surface_) {
-    ask_now_and_then();
+    poll_interrupt();
     std::array<std::uint32_t, 3> key{facet[0], facet[1], facet[2]};
     std::sort(key.begin(), key.end());
     if (!std::binary_search(parts.begin(), parts.end(), key)) ++shells;
   }
   if (shells > 0)
-    reading.info.notes.push_back(counted(shells, "triangle") + " of shells beside the solids " +
+    reading.info.notes.push_back(counted(shells, "triangle") + " of shells besides the solids " +
                                  (shells == 1 ? "lies on no face of them and is" : "lie on no face of them and are") +
                                  " left out; save the shells as a file of their own");
 }
@@ -214,9 +214,9 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points, MeshReading
   sort_interruptibly(
       faces, [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
   std::vector<OpenFace> single;
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t begin = 0; begin < faces.size();) {
-    ask_now_and_then();
+    poll_interrupt();
     std::size_t end = begin + 1;
     while (end < faces.size() && faces[end].key == faces[begin].key) ++end;
     if (end == begin + 1) single.push_back(faces[begin]);
@@ -225,7 +225,7 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points, MeshReading
   sort_interruptibly(single, [](const OpenFace& a, const OpenFace& b) { return a.place < b.place; });
   std::vector<Facet> facets;
   for (const OpenFace& face : single) {
-    ask_now_and_then();
+    poll_interrupt();
     const auto& v = face.vertices;
     facets.push_back({v[0], v[1], v[2]});
     if (v[3] == no_vertex) continue;

@@ -34,7 +34,7 @@ std::string_view MixedReader::line() {
 }
 
 std::string_view MixedReader::word() {
-  ask_now_and_then_();
+  poll_interrupt_();
   while (at_ < bytes_.size() && is_blank(bytes_[at_])) ++at_;
   const std::size_t begin = at_;
   while (at_ < bytes_.size() && !is_blank(bytes_[at_])) ++at_;

@@ -57,7 +57,7 @@ class MixedReader {
   void skip_bytes(std::uint64_t count, std::string_view what);
   /// Checks at intervals whether to go on; called for every row of binary numbers. The functions for words check by
   /// themselves.
-  void begin_row() { ask_now_and_then_(); }
+  void begin_row() { poll_interrupt_(); }
 
   /// The number of elements that the rest of the file can hold, at most `count`, if each takes at least so many bytes.
   std::size_t at_most(std::uint64_t count, std::size_t least_bytes) const;
@@ -83,7 +83,7 @@ class MixedReader {
   std::string_view bytes_;
   char line_end_;
   std::size_t at_ = 0;
-  AskNowAndThen ask_now_and_then_{1u << 14};
+  InterruptPoller poll_interrupt_{1u << 14};
   bool is_binary_ = false;
   std::endian order_ = std::endian::little;
 };

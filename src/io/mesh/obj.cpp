@@ -116,9 +116,9 @@ std::string obj_text(const MeshView& mesh) {
   std::string text;
   text.reserve(mesh.vertex_count() * 64 + mesh.facet_count() * 24);
   // mutant looks-obj-written: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const Vec3 p = mesh.positions[i];
     text += 'v';
     for (int axis = 0; axis < 3; ++axis) {
@@ -128,7 +128,7 @@ std::string obj_text(const MeshView& mesh) {
     text += '\n';
   }
   for (const Facet& f : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     text += 'f';
     for (const std::uint32_t v : f) {
       text += ' ';

@@ -69,7 +69,7 @@ class OffReader {
 
  private:
   void begin_row(std::uint64_t row, std::uint64_t total, std::string_view kind) {
-    ask_now_and_then_();  // one line may hold all rows
+    poll_interrupt_();  // one line may hold all rows
     if (layout_ != Layout::many_rows || in_.at_line_end()) in_.require_line(row, total, kind);
     began_on_ = in_.line();
   }
@@ -111,7 +111,7 @@ class OffReader {
   TextScanner in_;
   Layout layout_;
   // mutant looks-off-read: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then_{4096};
+  InterruptPoller poll_interrupt_{4096};
   std::size_t began_on_ = 0;
 };
 
@@ -152,16 +152,16 @@ std::string off_text(const MeshView& mesh) {
   append_number(text, mesh.facet_count());
   text += " 0\n";
   // mutant looks-off-written: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     for (int axis = 0; axis < 3; ++axis) {
       append_number(text, mesh.positions[i][axis]);
       text += axis < 2 ? ' ' : '\n';
     }
   }
   for (const Facet& f : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     text += '3';
     for (const std::uint32_t v : f) {
       text += ' ';

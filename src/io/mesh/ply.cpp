@@ -49,7 +49,7 @@ class BinaryRows {
  public:
   BinaryRows(ByteReader in) : in_(in) {}
   void begin_row(std::uint64_t row, const PlyElement& element) {
-    ask_now_and_then_();
+    poll_interrupt_();
     row_ = row;
     element_ = &element;
   }
@@ -101,7 +101,7 @@ class BinaryRows {
 
   ByteReader in_;
   // mutant looks-ply-read: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then_{4096};
+  InterruptPoller poll_interrupt_{4096};
   std::uint64_t row_ = 0;
   const PlyElement* element_ = nullptr;
 };
@@ -192,7 +192,7 @@ void read_faces(Rows& rows, const PlyElement& element, std::uint64_t vertex_coun
 // Every other triangle of a strip is reversed.
 template <class Rows>
 void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_count, Mesh& mesh) {
-  AskNowAndThen ask_now_and_then(4096);  // one row holds all strips
+  InterruptPoller poll_interrupt(4096);  // one row holds all strips
   for (std::uint64_t row = 0; row < element.count; ++row) {
     rows.begin_row(row, element);
     for (const PlyProperty& property : element.properties) {
@@ -204,7 +204,7 @@ void read_strips(Rows& rows, const PlyElement& element, std::uint64_t vertex_cou
       std::array<std::uint32_t, 2> last{};
       std::uint64_t corners = 0;
       for (std::uint64_t k = 0; k < length; ++k) {
-        ask_now_and_then();
+        poll_interrupt();
         const double index = rows.value(property.type, "a vertex index");
         if (index < 0) {
           corners = 0;
@@ -288,9 +288,9 @@ std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::strin
                             reading, &radii);
   }
   std::vector<Sphere> balls(centers.positions.size());
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < balls.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     balls[i] = {centers.positions[i], radii[i]};
     if (!(radii[i] >= 0)) throw FileError(path.string() + ": ball " + std::to_string(i) + " has a negative radius");
   }
@@ -302,13 +302,13 @@ std::string ply_bytes(const MeshView& mesh) {
                       "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
                       std::to_string(mesh.facet_count()) + "\nproperty list uchar uint vertex_indices\nend_header\n";
   bytes.reserve(bytes.size() + mesh.vertex_count() * 24 + mesh.facet_count() * 13);
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     for (int axis = 0; axis < 3; ++axis) store(bytes, mesh.positions[i][axis]);
   }
   for (const Facet& f : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     store(bytes, std::uint8_t{3});
     for (const std::uint32_t v : f) store(bytes, v);
   }

@@ -90,9 +90,9 @@ void FaceReader::end(std::size_t line) {
 }
 
 void FaceReader::finish() {
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (const Waiting& polygon : waiting_) {
-    ask_now_and_then();
+    poll_interrupt();
     corners_of_fan(std::span(mesh_.facets).subspan(polygon.first, polygon.corners - 2), corners_);
     polygons_.cut(mesh_.positions, corners_, mesh_.facets, polygon.first, polygon.place);
   }

@@ -58,9 +58,9 @@ Mesh read_binary(const std::filesystem::path& path, std::string_view bytes, Mesh
   mesh.facets.reserve(count);
   Welder welder(mesh);
   // mutant looks-stl-read: `12` -> `30`
-  AskNowAndThen ask_now_and_then(1u << 12);
+  InterruptPoller poll_interrupt(1u << 12);
   for (std::uint32_t f = 0; f < count; ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     in.skip(12, "a normal");
     Facet facet;
     for (std::uint32_t& v : facet) {
@@ -161,9 +161,9 @@ std::string stl_bytes(const MeshView& mesh) {
   bytes.resize(80, ' ');
   store(bytes, static_cast<std::uint32_t>(mesh.facet_count()));
   // mutant looks-stl-written: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (const Facet& facet : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     const Vec3 a = mesh.positions[facet[0]], b = mesh.positions[facet[1]], c = mesh.positions[facet[2]];
     const Vec3 up = cross(b - a, c - a);
     const double size = length(up);

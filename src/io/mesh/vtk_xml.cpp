@@ -147,7 +147,7 @@ class Stream {
   /// Decodes more bytes; returns false if there are none. Other arrays may follow in the same text, and then text that
   /// is no base64.
   bool decode() {
-    ask_to_go_on();
+    check_interrupt();
     constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     // It decodes many groups at once, because each call moves the rest once.
     for (int groups = 0; groups < 4096; ++groups) {
@@ -202,7 +202,7 @@ class XmlReader {
         continue;
       }
       if (tag.name == "Piece") {
-        if (in_piece_) tags_.fail("a piece inside a piece");
+        if (in_piece_) tags_.fail("a <Piece> inside a <Piece>");
         in_piece_ = true;
         arrays_.clear();
         point_count_ = count(tag, "NumberOfPoints");
@@ -214,8 +214,8 @@ class XmlReader {
         arrays_[std::string(group_) + "/" + (group_ == "Points" ? "" : std::string(tag["Name"]))] = tag;
       }
     }
-    if (in_piece_) tags_.fail("the file ends inside a piece; it was cut short");
-    if (!has_piece_) tags_.fail("the file has no piece; it was cut short");
+    if (in_piece_) tags_.fail("the file ends inside a <Piece>; it was cut short");
+    if (!has_piece_) tags_.fail("the file has no <Piece>; it was cut short");
     mesh_.facets = surface_.facets(mesh_.positions, reading);
     return std::move(mesh_);
   }
@@ -315,9 +315,9 @@ class XmlReader {
 
   template <class Value>
   void load_all(std::string_view bytes, std::vector<double>& values) const {
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (std::size_t at = 0; at + sizeof(Value) <= bytes.size(); at += sizeof(Value)) {
-      ask_now_and_then();
+      poll_interrupt();
       values.push_back(static_cast<double>(load<Value>(bytes.data() + at, order_)));
     }
   }
@@ -328,9 +328,9 @@ class XmlReader {
     const std::string name = in_quotes(tag["Name"].empty() ? std::string_view("Points") : tag["Name"]);
     if (tag["format"] == "ascii") {
       const std::string_view text = tags_.text_after(tag);
-      AskNowAndThen ask_now_and_then(1u << 14);
+      InterruptPoller poll_interrupt(1u << 14);
       for (std::size_t at = 0;;) {
-        ask_now_and_then();
+        poll_interrupt();
         at = text.find_first_not_of(blanks, at);
         if (at == text.npos) break;
         const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
@@ -372,14 +372,14 @@ class XmlReader {
   }
 
   void finish_piece() {
-    if (!in_piece_) tags_.fail("the end of a piece that did not begin");
+    if (!in_piece_) tags_.fail("</Piece> without <Piece>");
     in_piece_ = false;
     has_piece_ = true;
     const std::uint64_t first = mesh_.vertex_count();
     if (point_count_ > std::numeric_limits<std::uint32_t>::max() - first) tags_.fail("more points than 32 bits count");
     if (point_count_ > 0) {
       const Tag* const points = array("Points/");
-      if (points == nullptr) tags_.fail("a piece has points, but no array of them");
+      if (points == nullptr) tags_.fail("a <Piece> has points, but no array of them");
       const std::string_view components = (*points)["NumberOfComponents"];
       if (components != "3")
         tags_.fail_at(points->begin, "points of " + in_quotes(components) + " components; they need 3");
@@ -388,9 +388,9 @@ class XmlReader {
         tags_.fail_at(points->begin, "the array of points has " + std::to_string(values.size()) + " numbers, not the " +
                                          std::to_string(3 * point_count_) + " of " + std::to_string(point_count_) +
                                          " points");
-      AskNowAndThen ask_now_and_then(1u << 16);
+      InterruptPoller poll_interrupt(1u << 16);
       for (std::size_t i = 0; i < values.size(); i += 3) {
-        ask_now_and_then();
+        poll_interrupt();
         const Vec3 p{values[i], values[i + 1], values[i + 2]};
         if (!is_finite(p))
           tags_.fail_at(points->begin, "point " + std::to_string(i / 3) +
@@ -418,15 +418,15 @@ class XmlReader {
     const std::vector<double> ends = numbers(*offsets, needs_types ? cell_count_ : no_limit);
     const std::vector<double> kinds = needs_types ? numbers(*types, cell_count_) : std::vector<double>();
     if (needs_types && (ends.size() != cell_count_ || kinds.size() != cell_count_))
-      tags_.fail_at(offsets->begin, "a piece of " + std::to_string(cell_count_) + " cells has " +
+      tags_.fail_at(offsets->begin, "a <Piece> of " + std::to_string(cell_count_) + " cells has " +
                                         std::to_string(ends.size()) + " offsets and " + std::to_string(kinds.size()) +
                                         " types");
     const std::vector<double> points = numbers(*corners, no_limit);
     std::vector<std::uint32_t> cell;
     std::size_t begin = 0;
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (std::size_t i = 0; i < ends.size(); ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       if (!(ends[i] >= static_cast<double>(begin) && ends[i] <= static_cast<double>(points.size())) ||
           ends[i] != std::floor(ends[i]))
         tags_.fail_at(offsets->begin, "offset " + std::to_string(i) + " is out of place; offsets go up to " +
@@ -436,7 +436,7 @@ class XmlReader {
       for (std::size_t k = begin; k < end; ++k) {
         if (!(points[k] >= 0 && points[k] < static_cast<double>(point_count_)) || points[k] != std::floor(points[k]))
           tags_.fail_at(corners->begin, "cell " + std::to_string(i) + " refers to a point that is not among the " +
-                                            std::to_string(point_count_) + " of its piece, counted from 0");
+                                            std::to_string(point_count_) + " of its <Piece>, counted from 0");
         cell.push_back(static_cast<std::uint32_t>(first + static_cast<std::uint64_t>(points[k])));
       }
       begin = end;

@@ -17,6 +17,13 @@ namespace {
                   " is needed");
 }
 
+std::string text_of_displacement(std::size_t mode, std::size_t vertex) {
+  return "mode " + std::to_string(mode) + ": the displacement of vertex " + std::to_string(vertex);
+}
+std::string text_of_coordinate(std::size_t frame, std::size_t mode) {
+  return "frame " + std::to_string(frame) + ": coordinate " + std::to_string(mode);
+}
+
 }  // namespace
 
 Modes read_modes(const std::filesystem::path& path, const MeshView& mesh) {
@@ -28,8 +35,15 @@ ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t
 }
 
 void write_modes(const std::filesystem::path& path, const Modes& modes) {
-  if (modes.displacements.size() != modes.mode_count * modes.vertex_count)
+  if (modes.empty()) throw std::invalid_argument("there is no mode to write: a file of modes has one or more");
+  // By a division, because a product of counts may overflow.
+  const std::size_t count = modes.displacements.size(), vertices = modes.vertex_count;
+  if (vertices == 0 ? count != 0 : count / vertices != modes.mode_count || count % vertices != 0)
     throw std::invalid_argument("the displacements are not one per mode and vertex");
+  for (std::size_t i = 0; i < count; ++i)
+    if (!is_finite(modes.displacements[i]))
+      throw std::invalid_argument(text_of_displacement(i / vertices, i % vertices) +
+                                  " is not finite; repair it where the modes are made");
   std::vector<double> values;
   values.reserve(3 * modes.displacements.size());
   for (const Vec3& u : modes.displacements) values.insert(values.end(), {u.x, u.y, u.z});
@@ -37,8 +51,16 @@ void write_modes(const std::filesystem::path& path, const Modes& modes) {
 }
 
 void write_coordinates(const std::filesystem::path& path, const ModalCoordinates& coordinates) {
-  if (coordinates.coordinates.size() != coordinates.frame_count() * coordinates.mode_count)
+  const std::size_t modes = coordinates.mode_count;
+  if (coordinates.coordinates.size() != coordinates.frame_count() * modes)
     throw std::invalid_argument("the coordinates are not as many in every frame as there are modes");
+  if (coordinates.frame_count() == 0)
+    throw std::invalid_argument(
+        "there is no frame to write: a file of coordinates has one or more, of one mode or more");
+  for (std::size_t i = 0; i < coordinates.coordinates.size(); ++i)
+    if (!std::isfinite(coordinates.coordinates[i]))
+      throw std::invalid_argument(text_of_coordinate(i / modes, i % modes) +
+                                  " is not finite; repair it where the coordinates are made");
   write_whole(path, npy_bytes(coordinates.coordinates, std::array{coordinates.frame_count(), coordinates.mode_count}));
 }
 
@@ -50,14 +72,15 @@ Modes detail::modes_of(const ByteSource& source, const MeshView& mesh) {
         "(modes, " + std::to_string(mesh.vertex_count()) + ", 3) for the vertices of the mesh, one mode or more,");
   Modes modes{mesh.vertex_count(), array.shape[0], {}};
   modes.displacements.reserve(modes.mode_count * modes.vertex_count);
-  for (std::size_t j = 0; j < modes.mode_count; ++j) {
+  // Without vertices the number of modes has no limit, because no mode has a number.
+  for (std::size_t j = 0; j < (modes.vertex_count == 0 ? 0 : modes.mode_count); ++j) {
     const std::size_t numbers = 3 * modes.vertex_count;
     const std::vector<double> values = read_npy_values(source, array, j * numbers, numbers);
     for (std::size_t v = 0; v < modes.vertex_count; ++v) {
       modes.displacements.push_back({values[3 * v], values[3 * v + 1], values[3 * v + 2]});
       if (!is_finite(modes.displacements.back()))
-        throw FileError(source.name().string() + ": mode " + std::to_string(j) + ": the displacement of vertex " +
-                        std::to_string(v) + " is not finite; repair it where the array was made");
+        throw FileError(source.name().string() + ": " + text_of_displacement(j, v) +
+                        " is not finite; repair it where the array was made");
     }
   }
   return modes;
@@ -72,8 +95,8 @@ ModalCoordinates detail::coordinates_of(const ByteSource& source, std::size_t mo
   ModalCoordinates result{mode_count, read_npy_values(source, array, 0, array.shape[0] * mode_count)};
   for (std::size_t i = 0; i < result.coordinates.size(); ++i)
     if (!std::isfinite(result.coordinates[i]))
-      throw FileError(source.name().string() + ": frame " + std::to_string(i / mode_count) + ": coordinate " +
-                      std::to_string(i % mode_count) + " is not finite; repair it where the array was made");
+      throw FileError(source.name().string() + ": " + text_of_coordinate(i / mode_count, i % mode_count) +
+                      " is not finite; repair it where the array was made");
   return result;
 }
 

@@ -49,14 +49,14 @@ std::set<std::string> mesh_extensions() {
   return extensions;
 }
 
-std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& asked) {
+std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& given) {
   std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions());
   if (files.empty())
-    throw FileError(asked.string() + ": no mesh file is there; a motion needs files ending in " +
+    throw FileError(given.string() + ": no mesh file is there; a motion needs files ending in " +
                     readable_mesh_extensions());
   for (const fs::path& file : files)
     if (lower_extension(file) != lower_extension(files.front()))
-      throw FileError(asked.string() + ": holds meshes of several kinds (" + files.front().filename().string() + ", " +
+      throw FileError(given.string() + ": holds meshes of several kinds (" + files.front().filename().string() + ", " +
                       file.filename().string() + "); name one kind, such as " +
                       (folder / ("*" + files.front().extension().string())).string());
   return files;
@@ -168,9 +168,9 @@ std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray&
   const std::size_t numbers = 3 * vertex_count;
   const std::vector<double> values = read_npy_values(source, array, frame * numbers, numbers);
   std::vector<Vec3> positions(vertex_count);
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t v = 0; v < vertex_count; ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
     if (!is_finite(positions[v]))
       throw FileError(source.name().string() + ": frame " + std::to_string(frame) + ": vertex " + std::to_string(v) +
@@ -227,7 +227,7 @@ void MotionWriter::write(std::span<const Vec3> positions) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
   // Checks for interruption ahead of a frame, because a frame is written whole.
-  ask_to_go_on();
+  check_interrupt();
   const std::string frame = "frame " + std::to_string(written_);
   if (positions.size() != mesh_.vertex_count())
     throw std::invalid_argument(frame + " has " + std::to_string(positions.size()) + " positions, but the mesh has " +
@@ -242,9 +242,9 @@ void MotionWriter::write(std::span<const Vec3> positions) {
     if (is_point_cache(extension)) {
       append_point_cache_frame(chunk_, extension, positions);
     } else {
-      AskNowAndThen ask_now_and_then(1u << 16);
+      InterruptPoller poll_interrupt(1u << 16);
       for (const Vec3& p : positions) {
-        ask_now_and_then();
+        poll_interrupt();
         for (const double number : {p.x, p.y, p.z}) store(chunk_, number);
       }
     }

@@ -61,9 +61,9 @@ class PointCache final : public FrameSource {
     const std::uint64_t frame_bytes = 12 * std::uint64_t{vertex_count_};
     const std::string bytes = source_.read(begin_ + i * frame_bytes, frame_bytes);
     std::vector<Vec3> positions(vertex_count_);
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (std::size_t v = 0; v < vertex_count_; ++v) {
-      ask_now_and_then();
+      poll_interrupt();
       for (int axis = 0; axis < 3; ++axis)
         positions[v][axis] = load<float>(bytes.data() + 12 * v + 4 * static_cast<std::size_t>(axis), order_);
       if (!is_finite(positions[v]))
@@ -130,9 +130,9 @@ std::string point_cache_start(std::string_view extension, std::size_t vertex_cou
 }
 
 void append_point_cache_frame(std::string& bytes, std::string_view extension, std::span<const Vec3> positions) {
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const Vec3& p : positions) {
-    ask_now_and_then();
+    poll_interrupt();
     if (max_norm(p) > static_cast<double>(std::numeric_limits<float>::max()))
       throw std::invalid_argument("a coordinate is too large for the single precision of a point cache; write .npy");
     for (int axis = 0; axis < 3; ++axis) {

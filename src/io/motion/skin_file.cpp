@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <morula/io/skin_file.hpp>
@@ -19,6 +20,34 @@ using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t most_bones = 0xffffff;
+
+/// The weights of one vertex, one per bone, add up to 1 as far as a file may say so.
+bool is_row(std::span<const double> row, double& sum) {
+  constexpr double tolerance = 1e-3;
+  sum = 0;
+  for (const double weight : row) sum += weight;
+  return std::abs(sum - 1) <= tolerance;
+}
+std::string text_of_sum(std::size_t vertex, double sum) {
+  return "the weights of vertex " + std::to_string(vertex) + " add up to " + std::to_string(sum) + ", not to 1";
+}
+std::string text_of_transform(std::size_t frame, std::size_t bone) {
+  return "frame " + std::to_string(frame) + ": the transform of bone " + std::to_string(bone) + " is not finite";
+}
+
+/// Throws std::invalid_argument unless every index of the skin is in range.
+void require_indices(const Skin& skin) {
+  if (skin.begin.empty() || skin.begin.front() != 0 || skin.begin.back() != skin.bones.size() ||
+      skin.bones.size() != skin.weights.size() || !std::is_sorted(skin.begin.begin(), skin.begin.end()))
+    throw std::invalid_argument("the skin's influences do not fit its vertices");
+  if (skin.bone_count == 0 || skin.bone_count > most_bones)
+    throw std::invalid_argument("the skin has " + std::to_string(skin.bone_count) +
+                                " bones; a file of a skin has 1 to " + std::to_string(most_bones));
+  for (const std::uint32_t bone : skin.bones)
+    if (bone >= skin.bone_count) throw std::invalid_argument("the skin names a bone that it does not have");
+}
 
 bool is_gltf(const fs::path& path) {
   const MeshFormat* const format = mesh_format(lower_extension(path));
@@ -49,26 +78,32 @@ BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const 
   }
   for (std::size_t i = 0; i < result.transforms.size(); ++i)
     if (!is_finite(result.transforms[i]))
-      throw FileError(path.string() + ": frame " + std::to_string(i / bone_count) + ": the transform of bone " +
-                      std::to_string(i % bone_count) + " is not finite");
+      throw FileError(path.string() + ": " + text_of_transform(i / bone_count, i % bone_count));
   return result;
 }
 
 void write_skin(const fs::path& path, const Skin& skin) {
-  if (skin.begin.empty() || skin.begin.back() != skin.bones.size() || skin.bones.size() != skin.weights.size())
-    throw std::invalid_argument("the skin's influences do not fit its vertices");
+  require_indices(skin);
   std::vector<double> values(skin.vertex_count() * skin.bone_count);
-  for (std::size_t v = 0; v < skin.vertex_count(); ++v)
-    for (std::uint32_t i = skin.begin[v]; i < skin.begin[v + 1]; ++i) {
-      if (skin.bones[i] >= skin.bone_count) throw std::invalid_argument("the skin names a bone that it does not have");
-      values[v * skin.bone_count + skin.bones[i]] += skin.weights[i];
-    }
+  for (std::size_t v = 0; v < skin.vertex_count(); ++v) {
+    const std::span<double> row = std::span(values).subspan(v * skin.bone_count, skin.bone_count);
+    for (std::uint32_t i = skin.begin[v]; i < skin.begin[v + 1]; ++i) row[skin.bones[i]] += skin.weights[i];
+    if (double sum = 0; !is_row(row, sum))
+      throw std::invalid_argument(text_of_sum(v, sum) + "; repair them where the skin is made");
+  }
   write_whole(path, npy_bytes(values, std::array{skin.vertex_count(), skin.bone_count}));
 }
 
 void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
   if (frames.transforms.size() != frames.frame_count() * frames.bone_count)
     throw std::invalid_argument("the transforms are not as many in every frame as there are bones");
+  if (frames.frame_count() == 0)
+    throw std::invalid_argument(
+        "there is no frame to write: a file of transforms has one or more, of one bone or more");
+  for (std::size_t i = 0; i < frames.transforms.size(); ++i)
+    if (!is_finite(frames.transforms[i]))
+      throw std::invalid_argument(text_of_transform(i / frames.bone_count, i % frames.bone_count) +
+                                  "; repair it where the transforms are made");
   std::vector<double> values;
   values.reserve(12 * frames.transforms.size());
   for (const AffineTransform& t : frames.transforms)
@@ -82,22 +117,19 @@ Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {
   const NpyArray array = read_npy_header(source, {{mesh.vertex_count(), 0}, "(vertices, bones)"});
   const std::string name = source.name().string();
   const std::uint64_t bone_count = array.shape[1];
-  if (array.shape[0] != mesh.vertex_count() || bone_count == 0 || bone_count > 0xffffff)
+  if (array.shape[0] != mesh.vertex_count() || bone_count == 0 || bone_count > most_bones)
     throw FileError(name + ": the array's shape is " + array.shape_text + ", but (" +
                     std::to_string(mesh.vertex_count()) +
                     ", bones) for the vertices of the mesh, one bone or more, is needed");
   Skin skin{.bone_count = static_cast<std::size_t>(bone_count), .begin = {0}};
   const std::vector<double> values = read_npy_values(source, array, 0, mesh.vertex_count() * skin.bone_count);
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     const std::span<const double> row = std::span(values).subspan(v * skin.bone_count, skin.bone_count);
     double sum = 0;
-    for (const double weight : row) sum += weight;
-    constexpr double tolerance = 1e-3;
-    if (!(std::abs(sum - 1) <= tolerance))
-      throw FileError(name + ": the weights of vertex " + std::to_string(v) + " add up to " + std::to_string(sum) +
-                      ", not to 1; repair them where the array was made");
+    if (!is_row(row, sum))
+      throw FileError(name + ": " + text_of_sum(v, sum) + "; repair them where the array was made");
     for (std::uint32_t bone = 0; bone < skin.bone_count; ++bone) {
       if (row[bone] == 0) continue;
       skin.bones.push_back(bone);
@@ -118,16 +150,16 @@ BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_cou
                     std::to_string(bone_count) + ", 3, 4) for the bones of the skin, one frame or more, is needed");
   BoneFrames result{bone_count, {}};
   const std::vector<double> values = read_npy_values(source, array, 0, array.shape[0] * bone_count * 12);
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < array.shape[0] * bone_count; ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const std::span<const double> m = std::span(values).subspan(12 * i, 12);
     AffineTransform t;
     for (std::size_t k = 0; k < 3; ++k) t.columns[k] = {m[k], m[4 + k], m[8 + k]};
     t.translation = {m[3], m[7], m[11]};
     if (!is_finite(t))
-      throw FileError(name + ": frame " + std::to_string(i / bone_count) + ": the transform of bone " +
-                      std::to_string(i % bone_count) + " is not finite; repair it where the array was made");
+      throw FileError(name + ": " + text_of_transform(i / bone_count, i % bone_count) +
+                      "; repair it where the array was made");
     result.transforms.push_back(t);
   }
   return result;

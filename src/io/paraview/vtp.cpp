@@ -17,9 +17,9 @@ namespace {
 
 void append_base64(std::string& text, std::string_view bytes) {
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    ask_now_and_then();
+    poll_interrupt();
     unsigned bits = 0;
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
     for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[at + k]) : 0u);
@@ -55,9 +55,9 @@ void append_array(std::string& text, std::string_view name, std::size_t componen
   std::string bytes;
   bytes.reserve(8 + count * sizeof(Value));
   store(bytes, std::uint64_t{count * sizeof(Value)});
-  AskNowAndThen ask_now_and_then(1u << 14);
+  InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t i = 0; i < count; ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     store(bytes, static_cast<Value>(get(i)));
   }
   text += "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + escaped(name) + "\" NumberOfComponents=\"" +

@@ -68,9 +68,9 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
     std::vector<std::size_t> next;
     child_counts.clear();
     spheres.clear();
-    AskNowAndThen ask_now_and_then(4096);
+    InterruptPoller poll_interrupt(4096);
     for (const std::size_t node : level) {
-      ask_now_and_then();
+      poll_interrupt();
       const nlohmann::json& children = file.member(nodes[node], "children", name(node));
       if (!children.is_array()) file.fail("the children of " + name(node) + " are not a list");
       if (children.size() > branching)
@@ -103,9 +103,9 @@ std::string json_tree_text(const SphereTree& tree) {
                      "\",\n  \"version\": 1,\n  \"branching\": " + std::to_string(tree.branching) +
                      ",\n  \"levels\": " + std::to_string(tree.level_count()) +
                      (tree.nested ? ",\n  \"nested\": true" : "") + ",\n  \"nodes\": [\n";
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   for (std::size_t i = 0; i < tree.node_count(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     const Sphere& s = tree.spheres[i];
     text += "    {\"center\": [";
     for (int axis = 0; axis < 3; ++axis) {

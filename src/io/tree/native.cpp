@@ -74,9 +74,9 @@ void ArrayWriter::add_values(const std::string& name, const char* type, std::siz
   entry["rows"] = values.size() / width;
   entry["offset"] = bytes_.size();
   table_.push_back(std::move(entry));
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const Value value : values) {
-    ask_now_and_then();
+    poll_interrupt();
     store(bytes_, value);
   }
 }
@@ -103,9 +103,9 @@ std::vector<Value> ArrayReader::values(const std::string& name, const char* type
     if (offset > bytes_.size() || rows > (bytes_.size() - offset) / (width * sizeof(Value)))
       file_.fail(label + " reaches past the end of the file");
     std::vector<Value> values(rows * width);
-    AskNowAndThen ask_now_and_then(1u << 16);
+    InterruptPoller poll_interrupt(1u << 16);
     for (std::size_t i = 0; i < values.size(); ++i) {
-      ask_now_and_then();
+      poll_interrupt();
       values[i] = load<Value>(bytes_.data() + offset + i * sizeof(Value));
     }
     return values;
@@ -122,9 +122,9 @@ constexpr std::size_t checksum_size = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
   Hasher hash;
-  AskNowAndThen ask_now_and_then(1u << 20);
+  InterruptPoller poll_interrupt(1u << 20);
   for (const char c : bytes) {
-    ask_now_and_then();
+    poll_interrupt();
     hash.add(static_cast<std::uint8_t>(c));
   }
   return hash.value();

@@ -91,12 +91,12 @@ std::string sph_text(const std::filesystem::path& path, const SphereTree& tree) 
   append_number(text, tree.branching);
   text += '\n';
   // mutant looks-sph-written: `4096` -> `1u << 30`
-  AskNowAndThen ask_now_and_then(4096);
+  InterruptPoller poll_interrupt(4096);
   std::vector<std::uint32_t> slots{0};  // the node of each slot of this level, or no_node
   for (std::size_t level = 0; level < tree.level_count(); ++level) {
     std::vector<std::uint32_t> next;
     for (const std::uint32_t node : slots) {
-      ask_now_and_then();
+      poll_interrupt();
       if (node == no_node) {
         text += "0 0 0 -1 0\n";
       } else {

@@ -57,7 +57,7 @@ void SphereFramesWriter::write(std::span<const Sphere> spheres) {
   if (written_ == frame_count_)
     throw std::invalid_argument("the motion has " + std::to_string(frame_count_) + " frames; this is one more");
   // Checks for interruption ahead of a frame, because a frame is written whole.
-  ask_to_go_on();
+  check_interrupt();
   if (spheres.size() != tree_.node_count())
     throw std::invalid_argument("frame " + std::to_string(written_) + " has " + std::to_string(spheres.size()) +
                                 " spheres, but the tree has " + std::to_string(tree_.node_count()) + " nodes");

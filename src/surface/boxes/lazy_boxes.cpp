@@ -22,18 +22,18 @@ void LazyBoxes::start(const SurfaceTreeState& s) {
     for (const std::uint32_t g : groups_[level]) boxes_.levels[level][g].clear();
     groups_[level].clear();
   }
-  wants_block_.assign(s.block_count(), 0);
-  wants_leaf_.assign(s.blocks_of_leaves.begin.size(), 0);
+  needs_block_.assign(s.block_count(), 0);
+  needs_leaf_.assign(s.blocks_of_leaves.begin.size(), 0);
 }
 
 void LazyBoxes::want_all() {
-  std::fill(wants_block_.begin(), wants_block_.end(), std::uint8_t{1});
+  std::fill(needs_block_.begin(), needs_block_.end(), std::uint8_t{1});
 }
 
 void LazyBoxes::want(std::uint32_t leaf) {
-  if (wants_leaf_[leaf] != 0) return;
-  wants_leaf_[leaf] = 1;
-  for (const std::uint32_t block : state_->blocks_of_leaves[leaf]) wants_block_[block] = 1;
+  if (needs_leaf_[leaf] != 0) return;
+  needs_leaf_[leaf] = 1;
+  for (const std::uint32_t block : state_->blocks_of_leaves[leaf]) needs_block_[block] = 1;
 }
 
 const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> extent) {
@@ -46,7 +46,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
     slots_.push_back(slot);
   };
   for (std::uint32_t block = 0; block < s.block_count(); ++block) {
-    if (wants_block_[block] == 0) continue;
+    if (needs_block_[block] == 0) continue;
     // mutant follow-corners: `take` -> `if (s.blocks.corners[i] >= s.blocks.own_vertices[block]) take`
     for (std::uint32_t i = s.blocks.corners_begin[block]; i < s.blocks.corners_begin[block + 1]; ++i)
       take(s.blocks.corners[i]);
@@ -76,7 +76,7 @@ const SurfaceBoxes& LazyBoxes::make(Workers& workers, std::optional<double> exte
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t first = 8 * std::size_t{groups_[0][i]};
       for (std::size_t block = first; block < std::min<std::size_t>(s.block_count(), first + 8); ++block)
-        if (wants_block_[block] != 0) boxes_.join_block(s, block);
+        if (needs_block_[block] != 0) boxes_.join_block(s, block);
     }
   });
   for (std::size_t level = 1; level < groups_.size(); ++level) {
@@ -96,8 +96,8 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, dou
   if (body_a) lazy_a_.start(a);
   if (are_two && body_b) lazy_b_.start(b);
   // mutant follow-covers: `body_a->covers() && body_b->covers()` -> `true`
-  const bool asks_spheres = by_spheres && are_two && body_a && body_b && body_a->covers() && body_b->covers();
-  if (asks_spheres) {
+  const bool uses_spheres = by_spheres && are_two && body_a && body_b && body_a->covers() && body_b->covers();
+  if (uses_spheres) {
     const double farthest_a = a.farthest_of_spheres(*body_a), farthest_b = b.farthest_of_spheres(*body_b);
     // Distances of features are computed from coordinates; 2^-46 of these is more than their error.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);

@@ -36,7 +36,7 @@ class LazyBoxes {
  private:
   const SurfaceTreeState* state_ = nullptr;
   SurfaceBoxes boxes_;
-  std::vector<std::uint8_t> wants_leaf_, wants_block_, has_slot_;
+  std::vector<std::uint8_t> needs_leaf_, needs_block_, has_slot_;
   std::vector<std::uint32_t> slots_;
   std::vector<std::vector<std::uint32_t>> groups_;  // by level, the groups that are not empty
 };

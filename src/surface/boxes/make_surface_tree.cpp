@@ -17,9 +17,9 @@ namespace {
 class Sorter {
  public:
   Sorter(const MeshView& mesh, std::vector<std::uint32_t>& order) : order_(order), middle_(mesh.facet_count()) {
-    AskNowAndThen ask_now_and_then(1u << 14);
+    InterruptPoller poll_interrupt(1u << 14);
     for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-      ask_now_and_then();
+      poll_interrupt();
       const auto corners = mesh.corners(f);
       middle_[f] = (corners[0] * (1.0 / 3) + corners[1] * (1.0 / 3)) + corners[2] * (1.0 / 3);
     }
@@ -39,8 +39,8 @@ class Sorter {
     const std::size_t runs = (end - begin + run - 1) / run;
     if (runs > 1) {
       const std::size_t cut = begin + (runs + 1) / 2 * run;
-      if (end - begin > 65536) ask_to_go_on();
-      ask_now_and_then_();
+      if (end - begin > 65536) check_interrupt();
+      poll_interrupt_();
       Box box;
       for (std::size_t i = begin; i < end; ++i) box.add(middle_[order_[i]]);
       const int axis = box.longest_axis();
@@ -61,7 +61,7 @@ class Sorter {
   std::vector<std::uint32_t>& order_;
   std::vector<Vec3> middle_;
   // mutant looks-surface-tree: `16` -> `1u << 30`
-  AskNowAndThen ask_now_and_then_{16};
+  InterruptPoller poll_interrupt_{16};
 };
 
 /// The edges of all facets: each pair of different vertices of a facet.
@@ -83,9 +83,9 @@ void give_vertices(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
   blocks.slot_of_vertex.assign(mesh.rest.size(), SurfaceTreeState::no_slot);
   blocks.own_vertices = {0};
   blocks.corners_begin = {0};
-  AskNowAndThen ask_now_and_then(64);
+  InterruptPoller poll_interrupt(64);
   for (std::uint32_t block = 0; block < blocks.count(); ++block) {
-    ask_now_and_then();
+    poll_interrupt();
     std::vector<std::uint32_t> corners;
     for (std::size_t i = 8 * std::size_t{block}; i < std::min(blocks.order.size(), 8 * std::size_t{block} + 8); ++i)
       corners.insert(corners.end(), mesh.facets[blocks.order[i]].begin(), mesh.facets[blocks.order[i]].end());
@@ -109,9 +109,9 @@ void give_vertices(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
 void give_edges(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
   std::vector<std::uint8_t> is_given(mesh.edges.size());
   blocks.own_edges_begin = {0};
-  AskNowAndThen ask_now_and_then(64);
+  InterruptPoller poll_interrupt(64);
   for (std::uint32_t block = 0; block < blocks.count(); ++block) {
-    ask_now_and_then();
+    poll_interrupt();
     for (std::size_t i = 8 * std::size_t{block}; i < std::min(blocks.order.size(), 8 * std::size_t{block} + 8); ++i) {
       const Facet& f = mesh.facets[blocks.order[i]];
       for (std::size_t k = 0; k < 3; ++k) {
@@ -130,10 +130,10 @@ void give_edges(const SurfaceMesh& mesh, SurfaceBlocks& blocks) {
 }
 
 void find_rings(SurfaceMesh& mesh) {
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   mesh.ring_begin.assign(mesh.rest.size() + 1, 0);
   for (const auto& edge : mesh.edges) {
-    ask_now_and_then();
+    poll_interrupt();
     ++mesh.ring_begin[edge[0] + 1], ++mesh.ring_begin[edge[1] + 1];
   }
   for (std::size_t v = 0; v < mesh.rest.size(); ++v) mesh.ring_begin[v + 1] += mesh.ring_begin[v];
@@ -142,22 +142,22 @@ void find_rings(SurfaceMesh& mesh) {
   // The neighbors of a vertex ascend because edges do: first come the edges whose higher vertex it is, then the edges
   // whose lower vertex it is.
   for (const auto& edge : mesh.edges) {
-    ask_now_and_then();
+    poll_interrupt();
     mesh.ring[next[edge[1]]++] = edge[0];
   }
   for (const auto& edge : mesh.edges) {
-    ask_now_and_then();
+    poll_interrupt();
     mesh.ring[next[edge[0]]++] = edge[1];
   }
 }
 
 SurfaceMesh copy_and_link(const MeshView& mesh) {
   SurfaceMesh made;
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   made.facets.assign(mesh.facets.begin(), mesh.facets.end());
   made.rest.resize(mesh.vertex_count());
   for (std::size_t v = 0; v < made.rest.size(); ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     made.rest[v] = mesh.positions[v];
   }
   made.edges = all_edges(made.facets);
@@ -165,7 +165,7 @@ SurfaceMesh copy_and_link(const MeshView& mesh) {
   const Components components = components_by_vertices(mesh);
   made.component.assign(made.rest.size(), 0);
   for (std::size_t f = 0; f < made.facets.size(); ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     for (const std::uint32_t v : made.facets[f]) made.component[v] = components.of_facet[f];
   }
   return made;
@@ -174,15 +174,15 @@ SurfaceMesh copy_and_link(const MeshView& mesh) {
 SurfaceBlocks sort_into_blocks(const MeshView& view, const SurfaceMesh& mesh) {
   SurfaceBlocks blocks;
   Sorter(view, blocks.order).sort();
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (const std::uint32_t f : blocks.order) {
-    ask_now_and_then();
+    poll_interrupt();
     blocks.facets_in_order.push_back(mesh.facets[f]);
   }
   give_vertices(mesh, blocks);
   give_edges(mesh, blocks);
   for (const std::uint32_t e : blocks.own_edges) {
-    ask_now_and_then();
+    poll_interrupt();
     blocks.ends_of_own_edges.push_back(mesh.edges[e]);
   }
   return blocks;

@@ -28,9 +28,9 @@ std::vector<Side> opposite_sides(std::span<const Facet> facets) {
   };
   std::vector<Edge> edges;
   edges.reserve(3 * facets.size());
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::uint32_t i = 0; i < facets.size(); ++i) {
-    ask_now_and_then();
+    poll_interrupt();
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t v = facets[i][k], w = facets[i][(k + 1) % 3];
       edges.push_back({std::min(v, w), std::max(v, w), 3 * i + k, v < w});
@@ -41,7 +41,7 @@ std::vector<Side> opposite_sides(std::span<const Facet> facets) {
   });
   std::vector<Side> opposite(3 * facets.size(), none);
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-    ask_now_and_then();
+    poll_interrupt();
     while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
     const Edge &a = edges[i], &b = edges[end - 1];
     if (end - i != 2 || a.is_upward == b.is_upward) continue;
@@ -64,7 +64,7 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
   const std::vector<Side> opposite = opposite_sides(facets);
   std::vector<RegionBorders> borders(levels + 1);
   std::vector<std::uint8_t> is_in_loop;
-  AskNowAndThen ask_now_and_then(1u << 16);
+  InterruptPoller poll_interrupt(1u << 16);
   for (std::size_t level = 1; level <= levels; ++level) {
     RegionBorders& of_level = borders[level];
     of_level.loops_begin = {0};
@@ -76,7 +76,7 @@ std::vector<RegionBorders> region_borders(std::span<const Facet> facets, std::sp
       const std::size_t first_loop = of_level.slots_begin.size(), first_slot = of_level.slots.size();
       const auto is_border = [&](Side s) { return opposite[s] < begin || opposite[s] >= end; };
       for (Side start = static_cast<Side>(begin); start < end; ++start) {
-        ask_now_and_then();
+        poll_interrupt();
         if (!is_border(start) || is_in_loop[start] != 0) continue;
         // The fan of facets round the vertex at its end leads from each edge of the border to one other edge that
         // leaves that vertex. No two edges lead to the same one, so the first edge that recurs is the start.

@@ -42,7 +42,7 @@ class PlacedField {
     const double tolerance = field_->tolerance > 0 ? field_->tolerance : 0.125 * edge * field_->lipschitz;
     FoundOnShape found;
     bool is_number = true;
-    const auto ask = [&](const Barycentric& b) {
+    const auto evaluate = [&](const Barycentric& b) {
       const Vec3 x = at_barycentric(t, b);
       const double value = field_->value(x);
       is_number = is_number && !std::isnan(value);
@@ -50,38 +50,38 @@ class PlacedField {
       return value;
     };
     constexpr std::size_t most_halvings = 16;
-    struct Piece {
+    struct Part {
       std::array<Barycentric, 3> corners;
       std::size_t halvings;
     };
-    std::array<Piece, 3 * most_halvings + 4> stack;
+    std::array<Part, 3 * most_halvings + 4> stack;
     std::size_t count = 0;
     stack[count++] = {{Barycentric{1, 0, 0}, Barycentric{0, 1, 0}, Barycentric{0, 0, 1}}, 0};
-    for (const Barycentric& corner : stack[0].corners) ask(corner);
+    for (const Barycentric& corner : stack[0].corners) evaluate(corner);
     while (count > 0) {
-      const Piece piece = stack[--count];
-      const auto& [a, b, c] = piece.corners;
+      const Part part = stack[--count];
+      const auto& [a, b, c] = part.corners;
       const auto between = [](const Barycentric& p, const Barycentric& q) {
         return Barycentric{(p[0] + q[0]) * 0.5, (p[1] + q[1]) * 0.5, (p[2] + q[2]) * 0.5};
       };
       const Barycentric middle{(a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3};
-      const double value = ask(middle);
+      const double value = evaluate(middle);
       const Vec3 x = at_barycentric(t, middle);
       double radius = 0;
-      for (const Barycentric& corner : piece.corners) radius = std::max(radius, length(at_barycentric(t, corner) - x));
+      for (const Barycentric& corner : part.corners) radius = std::max(radius, length(at_barycentric(t, corner) - x));
       const double lower = value - field_->lipschitz * (radius * (1 + 0x1p-48) + 0x1p-47 * max_norm(x));
       const double allowed = std::max(tolerance, 0.5 * (found.distance - margin));
       if (!is_number) break;
       if (lower >= found.distance - allowed || field_->lipschitz * radius <= tolerance ||
-          piece.halvings == most_halvings) {
+          part.halvings == most_halvings) {
         found.lower = std::min(found.lower, lower);
         continue;
       }
       const Barycentric ab = between(a, b), bc = between(b, c), ca = between(c, a);
-      stack[count++] = {{a, ab, ca}, piece.halvings + 1};
-      stack[count++] = {{ab, b, bc}, piece.halvings + 1};
-      stack[count++] = {{ca, bc, c}, piece.halvings + 1};
-      stack[count++] = {{ab, bc, ca}, piece.halvings + 1};
+      stack[count++] = {{a, ab, ca}, part.halvings + 1};
+      stack[count++] = {{ab, b, bc}, part.halvings + 1};
+      stack[count++] = {{ca, bc, c}, part.halvings + 1};
+      stack[count++] = {{ab, bc, ca}, part.halvings + 1};
     }
     if (!is_number) found.distance = found.lower = std::numeric_limits<double>::quiet_NaN();
     return found;

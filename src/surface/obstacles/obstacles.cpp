@@ -66,11 +66,11 @@ struct Corners {
 };
 
 /// The parameters of a query. A query with others cannot be continued.
-struct Asked {
+struct Parameters {
   double margin = 0;
   ObstacleFeatures features = ObstacleFeatures::facets;
-  explicit Asked(const ObstacleOptions& options) : margin(options.margin), features(options.features) {}
-  bool operator==(const Asked&) const = default;
+  explicit Parameters(const ObstacleOptions& options) : margin(options.margin), features(options.features) {}
+  bool operator==(const Parameters&) const = default;
 };
 
 }  // namespace
@@ -78,7 +78,7 @@ struct Asked {
 struct ObstacleQuery::State {
   CallState call;
   ObstacleOptions options;
-  Asked asked{options};
+  Parameters started_with{options};
   const Obstacle* obstacle = nullptr;
   ObstacleSearch<ObstacleContact> search;
 
@@ -129,7 +129,7 @@ SurfaceQueryStatus ObstacleQuery::run(const SurfaceTree& surface, const Obstacle
   if (!is_usable_obstacle(obstacle)) return {{.code = Status::Code::bad_shape}};
   if (const Status status = state_of(surface).askable(0); !status) return {status};
   state_->obstacle = &obstacle;
-  state_->asked = Asked(state_->options);
+  state_->started_with = Parameters(state_->options);
   state_->search.start(state_of(surface), workers);
   const SurfaceQueryStatus status = state_->go_on(workers);
   own.finish(status);
@@ -141,7 +141,7 @@ SurfaceQueryStatus ObstacleQuery::resume(Workers& workers) {
   if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
-  if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
+  if (!(state_->started_with == Parameters(state_->options))) return {{.code = Status::Code::other_options}};
   const SurfaceQueryStatus status = state_->go_on(workers);
   own.finish(status);
   return status;
@@ -157,7 +157,7 @@ const std::vector<std::span<const std::uint32_t>>& ObstacleQuery::open() const {
 struct SweptObstacleQuery::State {
   CallState call;
   ObstacleOptions options;
-  Asked asked{options};
+  Parameters started_with{options};
   const Obstacle* obstacle = nullptr;
   Vec3 motion;
   ObstacleSearch<ObstacleImpact> search;
@@ -221,7 +221,7 @@ SurfaceQueryStatus SweptObstacleQuery::run(const SurfaceTree& surface, const Obs
   if (const Status status = state_of(surface).askable(0); !status) return {status};
   if (!is_finite(motion) || !(max_norm(motion) < greatest_usable_scale)) return {{.code = Status::Code::bad_option}};
   state_->obstacle = &obstacle;
-  state_->asked = Asked(state_->options);
+  state_->started_with = Parameters(state_->options);
   state_->motion = motion;
   state_->search.start(state_of(surface), workers);
   const SurfaceQueryStatus status = state_->go_on(workers);
@@ -234,7 +234,7 @@ SurfaceQueryStatus SweptObstacleQuery::resume(Workers& workers) {
   if (!own.status()) return {own.status()};
   if (!state_->search.is_started()) return {{.code = Status::Code::no_front}};
   if (!state_->search.is_current()) return {{.code = Status::Code::other_frame}};
-  if (!(state_->asked == Asked(state_->options))) return {{.code = Status::Code::other_options}};
+  if (!(state_->started_with == Parameters(state_->options))) return {{.code = Status::Code::other_options}};
   const SurfaceQueryStatus status = state_->go_on(workers);
   own.finish(status);
   return status;

@@ -381,7 +381,7 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
     const StandardFloats standard;
     ExclusionRows& rows = parts[begin / blocks_at_once].emplace(source);
     for (std::size_t block = begin; block < end && !is_too_large; ++block) {
-      ask_to_go_on();
+      check_interrupt();
       const std::size_t before = rows.bytes();
       // mutant exclusion-memory: `most_bytes` -> `100 * most_bytes`
       if (!rows.add(static_cast<std::uint32_t>(block)) || (bytes += rows.bytes() - before) > most_bytes)

@@ -118,11 +118,11 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
   excluded_ = is_one && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
   tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
   const bool within = is_one && (filter.same_component || tests_each_);
-  keeps_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.accepts;
+  accepts_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.accepts;
   return {};
 }
 
-bool FeatureFilter::keeps_one(const FeaturePair& pair) const {
+bool FeatureFilter::accepts_one(const FeaturePair& pair) const {
   const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
   if (b_ == a_) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);

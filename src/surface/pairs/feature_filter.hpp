@@ -70,7 +70,7 @@ class FeatureFilter {
     return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
   }
   /// Whether a pair that shares no vertex is kept.
-  bool accepts(const FeaturePair& pair) const { return keeps_all_ || keeps_one(pair); }
+  bool accepts(const FeaturePair& pair) const { return accepts_all_ || accepts_one(pair); }
 
  private:
   /// Masks of features: the bits of all facets that have a vertex or an edge.
@@ -82,13 +82,13 @@ class FeatureFilter {
     std::uint32_t of(Feature feature, std::uint32_t number) const;
     std::uint32_t with(Feature feature, std::uint32_t number) const;
   };
-  bool keeps_one(const FeaturePair& pair) const;
+  bool accepts_one(const FeaturePair& pair) const;
 
   const PairFilter* filter_ = nullptr;
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
   Masks masks_a_, masks_b_;
   std::shared_ptr<const ExcludedPairs> excluded_;  // for one surface with itself, if the filter excludes any pair
-  bool keeps_all_ = false;
+  bool accepts_all_ = false;
   bool tests_each_ = false;  // whether each pair is tested, without a table of excluded pairs
 };
 

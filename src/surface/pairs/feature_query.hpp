@@ -53,20 +53,20 @@ template <class Look>
 auto one_by_one(const Look& visit) {
   return
       [visit](const SurfaceTreeState& a, const SurfaceTreeState& b, std::span<const FeaturePair> pairs, auto& found) {
-        AskNowAndThen ask_now_and_then(128);
+        InterruptPoller poll_interrupt(128);
         for (const FeaturePair& pair : pairs) {
-          ask_now_and_then();
+          poll_interrupt();
           if (const auto one = visit(a, b, pair)) found.push_back(*one);
         }
       };
 }
 
-/// Runs a query whose state is `state`, unless it is rejected: ask() begins it or continues it.
-template <class State, class Ask>
-SurfaceQueryStatus call_of(State& state, CallKind kind, const Ask& ask) {
+/// Runs a query whose state is `state`, unless it is rejected: call() begins it or continues it.
+template <class State, class Call>
+SurfaceQueryStatus call_of(State& state, CallKind kind, const Call& call) {
   ObjectCall own(state, kind);
   if (!own.status()) return {own.status()};
-  const SurfaceQueryStatus status = ask();
+  const SurfaceQueryStatus status = call();
   own.finish(status);
   return status;
 }
@@ -74,7 +74,7 @@ SurfaceQueryStatus call_of(State& state, CallKind kind, const Ask& ask) {
 template <class Found>
 class FeatureQuery {
  public:
-  struct Ask {
+  struct Request {
     double reach = 0;  ///< largest distance of boxes that count as near
     Features features = Features::all;
     bool sorted = true;
@@ -84,16 +84,16 @@ class FeatureQuery {
   /// Starts a query; of one surface with itself if b is a. narrow(a, b, pairs, found): adds the results for pairs of
   /// features whose boxes are near; workers call it.
   template <class Options, class Narrow>
-  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, const Ask& ask, const Options& options,
-                         Workers& workers, const Narrow& narrow) {
+  SurfaceQueryStatus run(const SurfaceTreeState& a, const SurfaceTreeState& b, const Request& request,
+                         const Options& options, Workers& workers, const Narrow& narrow) {
     const StandardFloats standard;
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = a.askable(0);
     if (status && &a != &b) static_cast<Status&>(status) = b.askable(1);
-    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, ask.features, workers);
+    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, request.features, workers);
     if (!status) return status;
-    search_.start(a, b, ask.reach, ask.features, ask.by_spheres, workers);
-    ask_ = ask;
+    search_.start(a, b, request.reach, request.features, request.by_spheres, workers);
+    request_ = request;
     const auto coordinate = [](const SurfaceTreeState& s, const SurfaceBoxes& boxes) {
       return max_norm(s.origin) + boxes.extent;
     };
@@ -109,10 +109,10 @@ class FeatureQuery {
     if (!search_.is_started()) return {{.code = Status::Code::no_front}};
     if (!search_.is_current()) return {{.code = Status::Code::other_frame}};
     // Pairs that were farther apart were not kept.
-    // mutant resume-other-distance: `reach != ask_.reach` -> `false`
-    if (reach != ask_.reach) return {{.code = Status::Code::other_options}};
+    // mutant resume-other-distance: `reach != request_.reach` -> `false`
+    if (reach != request_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) = filter_.start(options.filter, search_.a(), search_.b(), ask_.features, workers);
+    static_cast<Status&>(status) = filter_.start(options.filter, search_.a(), search_.b(), request_.features, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }
@@ -126,7 +126,7 @@ class FeatureQuery {
   const PairSearch& search() const { return search_; }
   bool is_finished() const { return is_finished_; }
   /// The reach of the results, also when surfaces have moved since.
-  double reach() const { return ask_.reach; }
+  double reach() const { return request_.reach; }
   double largest_coordinate() const { return largest_coordinate_; }
 
  private:
@@ -154,11 +154,11 @@ class FeatureQuery {
           c.pairs.clear();
         });
     for (std::size_t i = 0; i < count; ++i) {
-      ask_to_go_on();
+      check_interrupt();
       found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
       candidates_ += chunks_[i].candidates;
     }
-    if (ask_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
+    if (request_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
     search_.open(open_);
     SurfaceQueryStatus status;
     // mutant surface-moved-in-call: `static_cast ... (status) = search_.moved(Status::Code::changed_during_call)` -> ``
@@ -177,7 +177,7 @@ class FeatureQuery {
   };
   PairSearch search_;
   FeatureFilter filter_;
-  Ask ask_{};
+  Request request_{};
   double largest_coordinate_ = 0;
   std::vector<Chunk> chunks_;
   std::vector<Found> found_;

@@ -71,7 +71,7 @@ SurfaceMeter::SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t
 }
 
 bool SurfaceMeter::try_spend(std::size_t groups) {
-  ask_to_go_on();
+  check_interrupt();
   if (is_over_) return false;
   // The first unit of work is done at any cost, so that repeated resume() calls always finish.
   const bool is_first = calls_ == 0;

@@ -44,10 +44,10 @@ class NeededCuts {
   NeededCuts(const MeshView& mesh, const Cover& cover, double tolerance)
       : mesh_(mesh), cover_(cover), tolerance_(tolerance) {}
 
-  // owns(v): whether the node owns a vertex. asks_for(c): whether a cut corner has to be surrounded; the needed ones
+  // owns(v): whether the node owns a vertex. needs(c): whether a cut corner has to be surrounded; the needed ones
   // are among these. Each is listed once.
-  template <class Owns, class AsksFor>
-  const std::vector<std::uint32_t>& of(std::uint32_t node, const Owns& owns, const AsksFor& asks_for) {
+  template <class Owns, class Needs>
+  const std::vector<std::uint32_t>& of(std::uint32_t node, const Owns& owns, const Needs& needs) {
     patches_.clear();
     const auto is_cut = [&](std::uint32_t corner) { return corner >= cover_.vertex_count; };
     for (std::uint32_t p = cover_.region_begin[node]; p < cover_.region_end[node]; ++p)
@@ -63,7 +63,7 @@ class NeededCuts {
       points_.clear();
       for (; i < patches_.size() && cover_.patch_facet[patches_[i]] == f; ++i)
         for (const std::uint32_t c : cover_.patch(patches_[i])) {
-          if (c < cover_.vertex_count || !asks_for(c)) continue;
+          if (c < cover_.vertex_count || !needs(c)) continue;
           if (const auto p = in_facet(cover_, facet, c))
             points_.push_back(*p);
           else

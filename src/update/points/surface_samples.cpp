@@ -63,18 +63,18 @@ std::vector<std::uint32_t> first_at_place(const PositionView& positions) {
 }  // namespace
 
 // Connected components of the surface: the component that each sample lies on.
-struct SurfaceSamples::Pieces {
+struct SurfaceSamples::ComponentIndex {
   std::vector<std::uint32_t> of_sample{};  // empty if there is only one component
   std::vector<std::size_t> sample_count{};
 
   // Samples of a component with too few samples for a ring have neighbors anywhere, as loose facets do.
   bool may_be_neighbors(std::uint32_t a, std::uint32_t b) const {
-    // mutant sample-pieces-mixed: `of_sample.empty` -> `true || of_sample.empty`
+    // mutant sample-components-mixed: `of_sample.empty` -> `true || of_sample.empty`
     return of_sample.empty() || of_sample[a] == of_sample[b] || sample_count[of_sample[a]] <= ring_size;
   }
 };
 
-SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
+SurfaceSamples::ComponentIndex SurfaceSamples::index_components(const MeshView& rest) const {
   const std::vector<std::uint32_t> first = first_at_place(rest.positions);
   std::vector<Facet> facets(rest.facets.begin(), rest.facets.end());
   for (Facet& f : facets)
@@ -83,13 +83,13 @@ SurfaceSamples::Pieces SurfaceSamples::pieces_of(const MeshView& rest) const {
   std::vector<std::uint32_t> of_vertex(rest.vertex_count());
   for (std::size_t f = 0; f < facets.size(); ++f)
     for (const std::uint32_t v : rest.facets[f]) of_vertex[v] = components.of_facet[f];
-  Pieces pieces;
-  pieces.sample_count.resize(components.count);
+  ComponentIndex index;
+  index.sample_count.resize(components.count);
   for (const Site& site : sites_) {
-    pieces.of_sample.push_back(of_vertex[site.facet[0]]);
-    ++pieces.sample_count[pieces.of_sample.back()];
+    index.of_sample.push_back(of_vertex[site.facet[0]]);
+    ++index.sample_count[index.of_sample.back()];
   }
-  return pieces;
+  return index;
 }
 
 SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count)
@@ -112,7 +112,8 @@ SurfaceSamples::SurfaceSamples(const MeshView& rest, std::size_t count)
   sort_into_blocks(std::move(points));
   place(rest.positions, 0, sites_.size());
   bound_blocks();
-  choose_rings(std::sqrt(each) * per_mesh_unit_, report.component_count > 1 ? pieces_of(rest) : Pieces{});
+  choose_rings(std::sqrt(each) * per_mesh_unit_,
+               report.component_count > 1 ? index_components(rest) : ComponentIndex{});
   move(rest.positions);
 }
 
@@ -130,15 +131,15 @@ void SurfaceSamples::sort_into_blocks(std::vector<Vec3f> points) {
   area_.resize(sites_.size());
 }
 
-void SurfaceSamples::choose_rings(double spacing, const Pieces& pieces) {
-  for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing, pieces);
+void SurfaceSamples::choose_rings(double spacing, const ComponentIndex& index) {
+  for (std::uint32_t i = 0; i < sites_.size(); ++i) sites_[i].ring = ring_of(i, spacing, index);
 }
 
 // One neighbor in each of six sectors about the normal: the nearest that is not so near that rounding and facets decide
 // about the curvature, or the nearest of all. The other side of a thin wall is no neighbor, nor is a component that
 // crosses this one, or leaves it when the body moves.
 std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std::uint32_t sample, double spacing,
-                                                                             const Pieces& pieces) const {
+                                                                             const ComponentIndex& index) const {
   constexpr double near = 1.5, far = 4.0;  // spacings
   constexpr float other_side = -0.2f;      // cosine between normals
   const Vec3f normal = normal_[sample];
@@ -157,7 +158,7 @@ std::array<std::uint32_t, SurfaceSamples::ring_size> SurfaceSamples::ring_of(std
       const Vec3f offset = point_[other] - point_[sample];
       const double gap = length(offset);
       if (other == sample || gap > far * spacing || dot(normal, normal_[other]) < other_side) continue;
-      if (!pieces.may_be_neighbors(sample, other)) continue;
+      if (!index.may_be_neighbors(sample, other)) continue;
       const double turn = angle_of(static_cast<double>(dot(offset, v)), static_cast<double>(dot(offset, u)));
       const auto sector =
           std::min<std::size_t>(ring_size - 1, static_cast<std::size_t>((turn / pi + 1) * ring_size / 2));

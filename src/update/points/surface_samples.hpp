@@ -70,10 +70,10 @@ class SurfaceSamples {
   };
 
   void sort_into_blocks(std::vector<Vec3f> points);
-  struct Pieces;
-  Pieces pieces_of(const MeshView& rest) const;
-  void choose_rings(double spacing, const Pieces& pieces);
-  std::array<std::uint32_t, ring_size> ring_of(std::uint32_t sample, double spacing, const Pieces& pieces) const;
+  struct ComponentIndex;
+  ComponentIndex index_components(const MeshView& rest) const;
+  void choose_rings(double spacing, const ComponentIndex& index);
+  std::array<std::uint32_t, ring_size> ring_of(std::uint32_t sample, double spacing, const ComponentIndex& index) const;
   template <class Reader>
   void move_step(const Reader& positions, std::size_t step) noexcept;
   template <class Reader>

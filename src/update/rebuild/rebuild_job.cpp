@@ -86,6 +86,8 @@ std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
   auto model = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
   if (build_.stop.stop_requested()) throw BuildStopped();
+  // A collider of the new tree then costs nothing on the caller's thread.
+  static_cast<void>(model->facet_lists.get(model->tree, model->cover));
   auto tree = std::make_unique<TreeVersion>(FittedBody::make(snapshot_, std::move(model), fits_leaves_, one), snapshot_,
                                             estimator_, levels_);
   // The frame that takes the tree lies between the pose of the request and the one that the tree was made for.

@@ -153,7 +153,7 @@ int run_scene(const CollideArguments& o) {
 }
 
 int run_features(const CollideArguments& o) {
-  const char* const asked = o.within ? "--within" : "--self";
+  const char* const option = o.within ? "--within" : "--self";
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
   if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.translate + o.b.rotate).empty())
@@ -164,7 +164,7 @@ int run_features(const CollideArguments& o) {
   if (o.margin != 0) given = "--margin";
   if (!(o.a.tree + o.b.tree).empty()) given = o.a.tree.empty() ? "--tree-b" : "--tree-a";
   if (!given.empty())
-    throw UsageError(fmt::format("{} is for contacts of spheres: leave it out with {}", given, asked));
+    throw UsageError(fmt::format("{} is for contacts of spheres: leave it out with {}", given, option));
   if (o.within && !(*o.within >= 0))
     throw UsageError(fmt::format("--within {} is not a length of 0 or more", *o.within));
   return collide_features({.a = o.a,

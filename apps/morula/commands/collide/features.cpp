@@ -48,7 +48,7 @@ class MovingSurface {
   SurfaceTree tree_;
 };
 
-struct Asked {
+struct SurfacePair {
   const MovingSurface *a, *b;  // the same: with itself
   char letter_a, letter_b;
 };
@@ -66,16 +66,16 @@ std::string feature(const SurfaceTree& tree, bool is_vertex, bool is_edge, std::
   return fmt::format("{},{},{}", f[0], f[1], f[2]);
 }
 
-void add_row(std::string& text, std::size_t frame, const Asked& asked, const FeaturePair& pair,
+void add_row(std::string& text, std::size_t frame, const SurfacePair& surfaces, const FeaturePair& pair,
              const std::string& distance) {
   const bool is_edges = pair.kind == PairKind::edge_edge;
   const char* const kind = pair.kind == PairKind::facet_facet    ? "ff"
                            : is_edges                            ? "ee"
                            : pair.kind == PairKind::facet_vertex ? "fv"
                                                                  : "vf";
-  fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", frame, asked.letter_a, asked.letter_b, kind,
-                 feature(asked.a->tree(), pair.kind == PairKind::vertex_facet, is_edges, pair.a),
-                 feature(asked.b->tree(), pair.kind == PairKind::facet_vertex, is_edges, pair.b), distance);
+  fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{}\n", frame, surfaces.letter_a, surfaces.letter_b, kind,
+                 feature(surfaces.a->tree(), pair.kind == PairKind::vertex_facet, is_edges, pair.a),
+                 feature(surfaces.b->tree(), pair.kind == PairKind::facet_vertex, is_edges, pair.b), distance);
 }
 
 }  // namespace
@@ -90,10 +90,10 @@ int collide_features(const FeatureRun& run) {
   MovingSurface a(run.a);
   std::optional<MovingSurface> b;
   if (!run.b.mesh.empty()) b.emplace(run.b);
-  std::vector<Asked> asked;
-  if (run.with_self) asked.push_back({&a, &a, 'a', 'a'});
-  if (b && run.with_self) asked.push_back({&*b, &*b, 'b', 'b'});
-  if (b) asked.push_back({&a, &*b, 'a', 'b'});
+  std::vector<SurfacePair> surface_pairs;
+  if (run.with_self) surface_pairs.push_back({&a, &a, 'a', 'a'});
+  if (b && run.with_self) surface_pairs.push_back({&*b, &*b, 'b', 'b'});
+  if (b) surface_pairs.push_back({&a, &*b, 'a', 'b'});
 
   SurfaceCrossingQuery crossing;
   ProximityQuery near({.distance = run.within.value_or(0)});
@@ -106,26 +106,27 @@ int collide_features(const FeatureRun& run) {
       FeatureFrame& frame = frames[i];
       a.move_to(i, workers);
       if (b) b->move_to(i, workers);
-      for (const Asked& who : asked) {
-        const auto ask = [&](auto& query) {
+      for (const SurfacePair& surfaces : surface_pairs) {
+        const auto run_query = [&](auto& query) {
           toolbox::Stopwatch watch;
-          const SurfaceQueryStatus status =
-              who.a == who.b ? query.run(who.a->tree(), workers) : query.run(who.a->tree(), who.b->tree(), workers);
+          const SurfaceQueryStatus status = surfaces.a == surfaces.b
+                                                ? query.run(surfaces.a->tree(), workers)
+                                                : query.run(surfaces.a->tree(), surfaces.b->tree(), workers);
           frame.microseconds += 1e6 * watch.lap();
           if (!status) throw UsageError(message(status));
         };
         if (!run.within) {
-          ask(crossing);
+          run_query(crossing);
           frame.facets += crossing.pairs().size();
           if (!run.output.empty())
-            for (const FeaturePair& pair : crossing.pairs()) add_row(rows, i, who, pair, "");
+            for (const FeaturePair& pair : crossing.pairs()) add_row(rows, i, surfaces, pair, "");
           continue;
         }
-        ask(near);
+        run_query(near);
         for (const ProximityPair& pair : near.pairs()) {
           ++(pair.kind == PairKind::edge_edge ? frame.edge_edge : frame.vertex_facet);
           frame.nearest = std::min(frame.nearest.value_or(pair.distance), pair.distance);
-          if (!run.output.empty()) add_row(rows, i, who, pair, exact_digits(pair.distance));
+          if (!run.output.empty()) add_row(rows, i, surfaces, pair, exact_digits(pair.distance));
         }
       }
     }

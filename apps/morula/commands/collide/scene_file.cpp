@@ -25,7 +25,7 @@ const std::vector<std::string> known_keys{"name", "mesh",   "tree",   "motion", 
 class Place {
  public:
   Place(const Json& json, std::string name) : json_(&json), name_(std::move(name)) {}
-  [[noreturn]] void refuse(const std::string& why) const { throw UsageError(fmt::format("{}: {}", name_, why)); }
+  [[noreturn]] void reject(const std::string& why) const { throw UsageError(fmt::format("{}: {}", name_, why)); }
 
   bool has(const char* key) const { return json_->contains(key); }
   Place at(const char* key) const { return {(*json_)[key], fmt::format("{}.{}", name_, key)}; }
@@ -34,20 +34,20 @@ class Place {
   const Json& json() const { return *json_; }
 
   std::string text() const {
-    if (!json_->is_string() || json_->get<std::string>().empty()) refuse("give a text in quotes that is not empty");
+    if (!json_->is_string() || json_->get<std::string>().empty()) reject("give a text in quotes that is not empty");
     return json_->get<std::string>();
   }
   bool flag() const {
-    if (!json_->is_boolean()) refuse("give true or false");
+    if (!json_->is_boolean()) reject("give true or false");
     return json_->get<bool>();
   }
   double number() const {
-    if (!json_->is_number() || !std::isfinite(json_->get<double>())) refuse("give a number");
+    if (!json_->is_number() || !std::isfinite(json_->get<double>())) reject("give a number");
     return json_->get<double>();
   }
   std::vector<double> numbers(std::size_t count, const char* such_as) const {
     if (!json_->is_array() || json_->size() != count)
-      refuse(fmt::format("give {} numbers, such as {}", count, such_as));
+      reject(fmt::format("give {} numbers, such as {}", count, such_as));
     std::vector<double> all;
     for (std::size_t i = 0; i < count; ++i) all.push_back(at(i).number());
     return all;
@@ -57,12 +57,12 @@ class Place {
     return {v[0], v[1], v[2]};
   }
   std::uint32_t mask() const {
-    if (!json_->is_array()) refuse("give a list of groups, such as [0, 2]");
+    if (!json_->is_array()) reject("give a list of groups, such as [0, 2]");
     std::uint32_t mask = 0;
     for (std::size_t i = 0; i < size(); ++i) {
       const Json& group = (*json_)[i];
       if (!group.is_number_integer() || group.get<std::int64_t>() < 0 || group.get<std::int64_t>() > 31)
-        at(i).refuse("groups are the whole numbers from 0 to 31");
+        at(i).reject("groups are the whole numbers from 0 to 31");
       mask |= std::uint32_t{1} << group.get<std::uint32_t>();
     }
     return mask;
@@ -88,7 +88,7 @@ RigidTransform transform_of(const Place& body) {
   if (!body.has("rotate")) return {.translation = translation};
   const std::vector<double> turn = body.at("rotate").numbers(4, "[0, 0, 1, 90]: an axis and degrees");
   Vec3 axis{turn[0], turn[1], turn[2]};
-  if (axis == Vec3{}) body.at("rotate").refuse("the axis has no direction: give one such as 0, 0, 1");
+  if (axis == Vec3{}) body.at("rotate").reject("the axis has no direction: give one such as 0, 0, 1");
   axis = axis / max_norm(axis);
   return RigidTransform::from_axis(axis, std::fmod(turn[3], 360) * std::numbers::pi / 180, translation);
 }
@@ -119,21 +119,21 @@ struct SceneFolders {
  private:
   void require_inside(const Place& named, const std::filesystem::path& path) const {
     if (const std::optional<std::string> outside = roots.refusal(path, "--root")) {
-      named.refuse(fmt::format("{} {}", path.string(), *outside));
+      named.reject(fmt::format("{} {}", path.string(), *outside));
     }
   }
 };
 
 SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& folders) {
-  if (!place.json().is_object()) place.refuse("give an object, such as {\"mesh\": \"box.obj\"}");
+  if (!place.json().is_object()) place.reject("give an object, such as {\"mesh\": \"box.obj\"}");
   for (const auto& [key, value] : place.json().items())
     if (std::find(known_keys.begin(), known_keys.end(), key) == known_keys.end()) {
       const std::string nearest = nearest_name(key, known_keys);
-      place.refuse(fmt::format("there is no key '{}'{}", key,
+      place.reject(fmt::format("there is no key '{}'{}", key,
                                nearest.empty() ? std::string("; docs/how-to/scene.md lists them")
                                                : fmt::format("; did you mean '{}'?", nearest)));
     }
-  if (!place.has("mesh")) place.refuse("there is no mesh: give \"mesh\": \"FILE\"");
+  if (!place.has("mesh")) place.reject("there is no mesh: give \"mesh\": \"FILE\"");
   SceneFileBody body;
   body.name = place.has("name") ? place.at("name").text() : fmt::format("body {}", i);
   body.mesh = folders.file(place.at("mesh"));
@@ -142,18 +142,18 @@ SceneFileBody body_of(const Place& place, std::size_t i, const SceneFolders& fol
   body.transform = transform_of(place);
   if (place.has("path")) {
     const Place path = place.at("path");
-    if (!path.json().is_array() || path.size() == 0) path.refuse("give a list of points, one per frame");
+    if (!path.json().is_array() || path.size() == 0) path.reject("give a list of points, one per frame");
     for (std::size_t k = 0; k < path.size(); ++k) body.path.push_back(path.at(k).vector());
   }
   if (place.has("static")) body.is_static = place.at("static").flag();
   if (body.is_static && (!body.motion.empty() || !body.path.empty()))
-    place.at("static").refuse("a static body has neither motion nor path: leave them out, or say false");
+    place.at("static").reject("a static body has neither motion nor path: leave them out, or say false");
   if (place.has("groups")) body.category = place.at("groups").mask();
   if (body.category == 0)
-    place.at("groups").refuse("a body without a group forms no pair: name one, or leave the key out");
+    place.at("groups").reject("a body without a group forms no pair: name one, or leave the key out");
   if (place.has("meets")) body.mask = place.at("meets").mask();
   if (place.has("weight")) body.weight = place.at("weight").number();
-  if (body.weight < 0) place.at("weight").refuse("weights are 0 or more");
+  if (body.weight < 0) place.at("weight").reject("weights are 0 or more");
   return body;
 }
 
@@ -163,11 +163,11 @@ std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file,
                                            const std::vector<std::filesystem::path>& roots) {
   const Json json = parse(file);
   const Place scene(json, file.string());
-  if (!json.is_object() || !scene.has("bodies")) scene.refuse("give an object with the key \"bodies\"");
+  if (!json.is_object() || !scene.has("bodies")) scene.reject("give an object with the key \"bodies\"");
   for (const auto& [key, value] : json.items())
-    if (key != "bodies") scene.refuse(fmt::format("there is no key '{}': a scene has \"bodies\"", key));
+    if (key != "bodies") scene.reject(fmt::format("there is no key '{}': a scene has \"bodies\"", key));
   const Place bodies(json["bodies"], fmt::format("{}: bodies", file.string()));
-  if (!bodies.json().is_array() || bodies.size() == 0) bodies.refuse("give a list of bodies");
+  if (!bodies.json().is_array() || bodies.size() == 0) bodies.reject("give a list of bodies");
   SceneFolders folders{.own = file.parent_path(), .roots = FileRoots(roots)};
   folders.roots.add(folders.own);
   std::vector<SceneFileBody> all;
@@ -175,7 +175,7 @@ std::vector<SceneFileBody> read_scene_file(const std::filesystem::path& file,
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     all.push_back(body_of(bodies.at(i), i, folders));
     if (!names.insert(all.back().name).second)
-      bodies.at(i).refuse(fmt::format("there are two bodies of the name '{}': give them others", all.back().name));
+      bodies.at(i).reject(fmt::format("there are two bodies of the name '{}': give them others", all.back().name));
   }
   return all;
 }

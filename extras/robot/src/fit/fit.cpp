@@ -14,6 +14,7 @@
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "fit/budget.hpp"
 #include "fit/clip.hpp"
@@ -36,7 +37,11 @@ void require_sense(const Robot& robot, const FitOptions& o) {
     require_link(name, "spheres");
     if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
   }
-  for (const auto& kept : o.fixed_spheres) require_link(kept.first, "fixed_spheres");
+  for (const auto& [name, spheres] : o.fixed_spheres) {
+    require_link(name, "fixed_spheres");
+    if (spheres.empty())
+      throw std::invalid_argument(fmt::format("fixed_spheres: link {} has none; skip the link instead", name));
+  }
   for (const auto& [name, planes] : o.clip) {
     require_link(name, "clip");
     for (const ClipPlane& plane : planes) {
@@ -57,6 +62,11 @@ void require_sense(const Robot& robot, const FitOptions& o) {
   if (o.max_total && *o.max_total == 0) throw std::invalid_argument("a robot has at least 1 sphere in total");
   if (o.max_radius && *o.max_radius < o.min_radius) {
     throw std::invalid_argument("the largest radius is below the smallest");
+  }
+  if (o.method != Method::optimized && o.quality && *o.quality != Quality::standard) {
+    throw std::invalid_argument(
+        fmt::format("quality {} is for method optimized; method {} has one way only: leave the quality out",
+                    name(*o.quality), name(o.method)));
   }
   if (o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
     throw std::invalid_argument("say how many spheres, or how far they may stick out");
@@ -83,39 +93,41 @@ bool same_insides(const std::vector<Shape>& a, const std::vector<Shape>& b) {
   });
 }
 
-/// Calls f(i) for all i on the workers, the costliest first, and reports progress.
-template <class Cost, class F>
-void for_each_group(std::size_t count, const FitOptions& o, Workers& workers, const Cost& cost, const F& f) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost(a) > cost(b); });
-  double all = 0, done = 0;
-  for (std::size_t i = 0; i < count; ++i) all += 50 + static_cast<double>(cost(i));
-  std::mutex mutex;
-  workers.run(count, [&](std::size_t k) {
-    const std::string name = f(order[k]);
-    if (!o.progress) return;
-    const std::lock_guard lock(mutex);
-    done += 50 + static_cast<double>(cost(order[k]));
-    o.progress(done / all, name);
-  });
-}
+/// The progress of all work of a fit, which is counted before it begins.
+class FitProgress {
+ public:
+  explicit FitProgress(const FitOptions& options) : report_(options.progress) {}
+  void expect(std::size_t work) { all_ += work; }
+  /// Called on any thread.
+  void complete(std::size_t work, const std::string& link) {
+    if (!report_) return;
+    const std::lock_guard lock(mutex_);
+    done_ += work;
+    report_(static_cast<double>(done_) / static_cast<double>(all_), link);
+  }
+
+ private:
+  const std::function<void(double, const std::string&)>& report_;
+  std::mutex mutex_;
+  std::size_t all_ = 0, done_ = 0;
+};
 
 class Fitter {
  public:
   Fitter(const Robot& robot, const FitOptions& options, Workers& workers)
-      : robot_(robot), o_(options), workers_(workers) {}
+      : robot_(robot), o_(options), workers_(workers), progress_(options) {}
 
   RobotSpheres run() {
     read_surfaces();
     find_alike();
-    set_budgets();
-    for_each_group(
-        groups_.size(), o_, workers_, [&](std::size_t i) { return facets_of(i); },
-        [&](std::size_t i) {
-          fit(groups_[i]);
-          return name_of(result_.links[groups_[i].members[0]]);
-        });
+    std::vector<std::size_t> all(groups_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    const std::vector<std::size_t> sharing = groups_that_share();
+    for (const std::vector<std::size_t>* stage : {&sharing, &std::as_const(all)})
+      for (const std::size_t group : *stage) progress_.expect(work_of(group));
+    set_budgets(sharing);
+    for_each_group(all, [&](std::size_t, std::size_t group) { fit(groups_[group]); });
+    note_total();
     for (LinkSpheres& link : result_.links) {
       const std::optional<Inertial>& own = robot_.links[link.link].inertial;
       link.figures.mass = own && own->mass > 0 ? own->mass : o_.density * link.figures.solid.volume;
@@ -125,8 +137,22 @@ class Fitter {
 
  private:
   const std::string& name_of(const LinkSpheres& link) const { return robot_.links[link.link].name; }
-  std::size_t facets_of(std::size_t group) const {
-    return result_.links[groups_[group].members[0]].surface.mesh.facet_count();
+  const LinkSpheres& first_of(std::size_t group) const { return result_.links[groups_[group].members[0]]; }
+  std::size_t facets_of(std::size_t group) const { return first_of(group).surface.mesh.facet_count(); }
+  std::size_t work_of(std::size_t group) const { return 50 + facets_of(group); }
+
+  /// Calls f(i, groups[i]) for all i on the workers, the costliest first, and reports progress.
+  template <class F>
+  void for_each_group(const std::vector<std::size_t>& groups, const F& f) {
+    std::vector<std::size_t> order(groups.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return facets_of(groups[a]) > facets_of(groups[b]); });
+    workers_.run(groups.size(), [&](std::size_t k) {
+      const std::size_t group = groups[order[k]];
+      f(order[k], group);
+      progress_.complete(work_of(group), name_of(first_of(group)));
+    });
   }
 
   void read_surfaces() {
@@ -194,27 +220,48 @@ class Fitter {
     }
   }
 
-  void set_budgets() {
-    for (Group& group : groups_) group.budget = o_.spheres;
-    if (o_.max_total) share_total();
-    for (Group& group : groups_) {
-      const auto own = o_.link_spheres.find(name_of(result_.links[group.members[0]]));
-      if (own != o_.link_spheres.end()) group.budget = own->second;
-    }
+  /// The number that the options give for the first link of a group, in place of a common number; no value if they do
+  /// not.
+  std::optional<std::size_t> own_number(std::size_t group) const {
+    const std::string& name = name_of(first_of(group));
+    if (const auto kept = o_.fixed_spheres.find(name); kept != o_.fixed_spheres.end()) return kept->second.size();
+    if (const auto own = o_.link_spheres.find(name); own != o_.link_spheres.end()) return own->second;
+    return std::nullopt;
   }
 
-  void share_total() {
-    std::vector<Demand> demands(groups_.size());
-    for_each_group(
-        groups_.size(), o_, workers_, [&](std::size_t i) { return facets_of(i); },
-        [&](std::size_t i) {
-          const LinkSpheres& link = result_.links[groups_[i].members[0]];
-          demands[i] = demand(link);
-          demands[i].links = groups_[i].members.size();
-          return name_of(link);
-        });
-    const std::vector<std::size_t> counts = share_spheres(demands, *o_.max_total);
-    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = counts[i];
+  /// The groups that share the total, if there is one.
+  std::vector<std::size_t> groups_that_share() const {
+    std::vector<std::size_t> sharing;
+    for (std::size_t i = 0; o_.max_total && i < groups_.size(); ++i)
+      if (!own_number(i)) sharing.push_back(i);
+    return sharing;
+  }
+
+  void set_budgets(const std::vector<std::size_t>& sharing) {
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = own_number(i).value_or(o_.spheres);
+    if (o_.max_total) share_total(sharing);
+  }
+
+  /// Divides the part of the total that single links leave.
+  void share_total(const std::vector<std::size_t>& sharing) {
+    std::size_t left = *o_.max_total;
+    for (std::size_t i = 0; i < groups_.size(); ++i) left -= std::min(left, own_number(i).value_or(0));
+    std::vector<Demand> demands(sharing.size());
+    for_each_group(sharing, [&](std::size_t i, std::size_t group) {
+      demands[i] = demand(first_of(group));
+      demands[i].links = groups_[group].members.size();
+    });
+    const std::vector<std::size_t> counts = share_spheres(demands, left);
+    for (std::size_t i = 0; i < sharing.size(); ++i) groups_[sharing[i]].budget = counts[i];
+  }
+
+  void note_total() {
+    if (!o_.max_total || result_.sphere_count() <= *o_.max_total) return;
+    result_.notes.push_back(fmt::format(
+        "the robot has {} spheres, and the largest total is {}: numbers and spheres given for single links, "
+        "spheres among the shapes, one sphere for every other link, clip planes and the largest radius come "
+        "first; allow more, or skip links",
+        result_.sphere_count(), *o_.max_total));
   }
 
   Demand demand(const LinkSpheres& link) const {
@@ -222,10 +269,8 @@ class Fitter {
     demand.fixed = link.surface.spheres.size();
     demand.has_mesh = !link.surface.mesh.facets.empty();
     if (!demand.has_mesh) return demand;
-    BuildOptions build_options{.method = o_.method,
-                               .seed = o_.seed,
-                               .quality = o_.method == Method::optimized ? Quality::draft : o_.quality,
-                               .stop = o_.stop};
+    BuildOptions build_options{
+        .method = o_.method, .seed = o_.seed, .quality = quality(Quality::draft), .stop = o_.stop};
     std::array<double, 4> volumes{};
     for (std::size_t k = 0; k < volumes.size(); ++k) {
       if (Demand::counts[k] == 1) {
@@ -246,6 +291,11 @@ class Fitter {
 
   static std::vector<Sphere> leaves(const CoveredTree& model) {
     return level_set_spheres(model.tree, model.tree.level_count() - 1);
+  }
+
+  /// The quality for a build; the methods other than optimized have only one.
+  Quality quality(Quality of_optimized) const {
+    return o_.method == Method::optimized ? of_optimized : Quality::standard;
   }
 
   CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
@@ -288,7 +338,10 @@ class Fitter {
   void fit_new(LinkSpheres& link, std::size_t budget) const {
     link.spheres = link.surface.spheres;
     if (!link.surface.mesh.facets.empty()) {
-      BuildOptions options{.method = o_.method, .seed = o_.seed, .quality = o_.quality, .stop = o_.stop};
+      BuildOptions options{.method = o_.method,
+                           .seed = o_.seed,
+                           .quality = quality(o_.quality.value_or(Quality::fast)),
+                           .stop = o_.stop};
       options.max_protrusion = o_.max_protrusion;
       if (o_.max_protrusion_share) {
         Box box;
@@ -307,7 +360,7 @@ class Fitter {
       if (o_.clip_margin && !planes_of(link).empty()) keep_from_planes(link, *model);
       if (!model->report.complete) {
         link.notes.push_back(
-            fmt::format("link {}: the spheres stick out further than asked for; allow more of them", name_of(link)));
+            fmt::format("link {}: the spheres exceed the largest protrusion; allow more of them", name_of(link)));
       }
       const std::vector<Sphere> fitted = leaves(*model);
       link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
@@ -377,7 +430,7 @@ class Fitter {
       model = build_link(link, {.method = Method::octree, .depth = depth, .seed = o_.seed, .stop = o_.stop});
     }
     if (!fits(model)) {
-      link.notes.push_back(fmt::format("link {}: spheres are larger than asked for; allow larger ones", name_of(link)));
+      link.notes.push_back(fmt::format("link {}: spheres exceed the largest radius; allow larger ones", name_of(link)));
     }
   }
 
@@ -391,9 +444,14 @@ class Fitter {
     const double allowance = float_allowance(extent_of(link.spheres));
     // mutant robot-kept-as-floats: `allowance` -> `0 * allowance`
     for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
+    // A sphere among the shapes is covered if one sphere contains it; otherwise no point of it is farther from the
+    // spheres than it reaches out of any of them.
     for (const Sphere& own : surface.spheres) {
-      const auto contains = [&](const Sphere& s) { return distance(s.center, own.center) + own.radius <= s.radius; };
-      if (!std::any_of(certified.begin(), certified.end(), contains)) figures.covered = false;
+      double least = std::numeric_limits<double>::infinity();
+      for (const Sphere& s : certified) least = std::min(least, distance(s.center, own.center) + own.radius - s.radius);
+      if (!(least > 0)) continue;
+      figures.covered = false;
+      figures.uncovered_distance = std::max(figures.uncovered_distance, least);
     }
     figures.solid = union_mass(link.spheres);
     if (const std::vector<ClipPlane>& planes = planes_of(link); !planes.empty()) {
@@ -418,7 +476,7 @@ class Fitter {
     } else {
       const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
-      figures.uncovered_distance = cover.uncovered_distance;
+      figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));
@@ -442,6 +500,7 @@ class Fitter {
   const Robot& robot_;
   const FitOptions& o_;
   Workers& workers_;
+  FitProgress progress_;
   std::vector<Group> groups_;
   RobotSpheres result_;
 };
@@ -466,8 +525,13 @@ std::size_t RobotSpheres::inner_count() const {
 
 RobotSpheres RobotSpheres::with_inner_spheres() const {
   RobotSpheres result;
+  result.notes = notes;
+  result.visual = visual;
   for (const LinkSpheres& link : links) {
-    if (link.inner.empty()) continue;
+    if (link.inner.empty()) {
+      result.notes.insert(result.notes.end(), link.notes.begin(), link.notes.end());
+      continue;
+    }
     result.links.push_back(link);
     result.links.back().spheres = link.inner;
   }

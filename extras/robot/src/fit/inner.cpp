@@ -32,23 +32,23 @@ struct Solid {
   }
 };
 
-Mesh piece_of(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
+Mesh submesh(const Mesh& mesh, const std::vector<std::uint32_t>& facets) {
   constexpr std::uint32_t unplaced = 0xffffffffu;
   std::vector<std::uint32_t> places(mesh.positions.size(), unplaced);
-  Mesh piece;
+  Mesh part;
   for (const std::uint32_t facet : facets) {
     Facet corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& place = places[mesh.facets[facet][k]];
       if (place == unplaced) {
-        place = static_cast<std::uint32_t>(piece.positions.size());
-        piece.positions.push_back(mesh.positions[mesh.facets[facet][k]]);
+        place = static_cast<std::uint32_t>(part.positions.size());
+        part.positions.push_back(mesh.positions[mesh.facets[facet][k]]);
       }
       corners[k] = place;
     }
-    piece.facets.push_back(corners);
+    part.facets.push_back(corners);
   }
-  return piece;
+  return part;
 }
 
 /// The closed components of a shape: each by itself if all face outwards, together if some are cavities of others.
@@ -60,7 +60,7 @@ std::vector<Solid> solids_of(const Mesh& given) {
   std::vector<Solid> solids;
   bool cavities = false;
   for (const std::vector<std::uint32_t>& list : facets) {
-    Solid solid{.mesh = piece_of(mesh, list), .object = nullptr};
+    Solid solid{.mesh = submesh(mesh, list), .object = nullptr};
     const MeshReport report = inspect(solid.mesh);
     if (!report.has_volume() || report.volume == 0) continue;
     solid.area = report.area;

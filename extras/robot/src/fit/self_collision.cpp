@@ -216,12 +216,12 @@ class Finder {
     workers_.run(open.size(), [&](std::size_t i) {
       if (o_.stop.stop_requested()) return;
       Pair& pair = pairs_[open[i]];
-      const LinkPair asked = search_pair(pair);
+      const LinkPair searched = search_pair(pair);
       // mutant robot-pairs-descent: `o_.samples > 0` -> `false`
-      if (o_.samples > 0 && descend_to_contact(asked, o_.seed + open[i], o_.stop)) {
+      if (o_.samples > 0 && descend_to_contact(searched, o_.seed + open[i], o_.stop)) {
         pair.meets = true;
       } else {
-        const Verdict verdict = prove_apart(asked, boxes_of_a_proof, o_.stop);
+        const Verdict verdict = prove_apart(searched, boxes_of_a_proof, o_.stop);
         if (verdict == Verdict::meet) pair.meets = true;
         if (verdict == Verdict::apart) pair.reason = IgnoreReason::apart;
       }

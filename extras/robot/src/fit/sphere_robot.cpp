@@ -184,9 +184,9 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
   while (!waiting.empty()) {
     const std::uint32_t node = waiting.back();
     waiting.pop_back();
-    Sphere asked = other_[node];
-    if (!tree.is_leaf(node)) asked.radius += 2 * rounding(asked);
-    if (!collides(asked)) continue;
+    Sphere grown = other_[node];
+    if (!tree.is_leaf(node)) grown.radius += 2 * rounding(grown);
+    if (!collides(grown)) continue;
     if (tree.is_leaf(node)) return true;
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) waiting.push_back(tree.first_child[node] + k);
   }

@@ -99,7 +99,7 @@ void note_other_shapes(const tinyxml2::XMLElement& taken, const std::string& lin
 }
 
 std::string unread_shape_note(const std::string& link, const FileError& error) {
-  return fmt::format("a shape of {} that is not asked for is left out: {}", link, error.what());
+  return fmt::format("a shape of {} that is not requested is left out: {}", link, error.what());
 }
 
 std::string_view name(Shape::Kind kind) {
@@ -148,11 +148,11 @@ bool has_surface(const Shape& shape, const std::string& link, bool needed, std::
 }
 
 void require_no_mimic_circle(const Robot& robot) {
-  detail::AskNowAndThen ask_now_and_then(1u << 14);
+  detail::InterruptPoller poll_interrupt(1u << 14);
   for (const Joint& joint : robot.joints) {
     std::size_t steps = 0;
     for (const Joint* at = &joint; at->mimic; at = &robot.joints[at->mimic->joint]) {
-      ask_now_and_then();
+      poll_interrupt();
       if (++steps > robot.joints.size()) {
         fail_at(robot.file, joint.line, fmt::format("joint {} follows itself through others", joint.name));
       }

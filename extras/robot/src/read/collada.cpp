@@ -50,7 +50,7 @@ struct Reader {
   detail::PolygonReader cutter{reading};
   std::vector<std::uint32_t> polygon{};
   std::size_t instances = 0, elements = 0, faces = 0, holed = 0;
-  mutable detail::AskNowAndThen ask_now_and_then{1u << 14};  // before each number, position and facet
+  mutable detail::InterruptPoller poll_interrupt{1u << 14};  // before each number, position and facet
 
   /// A few nodes that hold each other several times would expand to more than any program can draw.
   void count_instance(const XMLElement& at) {
@@ -96,7 +96,7 @@ struct Reader {
     std::vector<std::size_t> result;
     result.reserve(values.size());
     for (const double value : values) {
-      ask_now_and_then();
+      poll_interrupt();
       if (!(value >= 0 && value < 4e9 && value == std::floor(value))) {
         xml.fail(at, fmt::format("<{}> holds {}, which is no index", at.Name(), value));
       }
@@ -132,7 +132,7 @@ struct Reader {
     }
     std::vector<Vec3> result;
     for (std::size_t i = offset; i + 3 <= values.size(); i += stride) {
-      ask_now_and_then();
+      poll_interrupt();
       result.push_back({values[i], values[i + 1], values[i + 2]});
     }
     return result;
@@ -140,7 +140,7 @@ struct Reader {
 
   void add_facet(const XMLElement& at, std::size_t base, std::size_t count, std::array<std::size_t, 3> corners,
                  bool turned) {
-    ask_now_and_then();
+    poll_interrupt();
     for (const std::size_t corner : corners) {
       if (corner >= count) xml.fail(at, fmt::format("there is no vertex {} of {}", corner, count));
     }
@@ -228,7 +228,7 @@ struct Reader {
     if (vertices == nullptr) xml.fail(*data, "a mesh has no vertices");
     const std::size_t base = mesh.positions.size();
     for (const Vec3& p : positions(*vertices)) {
-      ask_now_and_then();
+      poll_interrupt();
       mesh.positions.push_back(pose(p));
     }
     const std::size_t count = mesh.positions.size() - base;

@@ -57,14 +57,14 @@ class Search {
   }
   const fs::path& found() const { return found_; }
 
-  [[noreturn]] void refuse(const std::string& why) const {
+  [[noreturn]] void reject(const std::string& why) const {
     fail_at(robot_file_, line_, fmt::format("mesh \"{}\" {}", name_, why));
   }
   [[noreturn]] void give_up() const {
-    if (!outside_.empty()) refuse(outside_);
+    if (!outside_.empty()) reject(outside_);
     std::string text = "is missing; searched:";
     for (const fs::path& path : searched_) text += fmt::format(" {}", path.string());
-    refuse(fmt::format("{}; name the folder that holds its package with {}", text, root_option));
+    reject(fmt::format("{}; name the folder that holds its package with {}", text, root_option));
   }
 
  private:
@@ -79,7 +79,7 @@ class Search {
 bool find_in_package(Search& search, const PackageFile& file, const RobotFolders& folders) {
   // mutant robot-package-climbs: `file.package == ".." || climbs(file.path)` -> `false`
   if (file.package == ".." || climbs(file.path)) {
-    search.refuse("leaves its package by \"..\", which is not followed");
+    search.reject("leaves its package by \"..\", which is not followed");
   }
   const FileRoots roots = folders.roots_for_package(file.package);
   for (const fs::path& path : folders.package_paths()) {
@@ -127,7 +127,7 @@ fs::path find_mesh(const std::string& name, const fs::path& robot_file, std::spa
   const RobotFolders folders(robot_file, package_paths);
   const FileReference reference = parse_file_reference(name);
   const bool in_package = reference.scheme == "package" || reference.scheme == "model";
-  if (!in_package && !reference.scheme.empty()) search.refuse("is not on this disk: save it beside the robot's file");
+  if (!in_package && !reference.scheme.empty()) search.reject("is not on this disk: save it next to the robot's file");
   for (const std::string& path : reference.paths) {
     if (in_package ? find_in_package(search, split(path), folders) : find_by_path(search, path, folders)) {
       return search.found();

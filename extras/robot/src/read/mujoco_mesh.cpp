@@ -32,41 +32,41 @@ bool is_mujoco_mesh(const std::filesystem::path& path) {
 
 Mesh read_mujoco_mesh(const std::filesystem::path& path) {
   const std::string bytes = detail::read_whole(path);
-  const auto refuse = [&](const std::string& text) {
+  const auto reject = [&](const std::string& text) {
     return FileError(fmt::format("{}: {}; save the mesh as OBJ or STL", path.string(), text));
   };
   constexpr std::size_t head = 16;
-  if (bytes.size() < head) throw refuse("is too short for a mesh of MuJoCo");
+  if (bytes.size() < head) throw reject("is too short for a mesh of MuJoCo");
   std::array<std::uint64_t, 4> counts{};  // vertices, normals, places in a texture, facets
   for (std::size_t i = 0; i < 4; ++i) {
     const auto count = detail::load<std::int32_t>(bytes.data() + 4 * i);
-    if (count < 0) throw refuse("has a number of vertices or facets below 0, so it is no mesh of MuJoCo");
+    if (count < 0) throw reject("has a number of vertices or facets below 0, so it is no mesh of MuJoCo");
     counts[i] = static_cast<std::uint64_t>(count);
   }
   const std::uint64_t facets_at = head + 12 * counts[0] + 12 * counts[1] + 8 * counts[2];
   if (facets_at + 12 * counts[3] != bytes.size()) {
-    throw refuse(fmt::format("has {} bytes where its numbers of vertices and facets require {}", bytes.size(),
+    throw reject(fmt::format("has {} bytes where its numbers of vertices and facets require {}", bytes.size(),
                              facets_at + 12 * counts[3]));
   }
-  if (counts[3] == 0) throw refuse("has no facets, and the hull of its vertices, which is meant, is not computed");
+  if (counts[3] == 0) throw reject("has no facets, and the hull of its vertices, which is meant, is not computed");
   Mesh mesh;
-  detail::AskNowAndThen ask_now_and_then(1u << 14);
+  detail::InterruptPoller poll_interrupt(1u << 14);
   for (std::uint64_t v = 0; v < counts[0]; ++v) {
-    ask_now_and_then();
+    poll_interrupt();
     const char* at = bytes.data() + head + 12 * v;
     const Vec3 p{detail::load<float>(at), detail::load<float>(at + 4), detail::load<float>(at + 8)};
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-      throw refuse(fmt::format("has a coordinate that is no number in vertex {}", v));
+      throw reject(fmt::format("has a coordinate that is no number in vertex {}", v));
     }
     mesh.positions.push_back(p);
   }
   for (std::uint64_t f = 0; f < counts[3]; ++f) {
-    ask_now_and_then();
+    poll_interrupt();
     Facet facet{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto vertex = detail::load<std::int32_t>(bytes.data() + facets_at + 12 * f + 4 * k);
       if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= counts[0]) {
-        throw refuse(fmt::format("facet {} names vertex {} of {}", f, vertex, counts[0]));
+        throw reject(fmt::format("facet {} names vertex {} of {}", f, vertex, counts[0]));
       }
       facet[k] = static_cast<std::uint32_t>(vertex);
     }

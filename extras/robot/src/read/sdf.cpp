@@ -217,12 +217,12 @@ class SdfReader {
   }
 
   /// Resolves the poses of a frame and of all frames that it is relative to, without recursion: chains may be long.
-  void resolve(const std::string& name, const XMLElement& asked_by) {
+  void resolve(const std::string& name, const XMLElement& referrer) {
     std::vector<std::string> chain;
     for (std::string at = name; !at.empty();) {
       const auto found = frames_.find(at);
       if (found == frames_.end()) {
-        const XMLElement& by = chain.empty() ? asked_by : *frames_.at(chain.back()).at;
+        const XMLElement& by = chain.empty() ? referrer : *frames_.at(chain.back()).at;
         xml_.fail(by, fmt::format("there is no frame {}{}", at,
                                   at.find("::") == std::string::npos ? "" : ": models in models are not supported"));
       }
@@ -244,15 +244,15 @@ class SdfReader {
     }
   }
 
-  RigidTransform pose_of(const std::string& name, const XMLElement& asked_by) const {
+  RigidTransform pose_of(const std::string& name, const XMLElement& referrer) const {
     if (name.empty() || name == "__model__" || name == "world") return {};
     const auto found = frames_.find(name);
-    if (found == frames_.end()) xml_.fail(asked_by, fmt::format("there is no frame {}", name));
+    if (found == frames_.end()) xml_.fail(referrer, fmt::format("there is no frame {}", name));
     return found->second.pose;
   }
 
   /// The link that a frame moves with.
-  std::string link_under(std::string name, const XMLElement& asked_by) const {
+  std::string link_under(std::string name, const XMLElement& referrer) const {
     for (std::size_t steps = 0; steps <= frames_.size(); ++steps) {
       if (name == "world") return name;
       if (name == "__model__" || name.empty()) {
@@ -260,7 +260,7 @@ class SdfReader {
         return canonical == nullptr ? xml_.text(*links_[0], "name") : canonical;
       }
       const auto found = frames_.find(name);
-      if (found == frames_.end()) xml_.fail(asked_by, fmt::format("there is no link {}", name));
+      if (found == frames_.end()) xml_.fail(referrer, fmt::format("there is no link {}", name));
       const Frame& frame = found->second;
       if (frame.kind == "link") return name;
       if (frame.kind == "joint") {
@@ -270,7 +270,7 @@ class SdfReader {
         name = attached == nullptr ? "" : attached;
       }
     }
-    xml_.fail(asked_by, fmt::format("frame {} is attached to itself, through others", name));
+    xml_.fail(referrer, fmt::format("frame {} is attached to itself, through others", name));
   }
 
   // Links.

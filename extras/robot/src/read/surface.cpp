@@ -118,14 +118,14 @@ Mesh ball_mesh(RoundShapes round) {
 
 void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& origin) {
   const auto base = static_cast<std::uint32_t>(to.positions.size());
-  detail::AskNowAndThen ask_now_and_then(1u << 14);
+  detail::InterruptPoller poll_interrupt(1u << 14);
   for (const Vec3& p : mesh.positions) {
-    ask_now_and_then();
+    poll_interrupt();
     to.positions.push_back(origin({scale.x * p.x, scale.y * p.y, scale.z * p.z}));
   }
   const bool mirrored = scale.x * scale.y * scale.z < 0;
   for (const Facet& f : mesh.facets) {
-    ask_now_and_then();
+    poll_interrupt();
     to.facets.push_back({base + f[0], base + f[mirrored ? 2 : 1], base + f[mirrored ? 1 : 2]});
   }
 }
@@ -166,7 +166,7 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
   return mesh;
 }
 
-[[noreturn]] void refuse_scale(const std::filesystem::path& robot_file, const Shape& shape) {
+[[noreturn]] void reject_scale(const std::filesystem::path& robot_file, const Shape& shape) {
   fail_at(shape.described_in.empty() ? robot_file : shape.described_in, shape.line,
           fmt::format("a {} reaches beyond {:.2g}, the largest coordinate that is usable", name(shape.kind),
                       greatest_usable_scale));
@@ -177,7 +177,7 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
 LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const Shape> shapes, RoundShapes round) {
   LinkSurface surface;
   for (const Shape& shape : shapes) {
-    detail::ask_to_go_on();
+    detail::check_interrupt();
     const std::size_t first_vertex = surface.mesh.positions.size();
     switch (shape.kind) {
       case Shape::Kind::mesh:
@@ -209,11 +209,11 @@ LinkSurface surface_of(const std::filesystem::path& robot_file, std::span<const 
         break;
       case Shape::Kind::sphere:
         surface.spheres.push_back({shape.origin.translation, shape.radius});
-        if (!has_usable_scale(surface.spheres.back())) refuse_scale(robot_file, shape);
+        if (!has_usable_scale(surface.spheres.back())) reject_scale(robot_file, shape);
         break;
     }
     for (std::size_t v = first_vertex; v < surface.mesh.positions.size(); ++v)
-      if (!(max_norm(surface.mesh.positions[v]) <= greatest_usable_scale)) refuse_scale(robot_file, shape);
+      if (!(max_norm(surface.mesh.positions[v]) <= greatest_usable_scale)) reject_scale(robot_file, shape);
   }
   return surface;
 }

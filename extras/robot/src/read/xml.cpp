@@ -33,7 +33,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string bytes;
   while (stream.peek() != std::ifstream::traits_type::eof()) {
-    detail::ask_to_go_on();
+    detail::check_interrupt();
     const std::size_t before = bytes.size();
     bytes.resize(before + detail::bytes_per_look);
     stream.read(bytes.data() + before, detail::bytes_per_look);
@@ -109,7 +109,7 @@ void Xml::fail(const tinyxml2::XMLElement& at, const std::string& text) const {
 }
 
 std::string Xml::text(const tinyxml2::XMLElement& at, const char* attribute) const {
-  ask_now_and_then_();
+  poll_interrupt_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr || *value == '\0') fail(at, fmt::format("<{}> has no {}", at.Name(), attribute));
   return value;
@@ -150,7 +150,7 @@ double Xml::number(const tinyxml2::XMLElement& at, const char* attribute, double
 }
 
 Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Vec3& fallback) const {
-  ask_now_and_then_();
+  poll_interrupt_();
   const char* value = at.Attribute(attribute);
   if (value == nullptr) return fallback;
   std::vector<double> numbers;
@@ -164,9 +164,9 @@ Vec3 Xml::vector(const tinyxml2::XMLElement& at, const char* attribute, const Ve
 bool read_numbers(std::string_view text, std::vector<double>& numbers) {
   const char* at = text.data();
   const char* const end = at + text.size();
-  detail::AskNowAndThen ask_now_and_then(4096);
+  detail::InterruptPoller poll_interrupt(4096);
   for (;;) {
-    ask_now_and_then();
+    poll_interrupt();
     while (at != end && is_blank(*at)) ++at;
     if (at == end) return true;
     if (*at == '+' && at + 1 != end && at[1] != '-') ++at;

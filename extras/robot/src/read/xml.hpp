@@ -47,7 +47,7 @@ class Xml {
   std::filesystem::path file_;
   tinyxml2::XMLDocument document_;
   mutable std::vector<std::string> notes_;
-  mutable detail::AskNowAndThen ask_now_and_then_{256};  // whenever an attribute is looked at
+  mutable detail::InterruptPoller poll_interrupt_{256};  // whenever an attribute is looked at
 };
 
 /// Reads finite numbers separated by blanks; fails if there is other text among them.

@@ -60,7 +60,15 @@ std::string FollowRule::title() const {
 }
 
 Vec3 SphOrigin::of(const Mesh& mesh) const {
-  return kind == Kind::box_center ? bounding_box(mesh).center() : point;
+  switch (kind) {
+    case Kind::none:
+      break;
+    case Kind::box_center:
+      return bounding_box(mesh).center();
+    case Kind::point:
+      return point;
+  }
+  return {0, 0, 0};
 }
 
 std::string name(const SphOrigin& origin) {
@@ -85,8 +93,10 @@ std::vector<double> Plan::parameters() const {
 std::vector<std::size_t> Plan::fresh_samples(const Source& source) const {
   std::vector<std::size_t> list{0};
   const std::size_t poses = source.named() == Method::medial ? fresh_poses : 1;
+  const std::vector<double> amounts = parameters();
+  const auto full = static_cast<std::size_t>(std::max_element(amounts.begin(), amounts.end()) - amounts.begin());
   for (std::size_t i = 1; i <= poses; ++i) {
-    const std::size_t sample = i * (samples - 1) / poses;
+    const std::size_t sample = i * full / poses;
     if (sample != list.back()) list.push_back(sample);
   }
   return list;

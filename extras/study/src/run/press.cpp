@@ -162,7 +162,17 @@ Axis axis_from(const std::string& text) {
 }  // namespace
 
 std::string_view name(Axis axis) {
-  return axis == Axis::x ? "x" : axis == Axis::y ? "y" : "z";
+  switch (axis) {
+    case Axis::x:
+      return "x";
+    case Axis::y:
+      return "y";
+    case Axis::z:
+      return "z";
+    case Axis::automatic:
+      break;
+  }
+  return "auto";
 }
 
 std::string PressQuery::name() const {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The page of bodies that collide: all as one motion, their spheres below one root, and a mark at each contact.
+// The page of bodies that collide. It shows them as one motion of one body: their trees hang below a common root
+// sphere, and each contact has a mark.
 #pragma once
 
 #include <morula/collide/collider.hpp>
@@ -12,21 +13,24 @@
 
 namespace morula {
 
-/// Adds a mark for each finished contact. surfaces: one per contact, or empty; if given, marks use their normal and
-/// depth, and contacts whose regions are apart get no mark.
+/// Appends a mark for each finished contact (Contact::finished) to `marks`. surfaces: one per contact, or empty for
+/// marks with the normals and depths of the spheres. With surfaces, a mark has the surface's normal and depth, and a
+/// contact whose regions are apart (depth 0) gets no mark.
 void add_marks(std::span<const Contact> contacts, std::span<const ContactSurface> surfaces,
                std::vector<PageContact>& marks);
 
 /// The page that `morula collide --page` writes.
 class CollidePage {
  public:
-  /// bodies: at rest, at their transforms; borrowed, at least one, each with a surface. rule: the rule of their
-  /// spheres, as the page names it.
+  /// bodies: at least one; the page borrows them. Each has a surface, and is at rest and at its transform: the page
+  /// shows the growth of spheres relative to their radii here. title: heading of the page. rule: name of the spheres'
+  /// rule in the page.
   CollidePage(const std::string& title, std::vector<const Collider*> bodies, const std::string& rule);
 
-  /// Adds a frame: the bodies at their present positions, and their contacts.
+  /// Adds a frame: the present positions, transforms and spheres of all bodies, and the marks of their contacts
+  /// (add_marks).
   void add(const std::string& frame_name, std::vector<PageContact> marks);
-  /// The file's text, after the last frame.
+  /// The page as HTML, with all frames that were added, at least one. Throws like make_page().
   std::string text() const;
 
  private:

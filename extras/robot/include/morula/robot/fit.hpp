@@ -1,6 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Spheres for a robot: a set for every link that covers its shapes, proven for the exact numbers in files.
+// Spheres for a robot: for every link a set that covers its shapes, proven for the numbers as files store them.
+//
+//   const morula::robot::Robot arm = morula::robot::read_robot("arm.urdf");
+//   const morula::robot::RobotSpheres spheres = morula::robot::fit_spheres(arm, {.spheres = 16});
+//   for (const morula::robot::LinkSpheres& link : spheres.links)
+//     std::printf("%s: %zu spheres\n", arm.links[link.link].name.c_str(), link.spheres.size());
+//   if (!spheres.covered()) std::puts("the shapes of a link are not covered");
 #pragma once
 
 #include <functional>
@@ -13,89 +19,117 @@
 
 namespace morula::robot {
 
-/// A half space in a link's axes: the kept part has normal · x ≥ offset.
+/// A plane that cuts a link, in the link's axes. The part with normal · x ≥ offset is kept, and has to be covered.
 struct ClipPlane {
   Vec3 normal{0, 0, 1};  ///< unit vector toward the kept part
-  double offset = 0;
+  double offset = 0;     ///< mesh units
   bool operator==(const ClipPlane&) const = default;
 };
 
 struct FitOptions {
-  std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as max_protrusion needs
-  /// Largest number of spheres of the whole robot, 1 or more. Each next sphere goes to the link where it reduces
-  /// outside volume most.
+  std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as the largest protrusion requires
+  /// Largest number of spheres of the whole robot, 1 or more, including `link_spheres` and `fixed_spheres`; `spheres`
+  /// then has no effect. Every link gets at least one; each further sphere goes to the link where it reduces the
+  /// estimated outside volume most. If the links need more, they get more, and a note says so.
   std::optional<std::size_t> max_total{};
-  std::map<std::string, std::size_t> link_spheres{};  ///< largest number for single links, instead of the two above
-  /// Largest protrusion, above 0, mesh units; links then use as few spheres as they can.
+  /// Largest number of spheres of single links, by name, 1 or more; it replaces the two numbers above for these links.
+  std::map<std::string, std::size_t> link_spheres{};
+  /// Largest protrusion of a sphere out of its link, above 0, mesh units; each link uses as few spheres as it can. If
+  /// the number of spheres does not suffice, a note in LinkSpheres::notes says so.
   std::optional<double> max_protrusion{};
-  std::optional<double> max_protrusion_share{};  ///< largest protrusion as a share of the diagonal of each link's box
-  double padding = 0;                            ///< length added to every radius, 0 or more, mesh units
-  double min_radius = 0;                         ///< smallest radius, mesh units; smaller spheres are enlarged
-  /// Largest radius, above 0, mesh units; links use as many spheres as this requires.
+  /// Largest protrusion as a share of the diagonal of each link's box, above 0. If both are set, the smaller length
+  /// counts.
+  std::optional<double> max_protrusion_share{};
+  double padding = 0;     ///< length added to every radius after the fit, 0 or more, mesh units
+  double min_radius = 0;  ///< smallest radius, 0 or more, mesh units; smaller radii are increased to it
+  /// Largest radius, with padding, above 0, mesh units; links use more spheres than requested if it requires that. If
+  /// 256 spheres or an octree of full depth do not suffice, a note in LinkSpheres::notes says so.
   std::optional<double> max_radius{};
-  bool visual = false;           ///< true: fit the visual shapes instead of the collision shapes
-  std::set<std::string> skip{};  ///< links without spheres
-  std::map<std::string, std::vector<Sphere>> fixed_spheres{};  ///< links with given spheres, which are certified again
-  /// Planes by link: the part of a link beyond one of its planes need not be covered, up to rounding.
+  bool visual = false;           ///< true: fit the visual shapes; false: the collision shapes
+  std::set<std::string> skip{};  ///< names of links that get no spheres
+  /// Given spheres by link, in the link's axes. They are certified, measured and returned unchanged.
+  std::map<std::string, std::vector<Sphere>> fixed_spheres{};
+  /// Planes by link. The part of a link beyond any of its planes is cut off and does not need to be covered, up to
+  /// rounding.
   std::map<std::string, std::vector<ClipPlane>> clip{};
-  /// Distance to a plane within which the link need not be covered either, mesh units; no sphere then reaches beyond a
-  /// plane, with any number of spheres. It must exceed the padding and 2e-6 of the largest |coordinate| if the link
-  /// comes that near to a plane.
+  /// Distance to a plane within which the link also does not need to be covered, above 0, mesh units. The fit then
+  /// divides spheres until none reaches beyond a plane, in more spheres than requested if necessary. If the link comes
+  /// near to a plane, the margin must exceed the padding plus 2e-6 of the link's largest |coordinate|. No value:
+  /// spheres may reach beyond planes.
   std::optional<double> clip_margin{};
   std::size_t inner = 0;  ///< largest number of additional spheres inside the shapes of each link
   Method method = Method::optimized;
-  Quality quality = Quality::fast;
-  std::uint64_t seed = 1;
-  double density = 1000;  ///< density of links without a mass, mass per mesh unit³
-  std::stop_token stop{};
-  std::function<void(double share, const std::string& link)> progress{};  ///< called on any thread, one call at a time
+  /// Quality of the method `optimized`; no value: fast. The other methods have only one, `standard`.
+  std::optional<Quality> quality{};
+  std::uint64_t seed = 1;  ///< seed of all random choices
+  double density = 1000;   ///< density of links without a mass in the robot's file, above 0, mass per mesh unit³
+  std::stop_token stop{};  ///< a stop request makes fit_spheres() throw BuildStopped
+  /// Called with the completed share of the work, which rises to 1 at the end, and the name of the link that is done;
+  /// on any thread, one call at a time.
+  std::function<void(double share, const std::string& link)> progress{};
 };
 
+struct RobotSpheres;
+
+/// Fits spheres to all links that have shapes. Links with the same shapes and options share one fit. The result has the
+/// same bits for any number of workers; by default there is one thread per processor. Throws std::invalid_argument for
+/// options out of range and for names of links that the robot lacks, FileError for meshes that cannot be read or used,
+/// and BuildStopped on a stop request.
+RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
+
+/// Measurements of one link with its spheres.
 struct LinkFigures {
-  std::size_t facets = 0;
-  bool covered = false;  ///< proven: every point of the shapes is in a sphere, even if numbers are read as float
-  /// Largest distance of a point of the shapes from the spheres, mesh units; 0 if covered.
+  std::size_t facets = 0;  ///< facets of the link's surface
+  /// True: every point of the shapes that has to be covered is proven to be in a sphere, also if a reader rounds the
+  /// numbers to float.
+  bool covered = false;
+  /// Largest distance of a point of the shapes from the spheres, mesh units; for spheres among the shapes an upper
+  /// bound of it; 0 if covered.
   double uncovered_distance = 0;
-  /// Upper bounds of the spheres' protrusion (r + φ(c))⁺, mesh units.
+  /// Mean, 95th percentile and maximum of upper bounds of the spheres' protrusion out of the shapes, mesh units.
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;
-  /// Volume of the shapes, mesh units³; no value if they have no inside, or overlap with spheres.
+  /// Volume of the shapes, mesh units³; no value if they have no inside, or are both spheres and others.
   std::optional<double> object_volume;
-  std::optional<double> outside_volume;  ///< volume inside the spheres and outside the shapes, mesh units³
-  /// Largest distance of a sphere beyond a clip plane, mesh units; no value without planes.
+  /// Volume inside the spheres and outside the shapes, mesh units³; no value if object_volume has none.
+  std::optional<double> outside_volume;
+  /// Largest distance by which a sphere reaches beyond a clip plane, mesh units; no value without planes.
   std::optional<double> beyond_clip;
-  UnionMass solid{};
-  double mass = 0;  ///< mass of the robot's file if given, otherwise density × volume of the union
+  UnionMass solid{};  ///< volume, center and inertia of the union of the spheres
+  double mass = 0;    ///< mass from the robot's file if that is above 0, otherwise density × volume of the union
 };
 
+/// The spheres of one link.
 struct LinkSpheres {
-  std::size_t link = none;
-  std::vector<Sphere> spheres;       ///< spheres in the link's axes, in decimals that files keep
-  std::size_t same_shape_as = none;  ///< earlier link with the same shapes; none if there is none
-  LinkSurface surface;
-  /// Tree whose leaves became these spheres, without padding; nullptr for given spheres.
+  std::size_t link = none;      ///< index in Robot::links
+  std::vector<Sphere> spheres;  ///< spheres in the link's axes, rounded to the decimals that files have
+  /// Index of an earlier link whose fit this link shares, because the shapes are the same; `none`: it has its own.
+  std::size_t same_shape_as = none;
+  LinkSurface surface;  ///< surface of the shapes, without the parts that planes cut off
+  /// Tree whose leaves became spheres, before padding and rounding; nullptr for given spheres and for shapes that are
+  /// all spheres.
   std::shared_ptr<const CoveredTree> tree;
   LinkFigures figures;
-  /// Inner spheres, each proven to be inside a closed surface of the shapes, and on the kept side of all clip planes,
-  /// even if its numbers are read as float.
+  /// Inner spheres. Each is proven to be inside a closed surface of the shapes and on the kept side of all clip planes,
+  /// also if a reader rounds its numbers to float.
   std::vector<Sphere> inner;
-  double inner_volume = 0;  ///< volume of the union of the inner spheres, mesh units³
-  std::vector<std::string> notes;
+  double inner_volume = 0;         ///< volume of the union of the inner spheres, mesh units³
+  std::vector<std::string> notes;  ///< limits that the fit did not keep, and fallbacks, as text
 };
 
+/// The result of fit_spheres().
 struct RobotSpheres {
-  std::vector<LinkSpheres> links;  ///< links with shapes, without skipped links, in the robot's order
-  std::vector<std::string> notes;  ///< notes about the other links
-  bool visual = false;             ///< the spheres cover the visual shapes instead of the collision shapes
+  std::vector<LinkSpheres> links;  ///< links that have spheres, in the robot's order
+  std::vector<std::string> notes;  ///< links that got no spheres, and notes on their meshes, as text
+  bool visual = false;             ///< true: the spheres cover the visual shapes; false: the collision shapes
   std::size_t sphere_count() const;
+  /// True if LinkFigures::covered is true for all links.
   bool covered() const;
+  /// The spheres of a link, by its index in Robot::links; nullptr if it has none.
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;
-  /// A copy for writers in which inner spheres replace the covering ones, with the links that have some.
+  /// A copy for writers of files: it has the links with inner spheres, and these spheres in place of the covering ones.
+  /// The notes of the other links become notes of the robot.
   RobotSpheres with_inner_spheres() const;
 };
-
-/// Fits spheres to all links. Throws std::invalid_argument for options out of range and for missing links, FileError
-/// for meshes that cannot be used, BuildStopped. The result has the same bits for any number of workers.
-RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options = {}, WorkersOrAll workers = {});
 
 }  // namespace morula::robot

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The spheres of robots in the file formats of other programs.
+// The spheres of a robot in the file formats of planners, simulators and other programs.
 #pragma once
 
 #include <morula/robot/self_collision.hpp>
@@ -8,18 +8,18 @@
 namespace morula::robot {
 
 struct OutputOptions {
-  std::filesystem::path folder;                 ///< folder of the files, from which meshes get relative names
-  std::vector<std::string> tool_frames{};       ///< empty: guess_tool
-  std::optional<std::filesystem::path> srdf{};  ///< existing SRDF that the written one extends
-  std::uint64_t seed = 1;                       ///< seed of the sampled configurations
-  double density = 1000;                        ///< density for MorphIt's masses of links without a mass
-  /// true: also in files for simulators, links without a mass get the mass of their spheres at this density. false:
-  /// they get mass 0, or 1e-6 if the format requires a mass.
+  std::filesystem::path folder;                 ///< folder of the files; names of meshes in them are relative to it
+  std::vector<std::string> tool_frames{};       ///< names of the links at the tool; empty: guess_tool()
+  std::optional<std::filesystem::path> srdf{};  ///< an existing SRDF file whose contents the written SRDF also has
+  std::uint64_t seed = 1;  ///< SelfCollisionOptions::seed of the ignored pairs, which files mention
+  double density = 1000;   ///< density of links without a mass, mass per mesh unit³
+  /// true: in files for simulators, links without a mass get the mass of their spheres at `density`. false: they get
+  /// mass 0, or 1e-6 if the format requires a mass. Files for MorphIt always have masses.
   bool fill_masses = false;
-  bool inner = false;  ///< the spheres are inside the links and do not cover them; formats with comments note it
+  bool inner = false;  ///< true: the spheres are inner ones, which do not cover; formats with comments say so
 };
 
-/// The data of a robot that files contain.
+/// The data that files contain. It borrows all members.
 struct Description {
   const Robot& robot;
   const RobotSpheres& spheres;
@@ -27,26 +27,30 @@ struct Description {
   const OutputOptions& options;
 };
 
+/// A file of a format, before it is written.
 struct OutputFile {
-  std::string name;  ///< name in the folder, possibly with folders below it
-  std::string bytes;
+  std::string name;   ///< path relative to OutputOptions::folder
+  std::string bytes;  ///< contents
 };
 
+/// A file format for robots of spheres.
 struct OutputFormat {
-  std::string_view name;  ///< name for the command
-  std::string_view files;
-  std::string_view reader;  ///< program that reads it
-  std::vector<OutputFile> (*write)(const Description&);
+  std::string_view name;    ///< name of the format in the command, such as "curobo"
+  std::string_view files;   ///< names of its files, separated by spaces; ROBOT and LINK stand for names
+  std::string_view reader;  ///< programs that read it, or its contents
+  std::vector<OutputFile> (*write)(const Description&);  ///< makes the files, and writes nothing to the disk
 };
-/// All formats, in the order of the documentation.
+/// All formats, in the order of extras/robot/docs/robot_files.md.
 std::span<const OutputFormat> output_formats();
 /// The format of this name; nullptr if there is none.
 const OutputFormat* output_format(std::string_view name);
 
-/// The link at the end of the longest chain of independent joints; of equals the first.
+/// The name of the link that the most independent joints carry, as a guess for the tool; the first of equals in
+/// Robot::order.
 std::string guess_tool(const Robot& robot);
 
-/// Reads the spheres of a spheres.json, by link. Throws FileError.
+/// Reads the spheres of a spheres.json that the format "json" wrote, by the names of links. Throws FileError for a file
+/// that cannot be read, has another format, or has a sphere with a radius of 0 or less or a number of 1e30 or more.
 std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesystem::path& path);
 
 }  // namespace morula::robot

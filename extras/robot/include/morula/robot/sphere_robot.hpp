@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A moving robot of spheres: link poses in; spheres and collisions out, through a tree over the spheres of each link.
+// A robot of spheres that moves: it takes the pose of each configuration, and returns spheres and collisions. A tree
+// over the spheres of each link makes the tests fast.
 #pragma once
 
 #include <morula/robot/self_collision.hpp>
@@ -9,45 +10,53 @@
 
 namespace morula::robot {
 
-/// A solid box.
+/// A solid box as an obstacle.
 struct ObstacleBox {
-  RigidTransform pose{};
-  Vec3 half{};  ///< half of its edges, mesh units
+  RigidTransform pose{};  ///< pose of the box, centered on its own origin, in the axes of the robot's root
+  Vec3 half{};            ///< halves of the lengths of its edges, mesh units
 };
 
-/// Verdicts equal those of tests of every sphere: two spheres collide if their centers, in double, are no farther apart
-/// than the sum of their radii. For one thread at a time; copies are independent. Poses allocate only what link_poses()
-/// allocates; only the first queries allocate.
+/// A robot whose links are sets of spheres. Two spheres collide if the distance of their centers, computed in double,
+/// is at most the sum of their radii. Results are those of tests of all spheres; the trees only avoid tests.
+///
+/// Poses and obstacles are in the axes of the robot's root link. Only one thread may use an object at a time; copies
+/// are independent. set_joint_values() allocates what link_poses() allocates; queries allocate only while their lists
+/// grow, except as noted.
 class SphereRobot {
  public:
-  /// Copies the required data. Pairs of self_collision.ignored are never tested. Throws std::invalid_argument for links
-  /// without spheres, and for invalid spheres.
+  /// Copies the required data, and poses the robot at rest (rest_values). spheres: a result of fit_spheres() for this
+  /// robot. self_collision() never tests the pairs of self_collision.ignored. Throws std::invalid_argument for an entry
+  /// of spheres.links without spheres, and for spheres that tree_from_spheres() rejects.
   SphereRobot(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
 
-  /// Poses the robot by the coordinates of a configuration: one value per joint of robot.independent_joints. Throws
-  /// std::invalid_argument for another number of them.
+  /// Poses the robot by a configuration. values: one per joint of robot.independent_joints, in that order, radians or
+  /// mesh units. Throws std::invalid_argument for another number of values.
   void set_joint_values(std::span<const double> values);
-  /// Poses the robot by the poses of all links, in the robot's order. Throws std::invalid_argument for another number
-  /// of them.
+  /// Poses the robot by the poses of all its links, such as those of a simulator, in the order of Robot::links. Throws
+  /// std::invalid_argument for another number of poses.
   void set_link_poses(std::span<const RigidTransform> link_poses);
 
-  /// Links with spheres, ascending, as indices of robot.links.
+  /// The links with spheres, ascending, as indices in Robot::links.
   std::span<const std::size_t> links() const { return links_; }
   std::size_t sphere_count() const { return sphere_count_; }
-  /// All spheres at the present poses, link by link in the order of links(), in their own order.
+  /// All spheres at the present pose: link by link in the order of links(), within a link in the order of
+  /// LinkSpheres::spheres.
   std::vector<Sphere> spheres() const;
 
-  /// The first two links, by their places in links(), that collide and are not ignored; no value if none do.
+  /// The first pair of links whose spheres collide, among the pairs that are not ignored, as indices in links(), not in
+  /// Robot::links; no value if there is none.
   std::optional<std::pair<std::size_t, std::size_t>> self_collision();
-  /// True if a sphere of the robot overlaps the obstacle.
+  /// True if a sphere of the robot touches or overlaps the obstacle.
   bool collides(const Sphere& obstacle);
   bool collides(const ObstacleBox& obstacle);
-  /// True if a sphere of the robot overlaps a leaf's sphere of another tree: a body's, or that of a scene of spheres
-  /// (PosedSpheres, tree_from_spheres). Trees whose inner spheres contain all leaves below them, as with `nested`, are
-  /// pruned; in other trees every leaf is tested.
+  /// True if a sphere of the robot touches or overlaps the sphere of a leaf of another tree: that of a Body, or
+  /// PosedSpheres over tree_from_spheres() for a scene of spheres. transform: pose of that tree. The test skips parts
+  /// of the tree only if SphereState::nested is true, as for a Body with the rule `wrapped` on all inner levels;
+  /// otherwise, also for PosedSpheres, it tests every leaf. Allocates a list in every call.
   bool collides(const SphereState& other, const RigidTransform& transform = {});
 
-  std::size_t sphere_tests() const { return sphere_tests_; }  ///< tests of all queries
+  /// Number of tests of spheres in all queries so far.
+  std::size_t sphere_tests() const { return sphere_tests_; }
 
  private:
   struct LinkTree {

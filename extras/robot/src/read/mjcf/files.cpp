@@ -53,7 +53,7 @@ const Xml& MjcfFiles::included(const XMLElement& at) {
 fs::path MjcfFiles::find_included(const XMLElement& at, const std::string& name) const {
   const FileReference reference = parse_file_reference(name);
   if (!reference.scheme.empty())
-    fail(at, fmt::format("file \"{}\" is not on this disk: save it beside this one", name));
+    fail(at, fmt::format("file \"{}\" is not on this disk: save it next to this one", name));
   std::string searched;
   for (const std::string& spelling : reference.paths) {
     // Relative to the robot's file, or to the one that includes it.

@@ -42,7 +42,7 @@ class MjcfReader {
     each("compiler", [&](const XMLElement& at) { values_.read_compiler(at); });
     each("default", [&](const XMLElement& at) { values_.read_default(at); });
     each("asset", [&](const XMLElement& at) { geoms_.read_assets(at); });
-    each("deformable", [&](const XMLElement& at) { refuse_children(at); });
+    each("deformable", [&](const XMLElement& at) { reject_children(at); });
     each("worldbody", [&](const XMLElement& at) { reserve_names(at, 0); });
     each("contact", [&](const XMLElement& at) { read_contacts(at); });
     Link world;
@@ -72,7 +72,7 @@ class MjcfReader {
 
   // Sections.
 
-  void refuse_children(const XMLElement& of) {
+  void reject_children(const XMLElement& of) {
     for (const XMLElement* at : files_.children(of)) {
       if (std::string_view(at->Name()) == "skin") continue;  // is seen and touches nothing
       files_.fail(*at,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "tree/joined_pieces.hpp"
+#include "tree/joined_patches.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -14,7 +14,7 @@ namespace {
 // Areas are doubled, so that a facet has 1. If a cut ends at another, its end is off that one by a rounding of its
 // coordinates, and the areas of patches are rounded sums: both far below this share, which is far below the precision
 // that users of areas need.
-// mutant joined-pieces-area: `48` -> `20`
+// mutant joined-patches-area: `48` -> `20`
 constexpr double rounding_of_area = 0x1p-48;
 // Patches that touch have boxes that touch, up to the same rounding.
 constexpr double rounding_of_corner = 0x1p-50;
@@ -29,9 +29,9 @@ Vec3 as_vector(const Barycentric& b) {
 // On a common edge of the facet points are on one line whatever the rounding of the other two coordinates.
 bool turns_left(const Barycentric& a, const Barycentric& b, const Barycentric& c) {
   for (std::size_t k = 0; k < 3; ++k)
-    // mutant joined-pieces-edge: `if (a[k] == 0 && b[k] == 0 && c[k] == 0) return false` -> ``
+    // mutant joined-patches-edge: `if (a[k] == 0 && b[k] == 0 && c[k] == 0) return false` -> ``
     if (a[k] == 0 && b[k] == 0 && c[k] == 0) return false;
-  // mutant joined-pieces-lose-corners: `0;` -> `0 && b[1] > 0x1p-10;`
+  // mutant joined-patches-lose-corners: `0;` -> `0 && b[1] > 0x1p-10;`
   return orient2d(as_vector(a), as_vector(b), as_vector(c), without_b0) > 0;
 }
 
@@ -46,7 +46,7 @@ double area_of(std::span<const Barycentric> all, std::span<const std::uint32_t> 
   return area;
 }
 
-bool boxes_touch(const PieceJoiner::Polygon& a, const PieceJoiner::Polygon& b) {
+bool boxes_touch(const PatchJoiner::Polygon& a, const PatchJoiner::Polygon& b) {
   const auto touch = [](double lowest_a, double highest_a, double lowest_b, double highest_b) {
     return lowest_a <= highest_b + rounding_of_corner && lowest_b <= highest_a + rounding_of_corner;
   };
@@ -56,12 +56,12 @@ bool boxes_touch(const PieceJoiner::Polygon& a, const PieceJoiner::Polygon& b) {
 
 }  // namespace
 
-void PieceJoiner::clear() {
+void PatchJoiner::clear() {
   corners_.clear();
   polygons_.clear();
 }
 
-void PieceJoiner::add(std::span<const Barycentric> corners) {
+void PatchJoiner::add(std::span<const Barycentric> corners) {
   std::vector<std::uint32_t> numbers;
   for (const Barycentric& b : corners) {
     numbers.push_back(static_cast<std::uint32_t>(corners_.size()));
@@ -71,7 +71,7 @@ void PieceJoiner::add(std::span<const Barycentric> corners) {
   polygons_.push_back(polygon_of(std::move(numbers), area));
 }
 
-std::span<const PieceJoiner::Polygon> PieceJoiner::join() {
+std::span<const PatchJoiner::Polygon> PatchJoiner::join() {
   if (polygons_.size() < 2 || join_all()) return polygons_;
   // A polygon that has grown is tried again with all others.
   for (bool again = true; again;) {
@@ -83,7 +83,7 @@ std::span<const PieceJoiner::Polygon> PieceJoiner::join() {
   return polygons_;
 }
 
-bool PieceJoiner::join_all() {
+bool PatchJoiner::join_all() {
   points_.clear();
   double area = 0;
   for (const Polygon& polygon : polygons_) {
@@ -98,7 +98,7 @@ bool PieceJoiner::join_all() {
   return true;
 }
 
-bool PieceJoiner::join_two(std::size_t first, std::size_t second) {
+bool PatchJoiner::join_two(std::size_t first, std::size_t second) {
   const Polygon &a = polygons_[first], &b = polygons_[second];
   if (!boxes_touch(a, b)) return false;
   points_.clear();
@@ -111,14 +111,14 @@ bool PieceJoiner::join_two(std::size_t first, std::size_t second) {
   return true;
 }
 
-void PieceJoiner::take_corners(const Polygon& polygon) {
+void PatchJoiner::take_corners(const Polygon& polygon) {
   points_.insert(points_.end(), polygon.corners.begin(), polygon.corners.end());
 }
 
 // The convex hull of points_, counter-clockwise from the least (b1, b2), with the point added first among equals: a
 // chain below and one above [andrew1979]. Signs are exact, so no point is left outside. Returns twice its area;
 // infinity if all points are on one line, which is no polygon.
-double PieceJoiner::take_hull() {
+double PatchJoiner::take_hull() {
   const auto coordinates = [&](std::uint32_t i) { return std::pair(corners_[i][1], corners_[i][2]); };
   std::sort(points_.begin(), points_.end(), [&](std::uint32_t i, std::uint32_t j) {
     return std::pair(coordinates(i), i) < std::pair(coordinates(j), j);
@@ -136,11 +136,11 @@ double PieceJoiner::take_hull() {
   const std::size_t below = hull_.size();
   for (std::size_t k = points_.size() - 1; k-- > 0;) add(points_[k], below - 1);
   if (hull_.size() > 1) hull_.pop_back();
-  // mutant joined-pieces-on-a-line: `hull_.size() < 3 ? std::numeric_limits<double>::infinity() : area_of` -> `area_of`
+  // mutant joined-patches-on-a-line: `hull_.size() < 3 ? std::numeric_limits<double>::infinity() : area_of` -> `area_of`
   return hull_.size() < 3 ? std::numeric_limits<double>::infinity() : area_of(corners_, hull_);
 }
 
-PieceJoiner::Polygon PieceJoiner::polygon_of(std::vector<std::uint32_t> corners, double area) const {
+PatchJoiner::Polygon PatchJoiner::polygon_of(std::vector<std::uint32_t> corners, double area) const {
   Polygon polygon{std::move(corners), area, 1, 0, 1, 0};
   for (const std::uint32_t corner : polygon.corners) {
     const Barycentric& b = corners_[corner];

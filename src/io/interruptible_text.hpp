@@ -13,7 +13,7 @@ namespace morula::detail {
 
 /// Its iterators check at every 65,536th character whether to go on. It serves parsers of JSON: a callback of the
 /// parser could also check, but nlohmann's parser takes quadratic time for long lists if it has a callback.
-class AskingText {
+class InterruptibleText {
  public:
   class Iterator {
    public:
@@ -26,8 +26,8 @@ class AskingText {
     Iterator(const char* at, const char* begin) : at_(at), begin_(begin) {}
     const char& operator*() const { return *at_; }
     Iterator& operator++() {
-      // mutant looks-json-read: `if ((++at_ - begin_) % 65536 == 0) ask_to_go_on()` -> `++at_`
-      if ((++at_ - begin_) % 65536 == 0) ask_to_go_on();
+      // mutant looks-json-read: `if ((++at_ - begin_) % 65536 == 0) check_interrupt()` -> `++at_`
+      if ((++at_ - begin_) % 65536 == 0) check_interrupt();
       return *this;
     }
     bool operator==(const Iterator& other) const { return at_ == other.at_; }
@@ -36,7 +36,7 @@ class AskingText {
     const char *at_, *begin_;
   };
 
-  explicit AskingText(std::string_view text) : text_(text) {}
+  explicit InterruptibleText(std::string_view text) : text_(text) {}
   Iterator begin() const { return {text_.data(), text_.data()}; }
   Iterator end() const { return {text_.data() + text_.size(), text_.data()}; }
 

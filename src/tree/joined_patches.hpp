@@ -11,7 +11,7 @@
 namespace morula::detail {
 
 /// Joins convex patches of one facet if their union is convex. Reuse the object to avoid allocation.
-class PieceJoiner {
+class PatchJoiner {
  public:
   /// A convex polygon, by the numbers of its corners: those of all patches, in the order in which they were added.
   struct Polygon {
