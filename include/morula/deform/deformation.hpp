@@ -61,7 +61,7 @@ using Deformations = std::vector<Deformation>;
 /// Positions at parameter t in [0, 1], with the full amount at 1. t = 0 returns the rest positions bit for bit.
 ///
 /// The same input gives the same bits on every machine. Unused vertices move too, except those that are not finite.
-/// Formulas: docs/reference/deform.md.
+/// Formulas: docs/reference/cli.md#deform.
 ///
 /// Throws std::invalid_argument for parameters out of range, for a twist or bend along an axis on which the mesh has no
 /// extent, and for a bend so tight that the body would fold over itself (naming the largest valid angle). It throws at
