@@ -13,7 +13,7 @@
 
 namespace morula::study {
 
-enum class SeriesRole : std::uint8_t { method, reference, bare };
+enum class SeriesRole : std::uint8_t { method, reference, uncovered };
 std::string_view name(SeriesRole role);
 
 struct Series {
@@ -38,7 +38,7 @@ struct Figure {
   std::vector<std::string> x_names{};  ///< names of x = 0, 1, …; empty: x is the sample of the motion
 };
 
-/// Figures of the first body: Fig. 2 of the paper, and every rule on every tree.
+/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on every tree.
 std::vector<Figure> make_figures(const Plan& plan, const Result& result);
 /// Figures of contacts in presses: generators with exact, then the rules on one tree.
 std::vector<Figure> make_press_figures(const Plan& plan, const Result& result);
@@ -55,10 +55,10 @@ struct Table {
   std::vector<std::vector<TableValue>> rows;
 };
 
-/// Trees and void spheres, means and worst samples of every rule, the floor, contacts, mixes, cost, bodies. of_bodies:
-/// the claims of each body, in their order.
+/// Trees and void spheres, means and worst samples of every rule, the floor, contacts, mixes, cost, trials. of_trials:
+/// the claims of each trial, in their order.
 std::vector<Table> make_tables(const Plan& plan, const Result& result, const Cost& cost,
-                               const std::vector<std::vector<Claim>>& of_bodies);
+                               const std::vector<std::vector<Claim>>& of_trials);
 
 /// The label of an error, and its unit.
 std::string error_label(ErrorUnit unit);

@@ -21,6 +21,20 @@ struct NamedMesh {
   Mesh mesh;
 };
 
+/// A motion of one body, as frames. Its samples are frames at equal steps, the mesh at rest first.
+struct RecordedMotion {
+  std::string name;
+  std::size_t body = 0;
+  std::vector<std::vector<Vec3>> frames;
+};
+
+/// A body with the trees of one seed: a verdict is about one trial, and joined over all.
+struct Trial {
+  std::size_t body = 0;
+  std::uint64_t seed = 1;
+  auto operator<=>(const Trial&) const = default;
+};
+
 /// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates.
 struct RuleKey {
   enum class Kind : std::uint8_t { update, rebuilt, fresh };
@@ -64,8 +78,9 @@ struct FollowRule {
 struct Source {
   std::size_t body = 0;
   std::string method;  ///< the generator's name, or the declared method of a file
-  std::optional<Method> generator;
-  std::filesystem::path file;
+  std::optional<Method> generator{};
+  std::filesystem::path file{};
+  std::optional<std::uint64_t> seed{};  ///< no value: all seeds give this tree, and all trials share it
 
   /// The generator with this name, also for a file.
   std::optional<Method> named() const { return method_from_name(method); }
@@ -91,6 +106,7 @@ std::string name(const SphOrigin& origin);
 /// The measurements of every sphere set, in addition to its uncovered area and distance.
 struct Measures {
   bool paper_grid = true;    ///< looseness on the paper's grid
+  bool half_grid = false;    ///< also with half its resolution, to know whether a verdict depends on it
   bool lattice = true;       ///< looseness on one lattice for all samples, `resolution` voxels along the rest diagonal
   bool protrusion = true;    ///< protrusion for `rules`, not for `mixes`
   bool certificate = false;  ///< certificate in every sample, for the levels whose rules guarantee cover
@@ -99,22 +115,38 @@ struct Measures {
   int timed_updates = 0;
 };
 
+/// The parts that trials of seeds after the first repeat as well. Claims that need a part are decided in the trials
+/// that have it.
+struct LaterSeeds {
+  bool lattice = false;
+  bool protrusion = false;
+  bool half_grid = false;
+  bool fresh = false;    ///< cells of the rule `fresh`
+  bool rebuilt = false;  ///< cells of the rule `rebuilt`
+  bool presses = false;  ///< also the trees that are only pressed
+};
+
 struct Plan {
   std::vector<NamedMesh> bodies{};
   std::vector<Source> sources{};  ///< trees of the first body first
   std::vector<Deformations> motions{};
+  std::vector<RecordedMotion> recorded{};  ///< further motions, numbered after `motions`
   std::vector<FollowRule> rules{};
   std::vector<FollowRule> mixes{};       ///< rules on the first source and all motions
   std::size_t samples = 13;              ///< samples of each motion, from rest to the full amount
   bool and_back = false;                 ///< samples also lead back to rest: frame_parameters()
   std::vector<std::size_t> measured{};   ///< samples to measure; empty: all
+  /// Samples that decide claims, each in `measured`; trials of later seeds measure only these. Empty: all measured ones.
+  std::vector<std::size_t> decisive{};
   std::vector<std::size_t> of_levels{};  ///< levels to measure; empty: the last two, as in the paper
   Measures measures{};
   int resolution = 192;  ///< resolution of the paper's grid, and of the fixed lattice per diagonal at rest
   int branching = 8;
   int depth = 3;
   bool quick = false;  ///< small bodies, few samples: a label of the result, without effect on the run
-  std::uint64_t seed = 1;
+  /// Seeds of the generators: each body has a trial for each.
+  std::vector<std::uint64_t> seeds{1};
+  LaterSeeds later{};
   std::size_t fresh_poses = 2;  ///< poses besides rest, for the medial tree; the last at the full amount
   double protrusion_tolerance = 0.05;
   ErrorUnit unit = ErrorUnit::volume;
@@ -135,7 +167,28 @@ struct Plan {
   std::vector<std::size_t> fresh_samples(const Source& source) const;
   /// The samples to measure, ascending.
   std::vector<std::size_t> measured_samples() const;
+  std::vector<std::size_t> measured_samples(const Source& source) const;
+  /// The samples that decide claims, ascending: measured in every trial.
+  std::vector<std::size_t> decisive_samples() const;
   std::vector<std::size_t> levels() const;
+
+  /// True for trees of the first seed, and for those without one.
+  bool is_first_seed(const Source& source) const { return !source.seed || *source.seed == seeds.front(); }
+  /// True if the tree follows motions by the rule.
+  bool has_cells(const Source& source, const FollowRule& rule) const;
+  /// The measures of a tree: fewer for later seeds.
+  Measures measures_of(const Source& source) const;
+  /// Each body with each seed, bodies in order; a body whose trees have no seed makes one trial.
+  std::vector<Trial> trials() const;
+  bool is_of(const Source& source, const Trial& trial) const {
+    return source.body == trial.body && (!source.seed || *source.seed == trial.seed);
+  }
+  /// Places of the trial's trees in `sources`.
+  std::vector<std::size_t> sources_of(const Trial& trial) const;
+
+  std::size_t motion_count() const { return motions.size() + recorded.size(); }
+  /// describe_all() of a motion, or the name of a recorded one.
+  std::string motion_name(std::size_t motion) const;
 
   const NamedMesh& body_of(std::size_t source) const { return bodies[sources[source].body]; }
   /// An entry of `sources`, then of `press_sources`.
@@ -144,6 +197,7 @@ struct Plan {
   }
   /// The first source of a body with the generator's name.
   std::optional<std::size_t> find_source(std::size_t body, Method method) const;
+  std::optional<std::size_t> find_source(const Trial& trial, Method method) const;
   std::optional<std::size_t> find_rule(const RuleKey& key) const;
 };
 
@@ -151,8 +205,13 @@ struct Plan {
 std::vector<Method> paper_methods();
 /// The motions of the paper: stretch to twice the length, twist by 180°, bend by 90°.
 std::vector<Deformations> paper_motions();
-/// Every method on every body.
+/// True if trees of the method depend on the seed.
+bool is_random(Method method);
+/// Every method on every body, without seeds.
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods);
+/// Every method on every body with every seed; methods that are not random once.
+std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods,
+                               const std::vector<std::uint64_t>& seeds);
 /// Every rule on the inner levels with every rule on the leaves, plain and conservative.
 std::vector<FollowRule> rule_mixes(int depth);
 

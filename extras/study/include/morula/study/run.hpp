@@ -21,10 +21,27 @@ struct TreeLevel {
   std::size_t grown = 0;         ///< for trees from files: radii that had to grow for the tree to cover
 };
 
+/// The work of one update of all levels, counted: the same on every machine. Formulas: src/run/counts.cpp.
+struct UpdateCounts {
+  std::string name;               ///< the rule's, or "boxes"
+  std::size_t points_read = 0;    ///< vertices and corners, once for each time that a node reads one
+  std::size_t children_read = 0;  ///< spheres or boxes of children, counted alike
+  std::size_t distances = 0;      ///< distances and squared distances to points, to children and to corners of boxes
+  std::size_t bytes_read = 0, bytes_written = 0;
+
+  std::size_t bytes() const { return bytes_read + bytes_written; }
+};
+/// The work of boxes and of `traditional`, `weighted`, `approach1` and `approach2` over a tree.
+std::vector<UpdateCounts> count_updates(const Mesh& mesh, const CoveredTree& model);
+
 struct TreeFigures {
   std::size_t source = 0;
   std::vector<TreeLevel> levels;
-  double build_seconds = 0;  ///< seconds of the build, if the plan requests times
+  double build_seconds = 0;            ///< seconds of the build, if the plan requests times
+  std::vector<UpdateCounts> counts{};  ///< work of updates; empty for prisms
+
+  /// nullptr if it was not counted.
+  const UpdateCounts* find_counts(std::string_view name) const;
 };
 
 /// A motion or press that is impossible for a body, and the reason.
@@ -58,15 +75,23 @@ class Stopped : public std::runtime_error {
 /// Called with the completed share and the present step, one call at a time, on any thread.
 using Progress = std::function<void(double share, std::string what)>;
 
+/// The part of a run that one of several machines takes: every `count`-th tree, from `number` - 1 on, with all its cells.
+struct RunShard {
+  std::size_t number = 1, count = 1;
+
+  bool has(std::size_t source) const { return source % count == number - 1; }
+};
+
 struct RunOptions {
   const Cache* cache = nullptr;  ///< nullptr: no cache
   std::stop_token stop{};
   Progress progress{};  ///< may be empty
+  RunShard shard{};     ///< a part needs a cache, from which a whole run joins all parts
 };
 
 /// Runs a study. The figures are the same for any number of workers and interruptions; times differ. Throws Stopped;
 /// std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for a plan that
-/// refers to missing entries.
+/// refers to missing entries, and for a shard without a cache. The result of a shard has only its cells.
 Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
 /// Nodes and void spheres per level.
