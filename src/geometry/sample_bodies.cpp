@@ -4,9 +4,11 @@
 // and the library's own sine and cosine are used: the bits are the same everywhere.
 #include <algorithm>
 #include <array>
+#include <map>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,7 +21,8 @@ using namespace detail;
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::array<std::string_view, 8> body_names{"bar", "capsule", "limb", "torus", "blob", "plate", "two", "tool"};
+constexpr std::array<std::string_view, 10> body_names{"bar",   "capsule", "limb", "torus", "blob",
+                                                      "plate", "two",     "tool", "hand",  "vessel"};
 
 // Two facets for the square a b c d, cut along the shorter diagonal. Equal diagonals are cut a–c, for any rounding.
 void add_square(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
@@ -202,6 +205,104 @@ Mesh tool(int resolution) {
   });
 }
 
+// A blood vessel: slender, in an S, with a bulge behind its middle.
+Mesh vessel(int resolution) {
+  const int quarter = std::max(1, (resolution + 4) / 8), along = std::max(1, 2 * resolution);
+  return rounded_tube(quarter, along, [](const Vec3& d, double even) {
+    const double a = even - 0.06 * bump(even, 0.9, 0.5) * even * (1 - even), u = 2 * a - 1;
+    // The center line is a cubic: it turns with a radius of more than 0.9, wider than the bulge.
+    const Vec3 center{2 * u, 0.9 * u * (u * u - 1), 0.3 * u * u};
+    const Vec3 tangent = normalized(Vec3{2, 0.9 * (3 * u * u - 1), 0.6 * u});
+    const Vec3 side = normalized(Vec3{0, 0, 1} - tangent * tangent.z);
+    const Vec3 up = cross(side, tangent);
+    const double radius = 0.2 - 0.06 * smooth_step(a) + 0.1 * bump(a, 0.6, 0.25);
+    return center + (up * d.x + side * d.y + tangent * d.z) * radius;
+  });
+}
+
+// The unit cells of a hand: a palm, four fingers of different length and a thumb.
+std::vector<std::array<int, 3>> hand_cells() {
+  std::vector<std::array<int, 3>> cells;
+  const auto add = [&](int x0, int x1, int y0, int y1) {
+    for (int x = x0; x < x1; ++x)
+      for (int y = y0; y < y1; ++y) cells.push_back({x, y, 0});
+  };
+  add(0, 5, 0, 7);
+  constexpr std::array<int, 4> lengths{3, 5, 5, 4};
+  for (int finger = 0; finger < 4; ++finger) add(5, 5 + lengths[static_cast<std::size_t>(finger)], 2 * finger, 2 * finger + 1);
+  add(1, 2, 7, 9);
+  return cells;
+}
+
+// The surface of unit cells, n × n squares on each side of a cell. Cells must meet in sides, or not at all.
+Mesh cell_surface(const std::vector<std::array<int, 3>>& cells, int n) {
+  const std::set<std::array<int, 3>> filled(cells.begin(), cells.end());
+  Mesh mesh;
+  std::map<std::array<int, 3>, std::uint32_t> known;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [found, is_new] = known.try_emplace(at, static_cast<std::uint32_t>(mesh.positions.size()));
+    if (is_new) mesh.positions.push_back(Vec3{double(at[0]), double(at[1]), double(at[2])} / static_cast<double>(n));
+    return found->second;
+  };
+  for (const std::array<int, 3>& cell : cells) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {0, 1}) {
+        std::array<int, 3> next = cell;
+        next[static_cast<std::size_t>(axis)] += 2 * side - 1;
+        if (filled.count(next) > 0) continue;
+        ask_to_go_on();
+        // u, v and the axis are a right-handed frame; the other side is seen from behind.
+        const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+        for (int i = 0; i < n; ++i) {
+          for (int j = 0; j < n; ++j) {
+            const auto corner = [&](int along_u, int along_v) {
+              std::array<int, 3> at{n * cell[0], n * cell[1], n * cell[2]};
+              at[static_cast<std::size_t>(axis)] += n * side;
+              at[u] += i + along_u;
+              at[v] += j + along_v;
+              return vertex(at);
+            };
+            const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+            if (side == 1)
+              add_square(mesh, a, b, c, d);
+            else
+              add_square(mesh, a, d, c, b);
+          }
+        }
+      }
+    }
+  }
+  return mesh;
+}
+
+// Moves every vertex half way to the mean of its neighbors, again and again.
+void smooth(Mesh& mesh, int rounds) {
+  std::vector<Vec3> sums(mesh.vertex_count());
+  for (int round = 0; round < rounds; ++round) {
+    ask_to_go_on();
+    std::vector<double> counts(mesh.vertex_count(), 0);
+    std::fill(sums.begin(), sums.end(), Vec3{});
+    for (const Facet& f : mesh.facets) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        sums[f[k]] += mesh.positions[f[(k + 1) % 3]];
+        counts[f[k]] += 1;
+      }
+    }
+    for (std::size_t v = 0; v < sums.size(); ++v) mesh.positions[v] = (mesh.positions[v] + sums[v] / counts[v]) * 0.5;
+  }
+}
+
+// A hand, the fingers along x. Rounds follow the number of vertices, so that its shape is nearly the same at every
+// resolution up to 96; above, its edges are sharper.
+Mesh hand(int resolution) {
+  const int n = std::max(1, (resolution + 4) / 12);
+  Mesh mesh = cell_surface(hand_cells(), n);
+  smooth(mesh, std::min(n * n, 64));
+  const Vec3 center = bounding_box(mesh).center();
+  for (Vec3& p : mesh.positions) p = (p - center) * 0.4;
+  return mesh;
+}
+
 // Two links of a chain: they hold each other but do not touch, 0.4 apart at the nearest.
 Mesh two(int resolution) {
   Mesh mesh = torus(std::max(8, resolution), 0.3);  // with fewer edges, the links would intersect
@@ -241,6 +342,8 @@ Mesh sample_body(std::string_view name, int resolution) {
     return box({resolution, std::max(1, resolution / 40), std::max(1, (resolution + 1) / 2)}, {4, 0.1, 2});
   if (name == "two") return two(resolution);
   if (name == "tool") return tool(resolution);
+  if (name == "hand") return hand(resolution);
+  if (name == "vessel") return vessel(resolution);
   std::string known;
   for (const std::string_view body : body_names) known += (known.empty() ? "" : ", ") + std::string(body);
   throw std::invalid_argument("no sample body is called '" + std::string(name) + "'; known are " + known);

@@ -138,7 +138,7 @@ TEST(SampleBodies, refuse_unknown_names_and_resolutions) {
     return "nothing thrown";
   };
   EXPECT_EQ(message("cow", 48),
-            "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two, tool");
+            "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two, tool, hand, vessel");
   EXPECT_EQ(message("bar", 2), "resolution 2 is not in 3…4096");
   EXPECT_EQ(message("bar", 4097), "resolution 4097 is not in 3…4096");
   EXPECT_EQ(message("bar", -1), "resolution -1 is not in 3…4096");

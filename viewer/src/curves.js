@@ -6,7 +6,7 @@ import 'uplot/dist/uPlot.min.css';
 import { figure } from './numbers.js';
 import { styleValue } from './dom.js';
 
-const dashes = { reference: [6, 4], bare: [2, 3] };
+const dashes = { reference: [6, 4], uncovered: [2, 3] };
 
 /** Log scales need something above zero; a curve of all zeros has nothing. */
 function suitsLog(series) {

@@ -6,10 +6,10 @@ import { byId, element } from './dom.js';
 import { css, kindColor } from './colors.js';
 import { counted, figure } from './numbers.js';
 
-const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', undecided: 'not decided', untested: 'not tested' };
+const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', 'not decided': 'not decided' };
 /** For the reader: where a claim to the bad of a rule fails, that is better than claimed. */
 const verdictOf = (claim) => (claim.adverse && claim.verdict === 'fails' ? 'better' : claim.verdict);
-const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], undecided: ['not decided', 'not decided'], untested: ['not tested', 'not tested'] };
+const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], 'not decided': ['is not decided', 'are not decided'] };
 const little = matchMedia('(max-width: 900px)');
 const longest = 40; // rows of a table that is not folded
 const list = (value) => (Array.isArray(value) ? value : []);
@@ -86,25 +86,20 @@ export class Report {
   claims() {
     const claims = list(this.study.claims);
     if (claims.length === 0) return [];
-    // A quick study decides what holds for every body; of the rest it has an impression.
-    const quick = this.study.settings?.quick === true;
-    const decides = (claim) => !quick || claim.guarantee === true || claim.verdict === 'untested';
-    const shown = (claim) => (decides(claim) ? verdictOf(claim) : 'undecided');
     const count = Object.keys(verdicts)
-      .map((verdict) => [verdict, claims.filter((claim) => shown(claim) === verdict).length])
+      .map((verdict) => [verdict, claims.filter((claim) => verdictOf(claim) === verdict).length])
       .filter(([, n]) => n > 0);
     const figures = new Map(list(this.study.figures).map((spec) => [spec.id, spec.title]));
     const card = (claim) =>
-      element('article', { class: 'claim', 'data-verdict': shown(claim), id: `claim-${claim.id}` },
-        element('span', { class: 'verdict' }, verdicts[shown(claim)] ?? claim.verdict),
+      element('article', { class: 'claim', 'data-verdict': verdictOf(claim), id: `claim-${claim.id}` },
+        element('span', { class: 'verdict' }, verdicts[verdictOf(claim)] ?? claim.verdict),
         element('div', {},
           element('h3', {}, claim.claim),
           claim.numbers ? element('p', {}, claim.numbers) : null,
           element('p', { class: 'links' },
             ...list(claim.figures).filter((id) => figures.has(id)).map((id) => element('a', { href: `#figure-${id}` }, figures.get(id))))));
-    const note = quick
-      ? 'A quick study: a small body, few samples. It decides what holds for every body; for the other claims it has numbers, and a full study decides.'
-      : null;
+    const trials = list(this.study.settings?.trials).length;
+    const note = trials > 1 ? `${trials} trials, which are bodies × seeds. A claim holds if it holds in nine tenths of them.` : null;
     const groups = [['paper', 'Claims of the paper'], ['new', 'Claims of Morula']];
     return [
       this.section('claims', 'Claims', note,

@@ -129,7 +129,7 @@ std::string recipe(const study::Plan& plan, const study::MotionRun& cell, const 
 void print_text(const Demo& demo, const study::Touch& touch, const std::string& folder, double elapsed) {
   const std::vector<study::TreeFigures>& trees = demo.result.trees;
   fmt::print(
-      "Looseness of the leaves, in object volumes (share of the surface left bare): worst of the frames at rest,\n"
+      "Looseness of the leaves, in object volumes (share of the surface left uncovered): worst of the frames at rest,\n"
       "half way, at the full amount and back at rest; {} frames out and back. Times: median frame, one thread.\n\n{}\n",
       demo.plan.samples, demo_table(demo));
   for (const study::TreeFigures& tree : trees) {

@@ -39,7 +39,7 @@ bool is(const Demo& demo, const MotionRun& cell, Rule rule) {
 }
 
 std::string looseness_cell(const std::optional<double>& looseness, double uncovered_area) {
-  return fmt::format("{} ({} bare)", figure_or_na(looseness), uncovered_area == 0 ? "0" : percent(uncovered_area));
+  return fmt::format("{} ({} uncovered)", figure_or_na(looseness), uncovered_area == 0 ? "0" : percent(uncovered_area));
 }
 
 std::string worst_cell(const MotionRun& cell) {
@@ -101,7 +101,7 @@ std::string cover_finding(const Demo& demo) {
     return fmt::format("exact FAILED to cover ({}): that must not happen, please report it.", where(demo, *worst));
   }
   return fmt::format(
-      "exact leaves no surface bare: 0 in every one of its {} measurements, and its certificate held at every level in "
+      "exact leaves no surface uncovered: 0 in every one of its {} measurements, and its certificate held at every level in "
       "every frame of all {} cases.",
       frames, cases);
 }
@@ -111,7 +111,7 @@ std::string approach2_finding(const Demo& demo) {
   const auto tighter = static_cast<std::size_t>(std::count_if(list.begin(), list.end(), [](const Pair& p) {
     return p.a->worst_looseness_fixed() < p.b->worst_looseness_fixed();
   }));
-  const auto bare = static_cast<std::size_t>(
+  const auto uncovered = static_cast<std::size_t>(
       std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_uncovered_area() > 0; }));
   const Pair most = *std::max_element(list.begin(), list.end(), [](const Pair& x, const Pair& y) {
     return x.a->worst_uncovered_area() < y.a->worst_uncovered_area();
@@ -119,9 +119,9 @@ std::string approach2_finding(const Demo& demo) {
   const std::string tightness =
       tighter == 0 ? fmt::format("approach2 is nowhere tighter than exact")
                    : fmt::format("approach2 is tighter than exact in {}", share_of(tighter, list.size()));
-  if (bare == 0) return tightness + ", and left nothing bare here, though nothing guarantees it.";
-  return fmt::format("{}, {} it leaves surface bare in {}, up to {} of it ({}): looseness alone would not show that.",
-                     tightness, tighter == 0 ? "and" : "but", share_of(bare, list.size()),
+  if (uncovered == 0) return tightness + ", and left no surface uncovered here, though nothing guarantees it.";
+  return fmt::format("{}, {} it leaves surface uncovered in {}, up to {} of it ({}): looseness alone would not show that.",
+                     tightness, tighter == 0 ? "and" : "but", share_of(uncovered, list.size()),
                      percent(most.a->worst_uncovered_area()), where(demo, *most.a));
 }
 
@@ -133,10 +133,10 @@ std::string approach1_finding(const Demo& demo) {
   const auto looser = static_cast<std::size_t>(std::count_if(list.begin(), list.end(), [](const Pair& p) {
     return p.a->worst_looseness_fixed() > p.b->worst_looseness_fixed();
   }));
-  const auto bare = static_cast<std::size_t>(
+  const auto uncovered = static_cast<std::size_t>(
       std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_uncovered_area() > 0; }));
   const std::string cover =
-      bare == 0 ? "left nothing bare here" : "still leaves surface bare in " + share_of(bare, list.size());
+      uncovered == 0 ? "left no surface uncovered here" : "still leaves surface uncovered in " + share_of(uncovered, list.size());
   if (looser == 0) return fmt::format("approach1 is nowhere looser than exact, and {}.", cover);
   const double ratio = most.a->worst_looseness_fixed() / std::max(most.b->worst_looseness_fixed(), 1e-300);
   return fmt::format(

@@ -8,6 +8,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/study/study.hpp>
 
+#include "batch/manifest.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
@@ -26,9 +27,32 @@ namespace fs = std::filesystem;
 
 struct StudyArguments : StudyOptions {
   std::string output = "morula-study";
+  std::string shard = "1/1";
   unsigned threads = 0;
   bool json = false;
 };
+
+/// Computes the cells of one part, which a run without --shard joins.
+int study_shard(const StudyArguments& o, const study::Plan& plan, const Shard& shard, Workers& workers,
+                const study::Cache& cache, const Interrupt& interrupt) {
+  toolbox::Stopwatch watch;
+  const study::Result result = [&] {
+    Progress progress("study");
+    study::RunOptions options{.cache = &cache, .stop = interrupt.token()};
+    options.progress = [&](double share, std::string what) { progress.update(share, std::move(what)); };
+    options.shard = {shard.number, shard.count};
+    return study::run(plan, workers, options);
+  }();
+  if (o.json) {
+    print_json({{"shard", o.shard}, {"cells", result.cell_count()}, {"from_cache", result.taken_from_cache}});
+  } else {
+    fmt::print("{} of part {} in {} ({}; {} were there already). When all parts are done, the same command without "
+               "--shard joins them.\n",
+               counted(result.cell_count(), "cell"), o.shard, cache.folder().string(), seconds(watch.lap()),
+               result.taken_from_cache);
+  }
+  return exit_done;
+}
 
 int study_command(const StudyArguments& o) {
   const fs::path folder = o.output;
@@ -36,12 +60,14 @@ int study_command(const StudyArguments& o) {
   const fs::path above = (folder.has_filename() ? folder : folder.parent_path()).parent_path();
   if (above.empty() || fs::is_directory(above)) require_folder_place(folder);
   if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
+  const Shard shard = parse_shard(o.shard);
   const study::Plan plan = make_study_plan(o);
   Workers workers = make_workers(o.threads);
   const Interrupt interrupt;
   const study::Cache cache(folder / "cells");
   toolbox::Stopwatch watch;
   try {
+    if (!shard.is_all()) return study_shard(o, plan, shard, workers, cache, interrupt);
     const study::Study study = [&] {
       Progress progress("study");
       return study::make_study(plan, workers, {&cache, interrupt.token(), [&](double share, std::string what) {
@@ -58,8 +84,8 @@ int study_command(const StudyArguments& o) {
     if (o.json) {
       print_json(Json::parse(study::study_json(study)));
     } else {
-      fmt::print("{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
-                 wrapped(study::claims_text(study.claims, o.quick)), o.output, seconds(watch.lap()),
+      fmt::print("{}\n{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
+                 wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), o.output, seconds(watch.lap()),
                  study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
@@ -85,7 +111,15 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
       ->type_name("FOLDER")
       ->capture_default_str();
-  add_option(*command, "--mesh", o->meshes, "Bodies instead of the limb: " + readable_mesh_extensions())
+  add_option(*command, "--bodies", o->samples,
+             fmt::format("Sample bodies; default: {}, unless other bodies are given", fmt::join(study_body_names(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',');
+  add_option(*command, "--mesh", o->meshes, "Bodies of files: " + readable_mesh_extensions())
+      ->type_name("FILE")
+      ->delimiter(',');
+  add_option(*command, "--motion", o->motions,
+             "Also motions of one body each, the first that they fit: " + motion_kinds())
       ->type_name("FILE")
       ->delimiter(',');
   add_flag(*command, "--corpus", o->corpus, "All corpus meshes with an inside, with a summary");
@@ -109,7 +143,7 @@ void add_study(CLI::App& app, Run& run) {
              "Number of samples of each motion, including rest and the full amount; default: 13")
       ->type_name("N")
       ->transform(whole_number(3, 1000));
-  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
+  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 128")
       ->type_name("N")
       ->transform(whole_number(8, 4096));
   add_option(*command, "--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")
@@ -122,11 +156,19 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
       ->transform(whole_number(1, 6));
-  add_option(*command, "--seed", o->seed, "Seed of all random choices")
+  add_option(*command, "--seed", o->seed, "First seed of all random choices")
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_flag(*command, "--quick", o->quick, "A small limb, depth 2, few samples and voxels: seconds instead of minutes");
+  add_option(*command, "--seeds", o->seeds, "Number of seeds, and so of trials of each body")
+      ->type_name("N")
+      ->transform(whole_number(1, 1000))
+      ->capture_default_str();
+  add_option(*command, "--shard", o->shard,
+             "Only the cells of a part: 2/8 is the second of eight; a run without it joins all parts")
+      ->type_name("I/N")
+      ->capture_default_str();
+  add_flag(*command, "--quick", o->quick, "Small bodies, few samples and voxels: a minute instead of several");
   add_threads(*command, o->threads);
   add_json(*command, o->json);
   set_footer(

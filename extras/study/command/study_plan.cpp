@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/motion_file.hpp>
 #include <morula/io/tree_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <scenes/scenes.hpp>
@@ -22,9 +23,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The corpus meshes with an inside, up to a size, and those that were asked for.
+/// The resolution of sample bodies: the limb of a full study has that of `morula sample`.
+int sample_resolution(const std::string& name, bool quick) {
+  return quick ? 16 : name == "limb" ? 48 : 32;
+}
+
+void add_samples(const std::vector<std::string>& names, bool quick, study::Plan& plan) {
+  const std::vector<std::string> known(sample_body_names().begin(), sample_body_names().end());
+  for (const std::string& name : names) {
+    check_name("body", name, known);
+    plan.bodies.push_back({name, sample_body(name, sample_resolution(name, quick))});
+  }
+}
+
+/// Sample bodies, meshes in memory, those of files, and the corpus meshes with an inside, up to a size.
 void add_bodies(const StudyOptions& o, study::Plan& plan) {
-  plan.bodies = o.bodies;
+  add_samples(o.samples, o.quick, plan);
+  plan.bodies.insert(plan.bodies.end(), o.bodies.begin(), o.bodies.end());
   for (const std::string& path : o.meshes) plan.bodies.push_back({fs::path(path).stem().string(), load_mesh(path)});
   if (o.corpus) {
     const std::vector<fs::path> paths = scenes::corpus_meshes();
@@ -38,12 +53,47 @@ void add_bodies(const StudyOptions& o, study::Plan& plan) {
       }
     }
   }
-  if (plan.bodies.empty() && o.trees.empty()) plan.bodies.push_back({"limb", sample_body("limb", o.quick ? 12 : 48)});
+  if (plan.bodies.empty() && o.trees.empty()) add_samples(study_body_names(), o.quick, plan);
   std::vector<std::string> names;
   for (study::NamedMesh& body : plan.bodies) {
     const auto same = std::count(names.begin(), names.end(), body.name);
     names.push_back(body.name);
     if (same > 0) body.name += fmt::format("-{}", same + 1);
+  }
+}
+
+/// All frames but the first ones at rest: a plan's samples begin there.
+std::vector<std::vector<Vec3>> frames_after_rest(const Motion& motion, const Mesh& mesh) {
+  std::vector<std::vector<Vec3>> frames;
+  for (std::size_t i = 0; i < motion.frame_count(); ++i) {
+    frames.push_back(motion.frame(i));
+    if (frames.size() == 1 && frames.front() == mesh.positions && motion.frame_count() > 1) frames.clear();
+  }
+  return frames;
+}
+
+/// A motion belongs to the first body that its frames fit.
+void add_motions(const StudyOptions& o, study::Plan& plan) {
+  for (const std::string& path : o.motions) {
+    study::RecordedMotion recorded;
+    recorded.name = fs::path(path).stem().string();
+    std::replace(recorded.name.begin(), recorded.name.end(), ' ', '-');
+    for (std::size_t m = 0, same = 1; m < plan.motion_count(); ++m) {
+      const std::string known = plan.motion_name(m);
+      if (known.substr(0, known.find(' ')) != recorded.name) continue;
+      recorded.name = fmt::format("{}-{}", fs::path(path).stem().string(), ++same);
+      m = 0;
+    }
+    for (; recorded.body < plan.bodies.size() && recorded.frames.empty(); ++recorded.body) {
+      const Mesh& mesh = plan.bodies[recorded.body].mesh;
+      try {
+        recorded.frames = frames_after_rest(Motion(path, mesh), mesh);
+        break;
+      } catch (const FileError&) {
+        if (recorded.body + 1 == plan.bodies.size()) throw;
+      }
+    }
+    plan.recorded.push_back(std::move(recorded));
   }
 }
 
@@ -88,7 +138,7 @@ void add_tree_files(const StudyOptions& o, study::Plan& plan) {
     const bool known = std::any_of(plan.bodies.begin(), plan.bodies.end(),
                                    [&](const study::NamedMesh& body) { return body.name == mesh; });
     if (chosen && !known) continue;  // --mesh says which
-    plan.sources.push_back({body_of(plan, mesh, file), method, std::nullopt, file});
+    plan.sources.push_back({.body = body_of(plan, mesh, file), .method = method, .file = file});
   }
   if (plan.sources.empty()) {
     throw UsageError(
@@ -145,6 +195,10 @@ study::SphOrigin study_origin(const SphOrigin& given) {
 
 }  // namespace
 
+std::vector<std::string> study_body_names() {
+  return {"limb", "bar", "torus", "blob", "hand", "vessel"};
+}
+
 std::vector<std::string> study_rule_names() {
   std::vector<std::string> names;
   for (const study::RuleKey& key : study::all_rule_keys()) names.push_back(name(key));
@@ -178,11 +232,16 @@ study::Plan make_study_plan(const StudyOptions& o) {
   check_name("unit", o.unit, {"volume", "box"});
   plan.unit = o.unit == "box" ? study::ErrorUnit::box : study::ErrorUnit::volume;
   plan.samples = o.frames > 0 ? o.frames : o.quick ? 5 : 13;
-  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
+  // Every other sample decides, rest and the full amount among them.
+  if (!o.quick && plan.samples % 2 == 1 && plan.samples >= 9)
+    for (std::size_t i = 0; i < plan.samples; i += 2) plan.decisive.push_back(i);
+  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 128;
+  plan.measures.half_grid = true;
   plan.fresh_poses = o.quick ? 1 : 2;
   plan.branching = o.branching;
-  plan.depth = o.depth > 0 ? o.depth : o.quick ? 2 : 3;
-  plan.seed = o.seed;
+  plan.depth = o.depth > 0 ? o.depth : 3;
+  plan.seeds.clear();
+  for (std::size_t i = 0; i < o.seeds; ++i) plan.seeds.push_back(o.seed + i);
   plan.quick = o.quick;
   plan.sph_origin = study_origin(parse_sph_origin(o.sph_origin));
   plan.cost_repeats = o.quick ? 3 : 9;
@@ -191,13 +250,14 @@ study::Plan make_study_plan(const StudyOptions& o) {
   if (o.mixes) plan.mixes = study::rule_mixes(plan.depth);
   plan.press_rules = press_rules(plan, !o.rules.empty());
   add_bodies(o, plan);
+  add_motions(o, plan);
   if (!o.trees.empty()) {
     add_tree_files(o, plan);
     plan.needle_sides = 0;
   } else {
     std::vector<Method> generators;
     for (const std::string& method : methods) generators.push_back(parse_method(method));
-    plan.sources = study::sources_of(plan.bodies, generators);
+    plan.sources = study::sources_of(plan.bodies, generators, plan.seeds);
     if (o.methods.empty() && !o.quick) plan.press_sources = study::sources_of(plan.bodies, {Method::octree});
   }
   require_sound_inputs(plan);

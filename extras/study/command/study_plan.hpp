@@ -16,6 +16,8 @@ namespace morula::cli {
 struct StudyOptions {
   std::vector<std::string> meshes;         ///< files
   std::vector<study::NamedMesh> bodies{};  ///< in memory, before those of the files
+  std::vector<std::string> samples{};      ///< names of sample bodies, before all others
+  std::vector<std::string> motions{};      ///< files of frames, each of the first body that it fits
   bool corpus = false;
   std::size_t max_facets = 20000;
   std::vector<std::string> methods;
@@ -27,12 +29,15 @@ struct StudyOptions {
   int resolution = 0;
   int branching = 8;
   int depth = 0;
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1;  ///< the first seed; the others follow it
+  std::size_t seeds = 3;
   std::string unit = "volume";
   bool quick = false;
 };
 
 std::vector<std::string> study_rule_names();
+/// The sample bodies of a study without other bodies.
+std::vector<std::string> study_body_names();
 /// The names of the generators that the paper has.
 std::vector<std::string> paper_method_names();
 

@@ -25,7 +25,7 @@ Bodies = Union["MeshLike", Mapping[str, "MeshLike"], str, "os.PathLike[str]", Se
 class Study:
     """The results of a study, as plain values.
 
-    claims: rows of `id`, `verdict`, `numbers` and more; tables: by id, columns by name; figures: by id, as in study.json, with
+    claims: rows of `id`, `verdict`, `numbers`, `trials`, `value` and more; tables: by id, columns by name; figures: by id, as in study.json, with
     their curves in `series`; cells: columns of cells.csv, numbers as arrays with NaN for missing values; json: all
     of study.json; faults: violated guarantees, as text.
     """
@@ -46,6 +46,12 @@ class Study:
         self._cells = cells
 
     @property
+    def stability(self) -> dict[str, Any] | None:
+        """Verdicts of two halves of the seeds, compared: `seeds`, `compared`, `same`, `differing`; None for one seed."""
+        found: dict[str, Any] | None = self.json["stability"]
+        return found
+
+    @property
     def cells(self) -> dict[str, Any]:
         """Columns of all cells: one row per body, tree, motion, rule, sample and level."""
         import csv
@@ -64,7 +70,7 @@ class Study:
         return columns
 
     def verdict(self, claim: str) -> str:
-        """The verdict on the claim with this id: holds, partly, fails or untested."""
+        """The verdict on the claim with this id: holds, partly, fails or not decided."""
         for found in self.claims:
             if found["id"] == claim:
                 return str(found["verdict"])
@@ -89,15 +95,17 @@ def _given(meshes: Bodies) -> tuple[dict[str, _morula.Mesh], list[str]]:
     return {"mesh": _morula.Mesh.of(meshes)}, []  # type: ignore[arg-type]
 
 
-def _part(bodies: dict[str, _morula.Mesh], options: dict[str, Any], part: tuple[int, str, str, str, bool], cells: str) -> int:
+def _shard(bodies: dict[str, _morula.Mesh], options: dict[str, Any], number: int, count: int, cells: str) -> int:
     """The function that an executor calls."""
-    return _morula.study_part(bodies, options, part, cells)
+    return _morula.study_shard(bodies, options, number, count, cells)
 
 
 def study(
     meshes: Bodies = None,
     *,
     output: str | os.PathLike[str] | None = None,
+    samples: Sequence[str] = (),
+    motions: Sequence[str | os.PathLike[str]] = (),
     methods: Sequence[str] = (),
     rules: Sequence[str] = (),
     mixes: bool = False,
@@ -108,20 +116,25 @@ def study(
     branching: int = 8,
     depth: int = 0,
     seed: int = 1,
+    seeds: int = 3,
     unit: str = "volume",
     quick: bool = False,
     executor: concurrent.futures.Executor | None = None,
+    shards: int = 32,
     progress: Callable[[float, str], object] | None = None,
     workers: _morula.Workers | None = None,
 ) -> Study:
     """Repeats the evaluation of the paper, like `morula study`, with a verdict on each claim.
 
     Args:
-        meshes: None for the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
+        meshes: a mesh; meshes by name; paths of files; None for the sample bodies of the command. Options are those of the command,
+            with its defaults.
+        samples: names of sample bodies. motions: files of frames, each of the first body that they fit.
+        seeds: number of seeds from `seed` on: each body has a trial with each.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
-        executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes trees and cells, and
-            stores them in the folder, which all workers must share. Figures are the same; only times differ.
+        executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes `shards` parts and
+            stores their cells in the folder, which all workers must share. Figures are the same; only times differ.
         progress: called with the completed share and the present step; an exception of it ends the study.
         workers: threads of this process.
 
@@ -133,38 +146,34 @@ def study(
     options: dict[str, Any] = {
         "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
-        "seed": seed, "unit": unit, "quick": quick,
+        "seed": seed, "seeds": seeds, "unit": unit, "quick": quick, "samples": list(samples), "motions": [os.fspath(path) for path in motions],
     }
     if executor is not None:
         if output is None:
             raise ValueError("output: a folder that all workers of the executor see is needed")
-        _spread(bodies, options, pathlib.Path(output).absolute(), executor, progress)
+        _spread(bodies, options, pathlib.Path(output).absolute(), executor, shards, progress)
     return Study(*_morula.study_files(bodies, options, output, progress, workers))
 
 
 def _spread(
     bodies: dict[str, _morula.Mesh], options: dict[str, Any], output: pathlib.Path, executor: concurrent.futures.Executor,
-    progress: Callable[[float, str], object] | None,
+    shards: int, progress: Callable[[float, str], object] | None,
 ) -> None:
-    """Runs all parts on an executor: trees, then the parts that need them."""
+    """Runs all parts on an executor."""
     cells = output / "cells"
     cells.mkdir(parents=True, exist_ok=True)
-    options = {**options, "meshes": [os.path.abspath(path) for path in options["meshes"]]}
+    for name in "meshes", "motions":
+        options = {**options, name: [os.path.abspath(path) for path in options[name]]}
     if options["trees"]:
         options["trees"] = os.path.abspath(options["trees"])
-    parts = _morula.study_parts(bodies, options)
-    done = 0
-    for wanted in (False, True):
-        phase = [part for part in parts if any(part[2:]) == wanted]
-        futures = {executor.submit(_part, bodies, options, part, os.fspath(cells)): part for part in phase}
-        try:
-            # Not as_completed: futures of Dask and others are not of the same class.
-            for future, part in futures.items():
-                future.result()
-                done += 1
-                if progress is not None:
-                    progress(done / len(parts), " ".join(filter(None, part[1:4])))
-        except BaseException:
-            for future in futures:
-                future.cancel()
-            raise
+    futures = [executor.submit(_shard, bodies, options, number, shards, os.fspath(cells)) for number in range(1, shards + 1)]
+    try:
+        # Not as_completed: futures of Dask and others are not of the same class.
+        for done, future in enumerate(futures, 1):
+            future.result()
+            if progress is not None:
+                progress(done / shards, f"part {done} of {shards}")
+    except BaseException:
+        for future in futures:
+            future.cancel()
+        raise

@@ -30,13 +30,14 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
         throw nb::type_error((name + ": " + nb::cast<std::string>(nb::repr(value)) + " is of another type").c_str());
       return true;
     };
-    const bool known = (name == "meshes" && read(options.meshes)) || (name == "methods" && read(options.methods)) ||
+    const bool known = (name == "meshes" && read(options.meshes)) || (name == "samples" && read(options.samples)) ||
+                       (name == "motions" && read(options.motions)) || (name == "methods" && read(options.methods)) ||
                        (name == "rules" && read(options.rules)) || (name == "mixes" && read(options.mixes)) ||
                        (name == "trees" && read(options.trees)) || (name == "sph_origin" && read(options.sph_origin)) ||
                        (name == "frames" && read(options.frames)) ||
                        (name == "resolution" && read(options.resolution)) ||
                        (name == "branching" && read(options.branching)) || (name == "depth" && read(options.depth)) ||
-                       (name == "seed" && read(options.seed)) || (name == "unit" && read(options.unit)) ||
+                       (name == "seed" && read(options.seed)) || (name == "seeds" && read(options.seeds)) || (name == "unit" && read(options.unit)) ||
                        (name == "quick" && read(options.quick));
     if (!known) throw nb::type_error(("there is no option '" + name + "'").c_str());
   }
@@ -93,28 +94,6 @@ study::Plan plan_of(const cli::StudyOptions& options) {
   }
 }
 
-/// The plan of one task: a method on a body, by a rule or pressed; without either, its tree alone.
-study::Plan part_of(study::Plan plan, std::size_t body, const std::string& method, const std::string& rule,
-                    const std::string& mix, bool press) {
-  const auto drop = [&](std::vector<study::Source>& sources) {
-    std::erase_if(sources, [&](const study::Source& s) { return s.body != body || s.method != method; });
-    for (study::Source& source : sources) source.body = 0;
-  };
-  const study::NamedMesh kept = plan.bodies.at(body);
-  drop(plan.sources);
-  drop(plan.press_sources);
-  // A tree that is only pressed is built alone.
-  if (plan.sources.empty()) std::swap(plan.sources, plan.press_sources);
-  plan.bodies = {kept};
-  std::erase_if(plan.rules, [&](const study::FollowRule& r) { return r.name != rule; });
-  std::erase_if(plan.mixes, [&](const study::FollowRule& r) { return r.name != mix; });
-  if (!press) plan.press_rules.clear();
-  if (plan.rules.empty()) plan.measures.protrusion = false;
-  if (plan.rules.empty() && plan.mixes.empty()) plan.motions.clear();
-  plan.needle_sides = 0;
-  return plan;
-}
-
 }  // namespace
 
 void bind_study_extra(nb::module_& m) {
@@ -145,50 +124,24 @@ void bind_study_extra(nb::module_& m) {
           "None = None) -> tuple[str, str, list[str]]"),
       "The basis of morula.study(): study.json, the cells as CSV, and faults to report.");
   m.def(
-      "study_parts",
-      [](nb::dict bodies, nb::dict options) {
+      "study_shard",
+      [](nb::dict bodies, nb::dict options, std::size_t number, std::size_t count, FilePath cells) {
         const study::Plan plan = plan_of(study_options(bodies, options));
-        nb::list all;
-        const auto add = [&](const study::Source& s, const std::string& rule, const std::string& mix, bool press) {
-          all.append(nb::make_tuple(s.body, s.method, rule, mix, press));
-        };
-        // Trees first: the others find them.
-        for (const auto* sources : {&plan.sources, &plan.press_sources})
-          for (const study::Source& s : *sources)
-            if (s.generator) add(s, "", "", false);
-        for (const study::Source& s : plan.sources)
-          for (const study::FollowRule& rule : plan.rules)
-            if (s.generator || rule.kind != study::fresh) add(s, rule.name, "", false);
-        if (!plan.sources.empty())
-          for (const study::FollowRule& mix : plan.mixes) add(plan.sources.front(), "", mix.name, false);
-        if (!plan.press_rules.empty())
-          for (const auto* sources : {&plan.sources, &plan.press_sources})
-            for (const study::Source& s : *sources) add(s, "", "", true);
-        return all;
-      },
-      nb::arg("bodies"), nb::arg("options"),
-      nb::sig("def study_parts(bodies: dict[str, Mesh], options: dict[str, typing.Any]) -> "
-              "list[tuple[int, str, str, str, bool]]"),
-      "Parts of a study, for study_part(): body, method, rule, mix, and whether it is a press; trees first.");
-  m.def(
-      "study_part",
-      [](nb::dict bodies, nb::dict options, std::tuple<std::size_t, std::string, std::string, std::string, bool> part,
-         FilePath cells) {
-        const auto& [body, method, rule, mix, press] = part;
-        const study::Plan plan = part_of(plan_of(study_options(bodies, options)), body, method, rule, mix, press);
         Report report{nb::none()};
-        const std::size_t count = stoppable(report, [&] {
+        const std::size_t computed = stoppable(report, [&] {
           const study::Cache cache(cells.path);
-          return study::run(plan, serial_workers(), {&cache, report.token(), report.progress()}).cell_count();
+          study::RunOptions run{.cache = &cache, .stop = report.token(), .progress = report.progress()};
+          run.shard = {number, count};
+          return study::run(plan, serial_workers(), run).cell_count();
         });
         report.rethrow();
-        return count;
+        return computed;
       },
-      nb::arg("bodies"), nb::arg("options"), nb::arg("part"), nb::arg("cells"),
-      nb::sig("def study_part(bodies: dict[str, Mesh], options: dict[str, typing.Any], part: tuple[int, str, str, str, "
-              "bool], cells: str | os.PathLike[str]) -> int"),
-      "Computes a part and stores it in the folder of finished cells, from which the whole study reads it. Returns its "
-      "number of cells.");
+      nb::arg("bodies"), nb::arg("options"), nb::arg("number"), nb::arg("count"), nb::arg("cells"),
+      nb::sig("def study_shard(bodies: dict[str, Mesh], options: dict[str, typing.Any], number: int, count: int, cells: "
+              "str | os.PathLike[str]) -> int"),
+      "Computes part `number` of `count` parts, and stores it in the folder of finished cells, from which the whole "
+      "study reads it. Returns its number of cells.");
 }
 
 }  // namespace morula::python

@@ -107,8 +107,8 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
   const Workbench bench;
   const CommandResult text = bench.require("demo --quick -o demo");
   const Json demo = Json::parse(bench.read("demo/demo.json"));
-  std::size_t bare_motions = 0;
-  double most_bare = 0;
+  std::size_t uncovered_motions = 0;
+  double most_uncovered = 0;
   for (const Json& tree : demo["trees"]) {
     for (const Json& cell : tree["cells"]) {
       EXPECT_TRUE(cell["returns_to_rest"].get<bool>()) << tree["method"] << cell["motion"] << cell["rule"];
@@ -118,18 +118,18 @@ TEST(DemoCommand, what_it_says_is_what_it_measured) {
         EXPECT_TRUE(cell["certificate"]["covered"].get<bool>());
       }
       if (cell["rule"] == "approach2") {
-        bare_motions += cell["worst_uncovered_area"].get<double>() > 0 ? 1 : 0;
-        most_bare = std::max(most_bare, cell["worst_uncovered_area"].get<double>());
+        uncovered_motions += cell["worst_uncovered_area"].get<double>() > 0 ? 1 : 0;
+        most_uncovered = std::max(most_uncovered, cell["worst_uncovered_area"].get<double>());
       }
     }
   }
-  EXPECT_NE(in_one_line(text.out).find("exact leaves no surface bare"), std::string::npos) << text.out;
-  EXPECT_EQ(in_one_line(text.out).find("though nothing guarantees it") != std::string::npos, bare_motions == 0)
+  EXPECT_NE(in_one_line(text.out).find("exact leaves no surface uncovered"), std::string::npos) << text.out;
+  EXPECT_EQ(in_one_line(text.out).find("though nothing guarantees it") != std::string::npos, uncovered_motions == 0)
       << text.out;
-  if (bare_motions > 0) {
+  if (uncovered_motions > 0) {
     std::ostringstream percentage;
     percentage.precision(1);
-    percentage << std::fixed << 100 * most_bare << '%';
+    percentage << std::fixed << 100 * most_uncovered << '%';
     EXPECT_NE(in_one_line(text.out).find("up to " + percentage.str()), std::string::npos) << percentage.str() << '\n'
                                                                                           << text.out;
   }

@@ -94,6 +94,22 @@ TEST(StudyPlan, axes_have_four_names) {
   EXPECT_EQ(names, (std::set<std::string_view>{"x", "y", "z", "auto"}));
 }
 
+TEST(StudyPlan, trials_are_bodies_times_seeds) {
+  Plan plan;
+  plan.bodies = {{"limb", needle_prism(8)}, {"bar", needle_prism(6)}};
+  plan.seeds = {5, 6, 7};
+  plan.sources = sources_of(plan.bodies, {Method::medial, Method::octree}, plan.seeds);
+  ASSERT_EQ(plan.sources.size(), 2u * 4);
+  ASSERT_EQ(plan.trials().size(), 6u);
+  EXPECT_EQ(plan.trials()[4], (Trial{1, 6}));
+  EXPECT_EQ(plan.sources_of(Trial{1, 6}), (std::vector<std::size_t>{5, 6}));
+  EXPECT_EQ(plan.find_source(Trial{1, 6}, Method::octree), 5u);
+  EXPECT_EQ(plan.find_source(Trial{1, 7}, Method::medial), 7u);
+  // Trees without a seed make one trial of each body.
+  plan.sources = sources_of(plan.bodies, {Method::medial});
+  EXPECT_EQ(plan.trials(), (std::vector<Trial>{{0, 5}, {1, 5}}));
+}
+
 TEST(StudyPlan, the_prism_is_closed_and_has_its_volume) {
   const MeshReport report = inspect(needle_prism(16));
   ASSERT_TRUE(report.has_volume());
@@ -107,13 +123,17 @@ TEST(StudyPlan, refuses_what_names_something_that_is_not_there) {
   good.sources = sources_of(good.bodies, {Method::octree});
   good.needle_sides = 0;
   EXPECT_NO_THROW(run(good));
-  std::vector<Plan> bad(6, good);
+  std::vector<Plan> bad(10, good);
   bad[0].bodies.clear();
   bad[1].sources.clear();
   bad[2].sources[0].body = 1;
   bad[3].measured = {2, 1};
   bad[4].measured = {good.samples};
   bad[5].press_rules = {fresh};
+  bad[6].seeds.clear();
+  bad[7].decisive = {good.samples};
+  bad[8].decisive = {2, 1};
+  bad[9].recorded = {{"short", 0, {{Vec3{0, 0, 0}}}}};
   for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_THROW(run(bad[i]), std::invalid_argument) << i;
 }
 

@@ -17,7 +17,7 @@ namespace morula::test {
 struct Row {
   std::string method, motion, rule, returns;
   int sample = 0, level = 0;
-  double parameter = 0, looseness = 0, bare = 0;
+  double parameter = 0, looseness = 0, uncovered = 0;
 };
 
 inline std::vector<Row> rows_of(const std::string& csv) {
@@ -73,15 +73,15 @@ class Judge {
         }
     return judged(count, total);
   }
-  std::string bare_free(const std::string& rule, bool wanted_bare) const {
+  std::string covers(const std::string& rule, bool wanted) const {
     std::map<std::string, double> worst;
     for (const Row& r : rows_) {
       if (r.rule != rule) continue;
       double& w = worst[r.method + r.motion + std::to_string(r.level)];
-      w = std::max(w, r.bare);
+      w = std::max(w, r.uncovered);
     }
     int count = 0;
-    for (const auto& [name, w] : worst) count += (w > 0) == wanted_bare;
+    for (const auto& [name, w] : worst) count += (w == 0) == wanted;
     return judged(count, static_cast<int>(worst.size()));
   }
   std::string best(const std::vector<int>& of_levels, std::size_t from, const std::set<std::string>& winners) const {

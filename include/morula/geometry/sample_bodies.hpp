@@ -22,6 +22,8 @@ std::span<const std::string_view> sample_body_names();
 ///   plate    thin box, 4 × 0.1 × 2
 ///   two      two links of a chain that do not touch: two components
 ///   tool     a probe: a handle, a thin shaft and a narrow round tip, 3 long
+///   hand     a palm, four fingers and a thumb, 4 long
+///   vessel   a blood vessel: slender, in an S, with a bulge
 /// Bodies lie along x, about the origin.
 /// resolution: edges around or along the body, 3…4096; 48 gives 2,700 to 5,800 facets, and their number grows with its
 /// square.

@@ -11,64 +11,63 @@ using namespace toolbox;
 
 namespace {
 
-struct Bare {
-  std::size_t bare = 0;   // cases with uncovered surface in some sample
+struct Uncovered {
+  std::size_t cases = 0;  // cases with uncovered surface in some sample
   std::size_t total = 0;  // cases
   double worst = 0;
-  double worst_uncovered_distance = 0;
+  double worst_distance = 0;
   Case where;
 };
 
-Bare bare_of(const Evidence& evidence, const RuleKey& rule) {
-  Bare found;
+Uncovered uncovered_by(const Evidence& evidence, const RuleKey& rule) {
+  Uncovered found;
   for (const Case& c : evidence.cases()) {
     const MotionRun* cell = evidence.cell(c, rule);
     if (cell == nullptr) continue;
     double worst = 0;
-    for (const Sample& s : cell->samples) {
-      worst = std::max(worst, cell->at(s.sample, c.level)->uncovered_area());
-      found.worst_uncovered_distance =
-          std::max(found.worst_uncovered_distance, cell->at(s.sample, c.level)->uncovered_distance());
+    for (const Sample* s : evidence.samples(*cell)) {
+      const LevelFigures& figures = *cell->at(s->sample, c.level);
+      worst = std::max(worst, figures.uncovered_area());
+      found.worst_distance = std::max(found.worst_distance, figures.uncovered_distance());
     }
     ++found.total;
-    found.bare += worst > 0 ? 1 : 0;
+    found.cases += worst > 0 ? 1 : 0;
     if (worst > found.worst) found.worst = worst, found.where = c;
   }
   return found;
+}
+
+const std::vector<std::string>& cover_figures() {
+  static const std::vector<std::string> figures{"fig2a-uncovered", "fig2b-uncovered"};
+  return figures;
 }
 
 std::vector<Claim> cover_claims(const Evidence& evidence) {
   std::vector<Claim> claims;
   for (const RuleKey rule :
        {RuleKey(Rule::traditional), RuleKey(Rule::weighted), RuleKey(Rule::approach1), RuleKey(Rule::approach2)}) {
-    const Bare found = bare_of(evidence, rule);
-    Claim claim{name(rule) + "-bare",
-                ClaimOrigin::ours,
-                fmt::format("{} leaves surface bare", title(rule)),
-                verdict_of(found.bare, found.total),
-                "",
-                {"fig2a-bare", "fig2b-bare"}};
+    const Uncovered found = uncovered_by(evidence, rule);
+    Claim claim = make_claim(name(rule) + "-uncovered", ClaimOrigin::ours,
+                             fmt::format("{} leaves surface uncovered", title(rule)), cover_figures());
     claim.adverse = true;
-    if (found.total > 0) {
-      claim.numbers = fmt::format("In {} of {} cases, up to {} of the surface{}, with gaps up to {} of the diagonal.",
-                                  found.bare, found.total, percent(found.worst),
-                                  found.worst > 0 ? fmt::format(" ({})", evidence.text(found.where)) : "",
-                                  percent(found.worst_uncovered_distance));
-    }
+    claim.quantity = {.name = "largest uncovered share of the surface", .of_motion = true};
+    evidence.decide(
+        claim, found.cases, found.total, found.worst,
+        fmt::format("In {} of {} cases, up to {} of the surface{}, at distances up to {} of the diagonal.", found.cases,
+                    found.total, percent(found.worst),
+                    found.worst > 0 ? fmt::format(" ({})", evidence.text(found.where)) : "",
+                    percent(found.worst_distance)));
     claims.push_back(std::move(claim));
   }
   for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
-    const Bare found = bare_of(evidence, rule);
-    Claim claim{name(rule) + "-covers",
-                ClaimOrigin::ours,
-                fmt::format("{} leaves nothing bare", title(rule)),
-                verdict_of(found.total - found.bare, found.total),
-                "",
-                {"fig2a-bare", "fig2b-bare"}};
+    const Uncovered found = uncovered_by(evidence, rule);
+    Claim claim = make_claim(name(rule) + "-covers", ClaimOrigin::ours,
+                             fmt::format("{} leaves no surface uncovered", title(rule)), cover_figures());
     claim.guarantee = true;
-    if (found.total > 0)
-      claim.numbers =
-          fmt::format("Nothing is bare in {} of {} cases, in every sample.", found.total - found.bare, found.total);
+    claim.quantity = {.name = "largest uncovered share of the surface", .of_motion = true};
+    evidence.decide(claim, found.total - found.cases, found.total, found.worst,
+                    fmt::format("No surface is uncovered in {} of {} cases, in every sample.",
+                                found.total - found.cases, found.total));
     claims.push_back(std::move(claim));
   }
   return claims;
@@ -77,6 +76,8 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
 /// The looseness of one rule relative to another, case by case.
 Claim ratio_claim(const Evidence& evidence, Claim claim, const RuleKey& rule, const RuleKey& other, double most,
                   bool at_the_end, const std::vector<std::size_t>& levels) {
+  claim.quantity.is_ratio = claim.quantity.of_grid = true;
+  claim.quantity.of_motion = !at_the_end;
   std::size_t count = 0;
   std::map<std::size_t, std::vector<double>> by_motion;
   std::vector<double> all;
@@ -89,8 +90,7 @@ Claim ratio_claim(const Evidence& evidence, Claim claim, const RuleKey& rule, co
     by_motion[c.motion].push_back(all.back());
     count += all.back() <= most ? 1 : 0;
   }
-  claim.verdict = verdict_of(count, all.size());
-  if (all.empty()) return claim;
+  if (all.empty() || (at_the_end && evidence.view().half_amount)) return claim;
   std::string text;
   for (const std::size_t motion : evidence.motions()) {
     if (by_motion[motion].empty()) continue;
@@ -98,45 +98,47 @@ Claim ratio_claim(const Evidence& evidence, Claim claim, const RuleKey& rule, co
     text += fmt::format("{}{} {} ({} to {})", text.empty() ? "" : ", ", evidence.motion(motion),
                         figure(median(by_motion[motion])), figure(*low), figure(*high));
   }
-  claim.numbers = fmt::format("In {} of {} cases; ratio in the median (least to most): {}.", count, all.size(), text);
+  evidence.decide(
+      claim, count, all.size(), median(all),
+      fmt::format("In {} of {} cases; ratio in the median (least to most): {}.", count, all.size(), text));
   return claim;
 }
 
-Claim bare_gain_claim(const Evidence& evidence) {
-  Claim claim{"approach2-gain-is-bare",
-              ClaimOrigin::ours,
-              "Where Approach 2 is tighter than exact, it leaves surface bare",
-              Verdict::untested,
-              "",
-              {"fig2a", "fig2a-bare"}};
+Claim uncovered_gain_claim(const Evidence& evidence) {
+  Claim claim = make_claim("approach2-gain-is-uncovered", ClaimOrigin::ours,
+                           "Where Approach 2 is tighter than exact, it leaves surface uncovered",
+                           {"fig2a", "fig2a-uncovered"});
+  claim.quantity = {
+      .name = "share of the samples in which Approach 2 is tighter", .of_motion = true, .of_grid = true};
   std::size_t tighter = 0;
-  std::size_t bare = 0;
+  std::size_t uncovered = 0;
   std::size_t total = 0;
   for (const Case& c : evidence.cases()) {
+    const MotionRun* cell = evidence.cell(c, Rule::approach2);
     const auto second = evidence.errors(c, Rule::approach2);
     const auto exact = evidence.errors(c, Rule::exact);
-    if (second.size() != exact.size()) continue;
+    if (cell == nullptr || second.size() != exact.size()) continue;
+    const std::vector<const Sample*> samples = evidence.samples(*cell);
     for (std::size_t i = 1; i < exact.size(); ++i) {
       ++total;
       if (second[i] >= exact[i]) continue;
       ++tighter;
-      bare += evidence.cell(c, Rule::approach2)->at(i, c.level)->uncovered_area() > 0 ? 1 : 0;
+      uncovered += cell->at(samples[i]->sample, c.level)->uncovered_area() > 0 ? 1 : 0;
     }
   }
-  claim.verdict = verdict_of(bare, tighter);
-  if (total > 0)
-    claim.numbers = fmt::format("It is tighter in {} of {} deformed samples, and leaves surface bare in {} of these.",
-                                tighter, total, bare);
+  const double share = static_cast<double>(tighter) / static_cast<double>(std::max<std::size_t>(total, 1));
+  evidence.decide(
+      claim, uncovered, tighter, share,
+      fmt::format("It is tighter in {} of {} deformed samples, and leaves surface uncovered in {} of these.", tighter,
+                  total, uncovered));
   return claim;
 }
 
 Claim void_claim(const Evidence& evidence) {
-  Claim claim{"void-spheres",
-              ClaimOrigin::ours,
-              "Generators make void spheres, which the traditional update cannot follow",
-              Verdict::untested,
-              "",
-              {}};
+  Claim claim = make_claim("void-spheres", ClaimOrigin::ours,
+                           "Generators make void spheres, which the traditional update cannot follow", {});
+  claim.quantity = {.name = "share of leaves that are void (mean of trees of the body)"};
+  double share_sum = 0, on_body = 0;
   std::size_t with = 0;
   std::size_t total = 0;
   std::string text;
@@ -144,17 +146,20 @@ Claim void_claim(const Evidence& evidence) {
     for (const TreeFigures& tree : *list) {
       const bool is_prism = list == &evidence.result().needles;
       const NamedMesh& body = evidence.plan().body_of(tree.source);
-      if (!is_prism && evidence.plan().sources[tree.source].body != evidence.body()) continue;
+      if (!is_prism && !evidence.plan().is_of(evidence.plan().sources[tree.source], evidence.trial())) continue;
+      if (tree.levels.empty()) continue;
       const TreeLevel& leaves = tree.levels.back();
+      const double share = static_cast<double>(leaves.void_spheres) / static_cast<double>(leaves.nodes);
+      if (!is_prism) share_sum += share, on_body += 1;
       ++total;
       with += leaves.void_spheres > 0 ? 1 : 0;
       text += fmt::format("{}{} on {} {}", text.empty() ? "" : ", ", evidence.method(tree.source),
                           is_prism ? "prism" : body.name,
-                          percent(static_cast<double>(leaves.void_spheres) / static_cast<double>(leaves.nodes)));
+                          percent(share));
     }
   }
-  claim.verdict = verdict_of(with, total);
-  if (total > 0) claim.numbers = fmt::format("On the last level: {}.", text);
+  evidence.decide(claim, with, total, on_body > 0 ? std::optional(share_sum / on_body) : std::nullopt,
+                  fmt::format("On the last level: {}.", text));
   return claim;
 }
 
@@ -162,31 +167,19 @@ Claim void_claim(const Evidence& evidence) {
 
 std::vector<Claim> new_claims(const Evidence& evidence) {
   std::vector<Claim> claims = cover_claims(evidence);
-  claims.push_back(bare_gain_claim(evidence));
-  claims.push_back(ratio_claim(evidence,
-                               {"exact-cost",
-                                ClaimOrigin::ours,
-                                "Cover by exact costs at most twice the error of Approach 2",
-                                Verdict::untested,
-                                "",
-                                {"fig2a", "fig2b"}},
-                               Rule::exact, Rule::approach2, 2, false, evidence.levels()));
-  claims.push_back(ratio_claim(evidence,
-                               {"exact-below-approach1",
-                                ClaimOrigin::ours,
-                                "exact is tighter than Approach 1, and covers",
-                                Verdict::untested,
-                                "",
-                                {"fig2a", "fig2b"}},
-                               Rule::exact, Rule::approach1, 1, false, evidence.levels()));
-  claims.push_back(ratio_claim(evidence,
-                               {"rebuilt-near-floor",
-                                ClaimOrigin::ours,
-                                "Rebuilt, exact is at most twice as loose as a fresh tree at the full amount",
-                                Verdict::untested,
-                                "",
-                                {"fig2a", "fig2b"}},
-                               rebuilt, fresh, 2, true, evidence.levels()));
+  claims.push_back(uncovered_gain_claim(evidence));
+  const auto add = [&](const char* id, const char* sentence, const char* quantity, const RuleKey& rule,
+                       const RuleKey& other, double most, bool at_the_end) {
+    Claim claim = make_claim(id, ClaimOrigin::ours, sentence, {"fig2a", "fig2b"});
+    claim.quantity.name = quantity;
+    claims.push_back(ratio_claim(evidence, std::move(claim), rule, other, most, at_the_end, evidence.levels()));
+  };
+  add("exact-cost", "Cover by exact costs at most twice the error of Approach 2",
+      "error of exact over that of Approach 2 (median of cases)", Rule::exact, Rule::approach2, 2, false);
+  add("exact-below-approach1", "exact is tighter than Approach 1, and covers",
+      "error of exact over that of Approach 1 (median of cases)", Rule::exact, Rule::approach1, 1, false);
+  add("rebuilt-near-floor", "Rebuilt, exact is at most twice as loose as a fresh tree at the full amount",
+      "error of exact, rebuilt, over that of a fresh tree (median of cases)", rebuilt, fresh, 2, true);
   claims.push_back(void_claim(evidence));
   return claims;
 }

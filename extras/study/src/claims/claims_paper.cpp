@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The claims of the paper.
+#include <limits>
+
 #include "claims/evidence.hpp"
 #include "claims/fit.hpp"
 
@@ -11,12 +13,14 @@ using namespace toolbox;
 namespace {
 
 Claim loss_claim(const Evidence& evidence, const RuleKey& rule, std::vector<std::string> figures) {
-  Claim claim{name(rule) + "-below-traditional",
-              ClaimOrigin::paper,
-              fmt::format("{}: lower loss of accuracy than in traditional update techniques", title(rule)),
-              Verdict::untested,
-              "",
-              std::move(figures)};
+  Claim claim =
+      make_claim(name(rule) + "-below-traditional", ClaimOrigin::paper,
+                 fmt::format("{}: lower loss of accuracy than in traditional update techniques", title(rule)),
+                 std::move(figures));
+  claim.quantity = {.name = fmt::format("loss of {} over that of traditional (median of cases)", title(rule)),
+                    .is_ratio = true,
+                    .of_motion = true,
+                    .of_grid = true};
   std::size_t lower = 0;
   std::size_t total = 0;
   std::vector<double> ratios;
@@ -34,22 +38,22 @@ Claim loss_claim(const Evidence& evidence, const RuleKey& rule, std::vector<std:
     ratios.push_back(my_loss / other_loss);
     if (ratios.back() >= *std::max_element(ratios.begin(), ratios.end())) worst = c;
   }
-  claim.verdict = verdict_of(lower, total);
+  std::string text;
   if (!ratios.empty()) {
-    claim.numbers = fmt::format(
-        "Lower in {} of {} cases; its loss is {} that of traditional in the median, {} at most ({}).", lower, total,
-        times(median(ratios)), times(*std::max_element(ratios.begin(), ratios.end())), evidence.text(worst));
+    text = fmt::format("Lower in {} of {} cases; its loss is {} that of traditional in the median, {} at most ({}).",
+                       lower, total, times(median(ratios)), times(*std::max_element(ratios.begin(), ratios.end())),
+                       evidence.text(worst));
   }
+  evidence.decide(claim, lower, total, median_of(ratios), std::move(text));
   return claim;
 }
 
 Claim exponential_claim(const Evidence& evidence) {
-  Claim claim{"approach1-exponential",
-              ClaimOrigin::paper,
-              "Approach 1's error grows exponentially when the medial tree is stretched",
-              Verdict::untested,
-              "",
-              {"fig2a", "fig2b"}};
+  Claim claim = make_claim("approach1-exponential", ClaimOrigin::paper,
+                           "Approach 1's error grows exponentially when the medial tree is stretched",
+                           {"fig2a", "fig2b"});
+  claim.quantity = {.name = "rate b of the fit (mean of levels)", .of_motion = true, .of_grid = true};
+  double rates = 0;
   std::size_t count = 0;
   std::size_t faster = 0;  // growth far above a straight line
   std::size_t total = 0;
@@ -60,9 +64,10 @@ Claim exponential_claim(const Evidence& evidence) {
     const std::vector<double> e = evidence.errors(*c, Rule::approach1);
     if (e.size() < 4) continue;
     std::vector<double> t;
-    for (const Sample& sample : evidence.cell(*c, Rule::approach1)->samples) t.push_back(sample.parameter);
+    for (const Sample* sample : evidence.samples(*evidence.cell(*c, Rule::approach1))) t.push_back(sample->parameter);
     const ExponentialFit fit = fit_exponential(t, e);
     ++total;
+    rates += fit.b;
     const bool bends_up = fit.b >= 1 && fit.r2 >= 0.98;
     faster += bends_up ? 1 : 0;
     count += bends_up && fit.r2 > fit.r2_parabola ? 1 : 0;  // which has as many free numbers
@@ -71,22 +76,24 @@ Claim exponential_claim(const Evidence& evidence) {
         text.empty() ? "" : "; ", level, figure(e.front()), figure(e.back()), figure(fit.b),
         fmt::format("{:.4f}", fit.r2), fmt::format("{:.4f}", fit.r2_line), fmt::format("{:.4f}", fit.r2_parabola));
   }
-  claim.verdict = total == 0       ? Verdict::untested
-                  : count == total ? Verdict::holds
-                  : faster > 0     ? Verdict::partly
-                                   : Verdict::fails;
-  if (total > 0)
-    claim.numbers = fmt::format("Exponential means b ≥ 1 with R² ≥ 0.98, and no parabola fits better; {}.", text);
+  const Verdict verdict = total == 0       ? Verdict::undecided
+                          : count == total ? Verdict::holds
+                          : faster > 0     ? Verdict::partly
+                                           : Verdict::fails;
+  evidence.decide(claim, verdict, count, total, rates / static_cast<double>(std::max<std::size_t>(total, 1)),
+                  fmt::format("Exponential means b ≥ 1 with R² ≥ 0.98, and no parabola fits better; {}.", text));
   return claim;
 }
 
 Claim largely_better_claim(const Evidence& evidence) {
-  Claim claim{"approach2-largely-better",
-              ClaimOrigin::paper,
-              "Approach 2 is largely better than Approach 1 when the medial tree is stretched",
-              Verdict::untested,
-              "",
-              {"fig2a", "fig2b"}};
+  Claim claim = make_claim("approach2-largely-better", ClaimOrigin::paper,
+                           "Approach 2 is largely better than Approach 1 when the medial tree is stretched",
+                           {"fig2a", "fig2b"});
+  claim.quantity = {.name = "error of Approach 1 over that of Approach 2 (median of levels)",
+                    .is_ratio = true,
+                    .of_motion = true,
+                    .of_grid = true};
+  std::vector<double> ratios;
   std::size_t twice = 0;
   std::size_t better = 0;
   std::size_t total = 0;
@@ -99,45 +106,44 @@ Claim largely_better_claim(const Evidence& evidence) {
     if (!first || !second || *second <= 0) continue;
     const double ratio = *first / *second;
     ++total;
+    ratios.push_back(ratio);
     twice += ratio >= 2 ? 1 : 0;
     better += ratio > 1 ? 1 : 0;
-    double bare = 0;
+    double uncovered = 0;
     const MotionRun& cell = *evidence.cell(*c, Rule::approach2);
-    for (const Sample& s : cell.samples) bare = std::max(bare, cell.at(s.sample, level)->uncovered_area());
-    text += fmt::format("{}level {}: {} as loose in the mean, while Approach 2 leaves up to {} of the surface bare",
-                        text.empty() ? "" : "; ", level, times(ratio), percent(bare));
+    for (const Sample* s : evidence.samples(cell))
+      uncovered = std::max(uncovered, cell.at(s->sample, level)->uncovered_area());
+    text +=
+        fmt::format("{}level {}: {} as loose in the mean, while Approach 2 leaves up to {} of the surface uncovered",
+                    text.empty() ? "" : "; ", level, times(ratio), percent(uncovered));
   }
-  claim.verdict = total == 0       ? Verdict::untested
-                  : twice == total ? Verdict::holds
-                  : better > 0     ? Verdict::partly
-                                   : Verdict::fails;
-  if (total > 0) claim.numbers = fmt::format("Largely means Approach 1 is at least twice as loose; {}.", text);
+  const Verdict verdict = total == 0       ? Verdict::undecided
+                          : twice == total ? Verdict::holds
+                          : better > 0     ? Verdict::partly
+                                           : Verdict::fails;
+  evidence.decide(claim, verdict, twice, total, median_of(ratios),
+                  fmt::format("Largely means Approach 1 is at least twice as loose; {}.", text));
   return claim;
 }
 
 Claim return_claim(const Evidence& evidence) {
-  Claim claim{"returns-to-rest",
-              ClaimOrigin::paper,
-              "Both approaches return to the initial condition",
-              Verdict::untested,
-              "",
-              {}};
+  Claim claim =
+      make_claim("returns-to-rest", ClaimOrigin::paper, "Both approaches return to the initial condition", {});
   claim.guarantee = true;
   std::size_t count = 0;
   std::size_t total = 0;
   for (const Rule rule : {Rule::approach1, Rule::approach2}) {
     for (const std::size_t source : evidence.sources()) {
       for (const std::size_t motion : evidence.motions()) {
-        const MotionRun* cell = evidence.cell({source, motion}, rule);
+        const MotionRun* cell = evidence.cell({source, motion, 0}, rule);
         if (cell == nullptr || !cell->returns_to_rest) continue;
         ++total;
         count += *cell->returns_to_rest ? 1 : 0;
       }
     }
   }
-  claim.verdict = verdict_of(count, total);
-  if (total > 0)
-    claim.numbers = fmt::format("The spheres are those of rest, bit for bit, after {} of {} motions.", count, total);
+  evidence.decide(claim, count, total, std::nullopt,
+                  fmt::format("The spheres are those of rest, bit for bit, after {} of {} motions.", count, total));
   return claim;
 }
 
@@ -152,7 +158,7 @@ void sort(Ranking& list) {
 Ranking ranking(const Evidence& evidence, std::size_t motion, const std::vector<std::size_t>& levels, bool with_rest) {
   Ranking list;
   for (const Method method : paper_methods()) {
-    const std::optional<std::size_t> source = evidence.plan().find_source(evidence.body(), method);
+    const std::optional<std::size_t> source = evidence.find_source(method);
     if (!source) return {};
     double sum = 0;
     double count = 0;
@@ -174,24 +180,43 @@ std::string ranking_text(const Ranking& list) {
   return text;
 }
 
-/// A claim about the order of the generators in each motion.
-template <class Holds>
+/// The largest error of the generators that are said to be better over the least error of the others.
+double worst_over_best(const Ranking& list, const std::vector<Method>& better) {
+  double worst = 0, best = std::numeric_limits<double>::infinity();
+  for (const auto& [error, method] : list) {
+    if (std::find(better.begin(), better.end(), method) != better.end()) {
+      worst = std::max(worst, error);
+    } else {
+      best = std::min(best, error);
+    }
+  }
+  return worst / best;
+}
+
+/// A claim that some generators are the best in each motion.
 Claim order_claim(const Evidence& evidence, Claim claim, const std::vector<std::size_t>& levels, bool with_rest,
-                  const Holds& holds) {
+                  const std::vector<Method>& better) {
+  claim.quantity = {.name = "largest error of the generators said to be better over the least of the others",
+                    .is_ratio = true,
+                    .of_motion = true,
+                    .of_grid = true};
+  if (better.size() == 1) claim.quantity.name = fmt::format("error of {} over the least of the others", name(better[0]));
   std::size_t count = 0;
-  std::size_t total = 0;
+  std::vector<double> ratios;
   std::string text;
   for (const std::size_t motion : evidence.motions()) {
     const Ranking list = ranking(evidence, motion, levels, with_rest);
     if (list.empty()) continue;
-    ++total;
-    const bool right = holds(list);
+    const bool right = std::all_of(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(better.size()),
+                                   [&](const auto& item) {
+                                     return std::find(better.begin(), better.end(), item.second) != better.end();
+                                   });
     count += right ? 1 : 0;
+    ratios.push_back(worst_over_best(list, better));
     text += fmt::format("{}{} ({}): {}", text.empty() ? "" : "; ", evidence.motion(motion), right ? "yes" : "no",
                         ranking_text(list));
   }
-  claim.verdict = verdict_of(count, total);
-  if (total > 0) claim.numbers = fmt::format("Mean errors. {}.", text);
+  evidence.decide(claim, count, ratios.size(), median_of(ratios), fmt::format("Mean errors. {}.", text));
   return claim;
 }
 
@@ -202,84 +227,100 @@ std::vector<std::string> motion_figures(const Evidence& evidence, const std::str
   return list;
 }
 
-std::vector<Claim> generator_claims(const Evidence& evidence) {
-  std::vector<Claim> claims;
-  const std::vector<std::string> upper = motion_figures(evidence, "fig2c");
-  const std::vector<std::string> lower = motion_figures(evidence, "fig2d");
-  std::vector<std::string> both = upper;
-  both.insert(both.end(), lower.begin(), lower.end());
-  claims.push_back(
-      order_claim(evidence,
-                  {"level2-hubbard-medial", ClaimOrigin::paper,
-                   fmt::format("On level {} hubbard and medial are better than grid and spawn", evidence.upper()),
-                   Verdict::untested, "", upper},
-                  {evidence.upper()}, false, [](const auto& list) {
-                    const auto good = [](Method m) { return m == Method::hubbard || m == Method::medial; };
-                    return good(list[0].second) && good(list[1].second);
-                  }));
-  claims.push_back(order_claim(evidence,
-                               {"level3-grid", ClaimOrigin::paper,
-                                fmt::format("On level {} grid is slightly better than the others", evidence.lower()),
-                                Verdict::untested, "", lower},
-                               {evidence.lower()}, false,
-                               [](const auto& list) { return list[0].second == Method::grid; }));
-
-  Claim rigid{"level3-grid-rest",
-              ClaimOrigin::paper,
-              fmt::format("On level {} grid is more conservative than the others while rigid", evidence.lower()),
-              Verdict::untested,
-              "",
-              lower};
+/// Errors at rest.
+Claim rigid_claim(const Evidence& evidence, std::vector<std::string> figures) {
+  Claim claim = make_claim(
+      "level3-grid-rest", ClaimOrigin::paper,
+      fmt::format("On level {} grid is more conservative than the others while rigid", evidence.lower()),
+      std::move(figures));
+  claim.quantity = {.name = "error of grid at rest over the largest of the others", .is_ratio = true, .of_grid = true};
   Ranking rest;
   for (const Method method : paper_methods()) {
-    const std::optional<std::size_t> source = evidence.plan().find_source(evidence.body(), method);
+    const std::optional<std::size_t> source = evidence.find_source(method);
     if (!source || evidence.motions().empty()) continue;
     const auto e = evidence.error_at({*source, evidence.motions().front(), evidence.lower()}, Rule::approach2, 0);
     if (e) rest.emplace_back(*e, method);
   }
   sort(rest);
-  if (rest.size() == paper_methods().size()) {
-    const auto place = static_cast<std::size_t>(
-        std::find_if(rest.begin(), rest.end(), [](const auto& r) { return r.second == Method::grid; }) - rest.begin());
-    rigid.verdict = verdict_of(place, rest.size() - 1);
-    rigid.numbers = fmt::format("Errors at rest: {}; grid is looser than {} of 3.", ranking_text(rest), place);
-  }
-  claims.push_back(rigid);
+  if (rest.size() != paper_methods().size()) return claim;
+  const auto place = static_cast<std::size_t>(
+      std::find_if(rest.begin(), rest.end(), [](const auto& r) { return r.second == Method::grid; }) - rest.begin());
+  const double largest = rest[place + 1 == rest.size() ? place - 1 : rest.size() - 1].first;
+  evidence.decide(claim, place, rest.size() - 1,
+                  largest > 0 ? std::optional(rest[place].first / largest) : std::nullopt,
+                  fmt::format("Errors at rest: {}; grid is looser than {} of 3.", ranking_text(rest), place));
+  return claim;
+}
 
+std::vector<Claim> generator_claims(const Evidence& evidence) {
+  const std::vector<std::string> upper = motion_figures(evidence, "fig2c");
+  const std::vector<std::string> lower = motion_figures(evidence, "fig2d");
+  std::vector<std::string> both = upper;
+  both.insert(both.end(), lower.begin(), lower.end());
+  std::vector<Claim> claims;
+  claims.push_back(order_claim(
+      evidence,
+      make_claim("level2-hubbard-medial", ClaimOrigin::paper,
+                 fmt::format("On level {} hubbard and medial are better than grid and spawn", evidence.upper()), upper),
+      {evidence.upper()}, false, {Method::hubbard, Method::medial}));
   claims.push_back(
       order_claim(evidence,
-                  {"medial-best-average", ClaimOrigin::paper,
-                   fmt::format("medial has the best average accuracy (mean over levels {}-{} and all samples)",
-                               evidence.upper(), evidence.lower()),
-                   Verdict::untested, "", both},
-                  evidence.levels(), true, [](const auto& list) { return list[0].second == Method::medial; }));
+                  make_claim("level3-grid", ClaimOrigin::paper,
+                             fmt::format("On level {} grid is slightly better than the others", evidence.lower()), lower),
+                  {evidence.lower()}, false, {Method::grid}));
+  claims.push_back(rigid_claim(evidence, lower));
+  claims.push_back(order_claim(
+      evidence,
+      make_claim("medial-best-average", ClaimOrigin::paper,
+                 fmt::format("medial has the best average accuracy (mean over levels {}-{} and all samples)",
+                             evidence.upper(), evidence.lower()),
+                 both),
+      evidence.levels(), true, {Method::medial}));
   return claims;
 }
 
+/// "Approach 1 18.8 (16.0 to 20.1)": the median and the quartiles of times.
+std::string time_text(const UpdateCost& cost) {
+  return fmt::format("{} {} ({} to {})", cost.name, figure(cost.nanoseconds_per_vertex), figure(cost.lower_quartile),
+                     figure(cost.upper_quartile));
+}
+
+bool is_similar(double ratio) {
+  return ratio >= 0.5 && ratio <= 2;
+}
+
+/// Decided by counts, which are the same on every machine.
 Claim cost_claim(const Evidence& evidence, const Cost* cost) {
-  Claim claim{"cost-like-boxes",
-              ClaimOrigin::paper,
-              "The cost is similar to that of updating axis-aligned boxes",
-              Verdict::untested,
-              "",
-              {},
-              true};
-  const UpdateCost* boxes = cost == nullptr ? nullptr : cost->find("boxes");
-  const UpdateCost* first = cost == nullptr ? nullptr : cost->find(name(Rule::approach1));
-  const UpdateCost* second = cost == nullptr ? nullptr : cost->find(name(Rule::approach2));
-  if (boxes == nullptr || first == nullptr || second == nullptr || boxes->nanoseconds_per_vertex <= 0) return claim;
+  Claim claim = make_claim("cost-like-boxes", ClaimOrigin::paper,
+                           "The cost is similar to that of updating axis-aligned boxes", {});
+  claim.quantity = {.name = "bytes of an update by Approach 1 over those of boxes", .is_ratio = true};
+  const std::optional<std::size_t> medial = evidence.find_source(Method::medial);
+  const std::vector<std::size_t>& sources = evidence.sources();
+  if (sources.empty()) return claim;
+  const std::size_t source = medial.value_or(sources.front());
+  const TreeFigures& tree = evidence.result().trees[source];
+  const UpdateCounts *boxes = tree.find_counts("boxes"), *first = tree.find_counts(name(Rule::approach1)),
+                     *second = tree.find_counts(name(Rule::approach2));
+  if (boxes == nullptr || first == nullptr || second == nullptr) return claim;
   std::size_t count = 0;
-  for (const UpdateCost* rule : {first, second}) {
-    const double ratio = rule->nanoseconds_per_vertex / boxes->nanoseconds_per_vertex;
-    count += ratio >= 0.5 && ratio <= 2 ? 1 : 0;
+  std::string text;
+  for (const UpdateCounts* rule : {first, second}) {
+    const double bytes = static_cast<double>(rule->bytes()) / static_cast<double>(boxes->bytes());
+    const double points = static_cast<double>(rule->points_read) / static_cast<double>(boxes->points_read);
+    count += is_similar(bytes) && is_similar(points) ? 1 : 0;
+    text += fmt::format("; {} moves {} the bytes and reads {} the points", rule == first ? "Approach 1" : "Approach 2",
+                        times(bytes), times(points));
   }
-  claim.verdict = verdict_of(count, 2);
-  claim.numbers = fmt::format(
-      "Similar means within a factor of two. Boxes over the same tree ({}, {} vertices) take {} ns per vertex, "
-      "Approach 1 {} ({}) and Approach 2 {} ({}).",
-      evidence.method(cost->source), cost->vertices, figure(boxes->nanoseconds_per_vertex),
-      figure(first->nanoseconds_per_vertex), times(first->nanoseconds_per_vertex / boxes->nanoseconds_per_vertex),
-      figure(second->nanoseconds_per_vertex), times(second->nanoseconds_per_vertex / boxes->nanoseconds_per_vertex));
+  evidence.decide(
+      claim, count, 2, static_cast<double>(first->bytes()) / static_cast<double>(boxes->bytes()),
+      fmt::format("Similar means half to twice the bytes moved and the points read, counted on the {} tree{}.",
+                  evidence.method(source), text));
+  if (cost == nullptr || cost->source != source) return claim;
+  const UpdateCost *box_time = cost->find("boxes"), *first_time = cost->find(name(Rule::approach1)),
+                   *second_time = cost->find(name(Rule::approach2));
+  if (box_time != nullptr && first_time != nullptr && second_time != nullptr)
+    claim.times = fmt::format("Nanoseconds per vertex on this machine, median (quartiles): {}, {}, {}.",
+                              time_text(*box_time), time_text(*first_time), time_text(*second_time));
   return claim;
 }
 

@@ -15,10 +15,16 @@ std::size_t body_of(const Evidence& evidence, const PressCell& cell) {
   return evidence.plan().pressed(cell.source).body;
 }
 
+/// Trees without a seed are pressed once, in the trial of the first seed.
+bool is_of(const Evidence& evidence, const PressCell& cell) {
+  const Source& source = evidence.plan().pressed(cell.source);
+  return source.body == evidence.body() && source.seed.value_or(evidence.plan().seeds.front()) == evidence.trial().seed;
+}
+
 std::vector<const PressCell*> presses_of(const Evidence& evidence, Rule rule) {
   std::vector<const PressCell*> list;
   for (const PressCell& cell : evidence.result().presses)
-    if (body_of(evidence, cell) == evidence.body() && evidence.plan().press_rules[cell.rule].key() == rule)
+    if (is_of(evidence, cell) && evidence.plan().press_rules[cell.rule].key() == rule)
       list.push_back(&cell);
   return list;
 }
@@ -60,7 +66,7 @@ std::string where_text(const Evidence& evidence, const PressCell& cell, const Pr
 
 /// A claim without any measurement yet.
 Claim new_claim(std::string id, std::string claim, std::vector<std::string> figures) {
-  return {std::move(id), ClaimOrigin::ours, std::move(claim), Verdict::untested, "", std::move(figures)};
+  return make_claim(std::move(id), ClaimOrigin::ours, std::move(claim), std::move(figures));
 }
 
 Claim lost_claim(const Evidence& evidence, Rule rule) {
@@ -79,11 +85,10 @@ Claim lost_claim(const Evidence& evidence, Rule rule) {
       if (lost_share(*f) > worst) worst = lost_share(*f), where = where_text(evidence, *cell, *f);
     }
   }
-  claim.verdict = verdict_of(with, total);
-  if (total > 0) {
-    claim.numbers = fmt::format("At the leaves in {} of {} cases, up to {} of the pairs of facets that cross{}.", with,
-                                total, percent(worst), where.empty() ? "" : fmt::format(" ({})", where));
-  }
+  claim.quantity.name = "largest lost share of the pairs of facets that cross";
+  evidence.decide(claim, with, total, worst,
+                  fmt::format("At the leaves in {} of {} cases, up to {} of the pairs of facets that cross{}.", with,
+                              total, percent(worst), where.empty() ? "" : fmt::format(" ({})", where)));
   return claim;
 }
 
@@ -102,10 +107,9 @@ Claim complete_claim(const Evidence& evidence) {
       crossings += f.crossings;
     }
   }
-  claim.verdict = verdict_of(kept, total);
-  if (total > 0)
-    claim.numbers =
-        fmt::format("In {} of {} queries, which had to find {} pairs of facets in all.", kept, total, crossings);
+  evidence.decide(
+      claim, kept, total, std::nullopt,
+      fmt::format("In {} of {} queries, which had to find {} pairs of facets in all.", kept, total, crossings));
   return claim;
 }
 
@@ -123,14 +127,15 @@ Claim depth_claim(const Evidence& evidence) {
       surfaces.push_back(f->depth_surfaces);
     }
   }
-  claim.verdict = verdict_of(nearer, spheres.size());
+  claim.quantity = {.name = "largest corrected depth over the true depth (median of cases)", .is_ratio = true};
   if (spheres.empty()) return claim;
   const auto [low, high] = std::minmax_element(spheres.begin(), spheres.end());
   const auto [least, most] = std::minmax_element(surfaces.begin(), surfaces.end());
-  claim.numbers =
+  evidence.decide(
+      claim, nearer, spheres.size(), median(surfaces),
       fmt::format("In {} of {} cases; {} the true depth in the median ({} to {}), of spheres {} ({} to {}).", nearer,
                   spheres.size(), times(median(surfaces)), figure(*least), figure(*most), times(median(spheres)),
-                  figure(*low), figure(*high));
+                  figure(*low), figure(*high)));
   return claim;
 }
 
@@ -141,7 +146,7 @@ Claim refine_claim(const Evidence& evidence) {
   std::size_t total = 0;
   const std::vector<PressQuery> queries = press_queries(evidence.plan());
   for (const PressCell& cell : evidence.result().presses) {
-    if (body_of(evidence, cell) != evidence.body()) continue;
+    if (!is_of(evidence, cell)) continue;
     for (std::size_t i = 1; i < cell.figures.size(); ++i) {
       const PressFigures& before = cell.figures[i - 1];
       const PressFigures& now = cell.figures[i];
@@ -150,8 +155,8 @@ Claim refine_claim(const Evidence& evidence) {
       refined += now.finished >= before.finished ? 1 : 0;
     }
   }
-  claim.verdict = verdict_of(refined, total);
-  if (total > 0) claim.numbers = fmt::format("From a budget to the next in {} of {} steps.", refined, total);
+  evidence.decide(claim, refined, total, std::nullopt,
+                  fmt::format("From a budget to the next in {} of {} steps.", refined, total));
   return claim;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Evidence: the figures of one body, as claims use them.
+// Evidence: the figures of one trial, as claims use them.
 #pragma once
 
 #include <fmt/format.h>
@@ -14,9 +14,9 @@
 
 namespace morula::study {
 
-/// holds in all, fails in none, partly in between; untested when there is nothing to test.
+/// holds in all, fails in none, partly in between; not decided when there is nothing to test.
 inline Verdict verdict_of(std::size_t count, std::size_t total) {
-  return total == 0       ? Verdict::untested
+  return total == 0       ? Verdict::undecided
          : count == total ? Verdict::holds
          : count == 0     ? Verdict::fails
                           : Verdict::partly;
@@ -26,26 +26,43 @@ inline std::string times(double ratio) {
   return toolbox::figure(ratio) + " times";
 }
 
+/// A claim without any measurement yet.
+inline Claim make_claim(std::string id, ClaimOrigin origin, std::string sentence, std::vector<std::string> figures) {
+  return {.id = std::move(id), .origin = origin, .claim = std::move(sentence), .figures = std::move(figures)};
+}
+
 /// A tree, a motion and a level. Sources and motions are places in the plan.
 struct Case {
   std::size_t source = 0, motion = 0, level = 0;
 };
 
+/// A part of the figures, to know what a verdict depends on.
+struct View {
+  bool half_amount = false;  ///< only samples up to half the amount of a motion
+  bool half_grid = false;    ///< looseness on the grid of half the resolution
+};
+
 class Evidence {
  public:
-  Evidence(const Plan& plan, const Result& result, std::size_t body) : plan_(plan), result_(result), body_(body) {
-    for (std::size_t s = 0; s < plan.sources.size(); ++s)
-      if (plan.sources[s].body == body) sources_.push_back(s);
-    for (std::size_t m = 0; m < plan.motions.size(); ++m) motions_.push_back(m);
+  Evidence(const Plan& plan, const Result& result, const Trial& trial, const View& view)
+      : plan_(plan),
+        result_(result),
+        trial_(trial),
+        view_(view),
+        sources_(plan.sources_of(trial)),
+        decisive_(plan.decisive_samples()) {
+    for (std::size_t m = 0; m < plan.motion_count(); ++m) motions_.push_back(m);
   }
 
   const Plan& plan() const { return plan_; }
   const Result& result() const { return result_; }
-  std::size_t body() const { return body_; }
+  const Trial& trial() const { return trial_; }
+  std::size_t body() const { return trial_.body; }
+  const View& view() const { return view_; }
   const std::vector<std::size_t>& sources() const { return sources_; }
   const std::vector<std::size_t>& motions() const { return motions_; }
   const std::string& method(std::size_t source) const { return plan_.pressed(source).method; }
-  std::string motion(std::size_t motion) const { return describe_all(plan_.motions[motion]); }
+  std::string motion(std::size_t motion) const { return plan_.motion_name(motion); }
   std::string text(const Case& c) const {
     return fmt::format("{}, {}, level {}", method(c.source), motion(c.motion), c.level);
   }
@@ -60,11 +77,12 @@ class Evidence {
   std::size_t upper() const { return plan_.levels().front(); }
   std::size_t lower() const { return plan_.levels().back(); }
   std::size_t last() const { return plan_.samples - 1; }
+  std::optional<std::size_t> find_source(Method method) const { return plan_.find_source(trial_, method); }
 
   /// The medial tree during a stretch, which several claims need; none without it.
   std::optional<Case> medial_stretch(std::size_t level) const {
-    const std::optional<std::size_t> medial = plan_.find_source(body_, Method::medial);
-    for (const std::size_t m : motions_) {
+    const std::optional<std::size_t> medial = find_source(Method::medial);
+    for (std::size_t m = 0; m < plan_.motions.size(); ++m) {
       const Deformations& motion = plan_.motions[m];
       if (medial && !motion.empty() && std::holds_alternative<Stretch>(motion.front())) return Case{*medial, m, level};
     }
@@ -75,15 +93,28 @@ class Evidence {
     const std::optional<std::size_t> place = plan_.find_rule(rule);
     return place ? result_.find({c.source, c.motion, *place}) : nullptr;
   }
-  /// One per sample; empty when there is none, or no value.
+  /// The samples that decide, ascending.
+  std::vector<const Sample*> samples(const MotionRun& cell) const {
+    std::vector<const Sample*> list;
+    for (const Sample& sample : cell.samples) {
+      if (view_.half_amount && sample.parameter > 0.5) continue;
+      if (std::find(decisive_.begin(), decisive_.end(), sample.sample) != decisive_.end()) list.push_back(&sample);
+    }
+    return list;
+  }
+  std::optional<double> error(const LevelFigures* figures) const {
+    if (figures == nullptr) return std::nullopt;
+    return view_.half_grid ? figures->error_on_half_grid(plan_.unit) : figures->error(plan_.unit);
+  }
+  /// One per deciding sample; empty when there is none, or no value.
   std::vector<double> errors(const Case& c, const RuleKey& rule) const {
     std::vector<double> list;
     const MotionRun* found = cell(c, rule);
     if (found == nullptr) return list;
-    for (const Sample& sample : found->samples) {
-      const LevelFigures* figures = found->at(sample.sample, c.level);
-      if (figures == nullptr || !figures->error(plan_.unit)) return {};
-      list.push_back(*figures->error(plan_.unit));
+    for (const Sample* sample : samples(*found)) {
+      const std::optional<double> e = error(found->at(sample->sample, c.level));
+      if (!e) return {};
+      list.push_back(*e);
     }
     return list;
   }
@@ -97,18 +128,41 @@ class Evidence {
   }
   std::optional<double> error_at(const Case& c, const RuleKey& rule, std::size_t sample) const {
     const MotionRun* found = cell(c, rule);
-    const LevelFigures* figures = found == nullptr ? nullptr : found->at(sample, c.level);
-    return figures == nullptr ? std::nullopt : figures->error(plan_.unit);
+    return found == nullptr ? std::nullopt : error(found->at(sample, c.level));
+  }
+
+  /// Writes the verdict of this trial: true in `count` of `total` cases.
+  void decide(Claim& claim, std::size_t count, std::size_t total, std::optional<double> value,
+              std::string numbers) const {
+    decide(claim, verdict_of(count, total), count, total, value, std::move(numbers));
+  }
+  void decide(Claim& claim, Verdict verdict, std::size_t count, std::size_t total, std::optional<double> value,
+              std::string numbers) const {
+    claim.verdict = verdict;
+    claim.numbers = verdict == Verdict::undecided ? std::string() : std::move(numbers);
+    claim.trials = {{.body = plan_.bodies[trial_.body].name,
+                     .seed = trial_.seed,
+                     .verdict = verdict,
+                     .cases_true = count,
+                     .cases = total,
+                     .value = verdict == Verdict::undecided ? std::nullopt : value,
+                     .numbers = claim.numbers}};
   }
 
  private:
   const Plan& plan_;
   const Result& result_;
-  std::size_t body_;
-  std::vector<std::size_t> sources_, motions_;
+  Trial trial_;
+  View view_;
+  std::vector<std::size_t> sources_, decisive_, motions_;
 };
 
-/// The claims of the paper. cost may be nullptr.
+/// The median, if there is one.
+inline std::optional<double> median_of(const std::vector<double>& values) {
+  return values.empty() ? std::nullopt : std::optional(toolbox::median(values));
+}
+
+/// The claims of the paper. cost: times of the first body, or nullptr.
 std::vector<Claim> paper_claims(const Evidence& evidence, const Cost* cost);
 /// Claims on figures that the paper did not measure.
 std::vector<Claim> new_claims(const Evidence& evidence);

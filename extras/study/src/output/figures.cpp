@@ -19,7 +19,7 @@ struct MeasureKind {
   std::string title;
   std::string label;
   std::string unit;
-  bool bare;
+  bool uncovered;
   Measure value;
 };
 
@@ -27,9 +27,9 @@ std::vector<MeasureKind> measures(ErrorUnit unit) {
   return {
       {"", "looseness", error_label(unit), error_unit(unit), false,
        [unit](const LevelFigures& l) { return l.error(unit); }},
-      {"-bare", "uncovered area", "uncovered area", "% of the surface", true,
+      {"-uncovered", "uncovered area", "uncovered area", "% of the surface", true,
        [](const LevelFigures& l) { return std::optional(100 * l.uncovered_area()); }},
-      {"-gap", "uncovered distance", "uncovered distance", "% of the diagonal at rest", true,
+      {"-uncovered-distance", "uncovered distance", "uncovered distance", "% of the diagonal at rest", true,
        [](const LevelFigures& l) { return std::optional(100 * l.uncovered_distance()); }},
       {"-protrusion", "protrusion", "mean protrusion", "% of the diagonal at rest", false,
        [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
@@ -43,7 +43,7 @@ struct Curve {
   SeriesRole role;
 };
 
-/// Looseness, uncovered area, gap and protrusion of the same curves.
+/// Looseness, uncovered area, uncovered distance and protrusion of the same curves.
 void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& title,
                std::size_t motion, std::size_t level, const std::vector<Curve>& curves, std::vector<Figure>& figures) {
   for (const MeasureKind& kind : measures(plan.unit)) {
@@ -51,14 +51,14 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     figure.id = group + kind.suffix;
     figure.group = group;
     figure.title = kind.suffix.empty() ? title : fmt::format("{}: {}", title, kind.title);
-    figure.motion = first_word(describe_all(plan.motions[motion]));
+    figure.motion = first_word(plan.motion_name(motion));
     figure.y_label = kind.label;
     figure.y_unit = kind.unit;
     bool known = false;
     for (const Curve& curve : curves) {
       const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
-      Series series{curve.name, kind.bare && curve.role == SeriesRole::method ? SeriesRole::bare : curve.role, {}, {}};
+      Series series{curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
       for (const Sample& sample : cell->samples) {
         const LevelFigures* figures_of_level = cell->at(sample.sample, level);
         if (figures_of_level == nullptr) continue;
@@ -85,17 +85,14 @@ std::vector<Curve> rule_curves(const Plan& plan, std::size_t source) {
   return curves;
 }
 
-std::vector<std::size_t> sources_of_first_body(const Plan& plan) {
-  std::vector<std::size_t> sources;
-  for (std::size_t s = 0; s < plan.sources.size(); ++s)
-    if (plan.sources[s].body == 0) sources.push_back(s);
-  return sources;
+std::vector<std::size_t> sources_of_first_trial(const Plan& plan) {
+  return plan.sources_of(plan.trials().front());
 }
 
 }  // namespace
 
 std::string_view name(SeriesRole role) {
-  return role == SeriesRole::method ? "method" : role == SeriesRole::reference ? "reference" : "bare";
+  return role == SeriesRole::method ? "method" : role == SeriesRole::reference ? "reference" : "uncovered";
 }
 
 std::string error_label(ErrorUnit unit) {
@@ -110,11 +107,11 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
   std::vector<Figure> figures;
   const std::size_t medial = shown_tree(plan);
   const std::string& medial_name = plan.sources[medial].method;
-  const std::vector<std::size_t> sources = sources_of_first_body(plan);
+  const std::vector<std::size_t> sources = sources_of_first_trial(plan);
   const std::vector<std::size_t> levels = plan.levels();
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
-      const std::string words = describe_all(plan.motions[motion]);
+    for (std::size_t motion = 0; motion < plan.motion_count(); ++motion) {
+      const std::string words = plan.motion_name(motion);
       const bool stretch = first_word(words) == "stretch";
       const std::string part = i + 1 == levels.size() ? "b" : "a";
       const std::string id =
@@ -127,8 +124,8 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
   }
   const std::optional<std::size_t> approach2 = plan.find_rule(Rule::approach2), exact = plan.find_rule(Rule::exact);
   for (std::size_t i = 0; i < levels.size(); ++i) {
-    for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
-      const std::string words = describe_all(plan.motions[motion]);
+    for (std::size_t motion = 0; motion < plan.motion_count(); ++motion) {
+      const std::string words = plan.motion_name(motion);
       const std::string part = i + 1 == levels.size() ? "d" : "c";
       std::vector<Curve> curves;
       for (const std::size_t source : sources) {
@@ -147,8 +144,8 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
     if (source == medial) continue;
     const std::string& method = plan.sources[source].method;
     for (const std::size_t level : levels) {
-      for (std::size_t motion = 0; motion < plan.motions.size(); ++motion) {
-        const std::string words = describe_all(plan.motions[motion]);
+      for (std::size_t motion = 0; motion < plan.motion_count(); ++motion) {
+        const std::string words = plan.motion_name(motion);
         add_group(plan, result, fmt::format("rules-{}-{}-{}", method, first_word(words), level),
                   fmt::format("Every rule, {} tree, level {}, {}", method, level, words), motion, level,
                   rule_curves(plan, source), figures);

@@ -20,6 +20,12 @@ Json array_of(const std::vector<Item>& items, const Write& write) {
   return json;
 }
 
+Json motion_names(const Plan& plan) {
+  Json names = Json::array();
+  for (std::size_t m = 0; m < plan.motion_count(); ++m) names.push_back(plan.motion_name(m));
+  return names;
+}
+
 /// The settings that decide the figures: the whole plan without bodies, trees and threads.
 Json settings_json(const Plan& plan) {
   const auto rule_name = [](const FollowRule& rule) { return rule.name; };
@@ -30,11 +36,16 @@ Json settings_json(const Plan& plan) {
           {"levels", plan.levels()},
           {"branching", plan.branching},
           {"depth", plan.depth},
-          {"seed", plan.seed},
+          {"seeds", plan.seeds},
+          {"decisive_samples", plan.decisive_samples()},
+          {"trials", array_of(plan.trials(),
+                              [&](const Trial& trial) -> Json {
+                                return {{"body", plan.bodies[trial.body].name}, {"seed", trial.seed}};
+                              })},
           {"resolution", plan.resolution},
           {"protrusion_tolerance", plan.protrusion_tolerance},
           {"unit", plan.unit == ErrorUnit::volume ? "volume" : "box"},
-          {"motions", array_of(plan.motions, describe_all)},
+          {"motions", motion_names(plan)},
           {"rules", array_of(plan.rules, rule_name)},
           {"press",
            {{"pose", describe_all(plan.press_pose)},
@@ -52,13 +63,51 @@ Json body_json(const NamedMesh& body) {
           {"volume", report.has_volume() ? Json(report.volume) : Json(nullptr)}};
 }
 
+Json trial_json(const TrialVerdict& trial) {
+  const auto verdict = [](const std::optional<Verdict>& v) { return v ? Json(name(*v)) : Json(nullptr); };
+  return {{"body", trial.body},
+          {"seed", trial.seed},
+          {"verdict", name(trial.verdict)},
+          {"true", trial.cases_true},
+          {"cases", trial.cases},
+          {"value", json_of(trial.value)},
+          {"at_half_amount", verdict(trial.at_half_amount)},
+          {"at_half_resolution", verdict(trial.at_half_resolution)},
+          {"numbers", trial.numbers}};
+}
+
+Json stability_json(const std::optional<Stability>& stability) {
+  if (!stability) return nullptr;
+  return {{"seeds", stability->seeds},
+          {"compared", stability->compared},
+          {"same", stability->same},
+          {"differing", stability->differing}};
+}
+
 Json claim_json(const Claim& claim) {
   Json json{{"id", claim.id},           {"source", name(claim.origin)},
             {"claim", claim.claim},     {"verdict", name(claim.verdict)},
             {"numbers", claim.numbers}, {"figures", claim.figures}};
-  if (claim.timed) json["timed"] = true;
+  if (!claim.times.empty()) json["times"] = claim.times;
   if (claim.adverse) json["adverse"] = true;
   if (claim.guarantee) json["guarantee"] = true;
+  json["counts"] = {{"trials", claim.trials.size()},
+                    {"holds", claim.count(Verdict::holds)},
+                    {"partly", claim.count(Verdict::partly)},
+                    {"fails", claim.count(Verdict::fails)}};
+  if (!claim.quantity.name.empty()) json["quantity"] = claim.quantity.name;
+  if (const std::optional<Interval>& v = claim.value)
+    json["value"] = {{"mean", v->mean}, {"low", v->low}, {"high", v->high}, {"trials", v->trials}};
+  if (const std::optional<Effect>& e = claim.effect)
+    json["effect"] = {{"true", e->cases_true},
+                      {"cases", e->cases},
+                      {"cliffs_delta", e->cliffs_delta},
+                      {"median_ratio", json_of(e->median_ratio)}};
+  json["depends_on"] = {{"seed", json_of(claim.dependence.seed)},
+                        {"body", json_of(claim.dependence.body)},
+                        {"amount", json_of(claim.dependence.amount)},
+                        {"resolution", json_of(claim.dependence.resolution)}};
+  json["trials"] = array_of(claim.trials, trial_json);
   return json;
 }
 
@@ -103,6 +152,7 @@ Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Mot
               {"spheres", l.spheres},
               {"looseness", json_of(l.looseness())},
               {"looseness_box", json_of(l.looseness_box())},
+              {"looseness_half_grid", json_of(l.error_on_half_grid(ErrorUnit::volume))},
               {"looseness_fixed", json_of(l.looseness_fixed())},
               {"missed_volume", json_of(l.missed_volume())},
               {"uncovered_area", l.uncovered_area()},
@@ -114,7 +164,8 @@ Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const Mot
   });
   return {{"body", plan.body_of(cell.key.source).name},
           {"method", plan.sources[cell.key.source].method},
-          {"motion", describe_all(plan.motions[cell.key.motion])},
+          {"seed", json_of(plan.sources[cell.key.source].seed)},
+          {"motion", plan.motion_name(cell.key.motion)},
           {"rule", rules[cell.key.rule].name},
           {"returns_to_rest", json_of(cell.returns_to_rest)},
           {"samples", samples}};
@@ -124,6 +175,7 @@ Json press_json(const Plan& plan, const PressCell& cell) {
   const Source& source = plan.pressed(cell.source);
   return {{"body", plan.bodies[source.body].name},
           {"method", source.method},
+          {"seed", json_of(source.seed)},
           {"rule", plan.press_rules[cell.rule].name},
           {"figures", figures_json(cell)}};
 }
@@ -167,6 +219,7 @@ std::string study_json(const Study& study) {
       {"settings", settings_json(plan)},
       {"bodies", array_of(plan.bodies, body_json)},
       {"claims", array_of(study.claims, claim_json)},
+      {"stability", stability_json(study.stability)},
       {"figures", array_of(study.figures, [&](const Figure& figure) { return figure_json(plan, figure); })},
       {"tables", array_of(study.tables, table_json)},
       {"pictures", array_of(study.pictures,

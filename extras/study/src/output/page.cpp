@@ -16,7 +16,7 @@ PageContent study_page(const Study& study, Workers& workers, const Progress& pro
   const std::vector<double> parameters = plan.parameters();
   PageContent content{.title = fmt::format("Study of {}", body.name), .motions = {}, .scenes = {}, .study = {}};
   content.study = study_json(study);
-  std::vector<MovedFrames> motions = move_frames(plan, 0, plan.motions, parameters, nullptr);
+  std::vector<MovedFrames> motions = move_frames(plan, 0, parameters, nullptr);
   constexpr std::array rules{Rule::approach2, Rule::exact};
   for (std::size_t m = 0; m < motions.size(); ++m) {
     PageMotion& motion = content.motions.emplace_back(PageMotion{.body = body.name,

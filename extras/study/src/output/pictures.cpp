@@ -66,7 +66,7 @@ std::vector<Sphere> spheres_of(const Column& column, const Row& row) {
 std::vector<Column> make_columns(const Plan& plan, const Result& result) {
   const NamedMesh& body = plan.bodies.front();
   const std::vector<double> end{1.0};
-  std::vector<MovedFrames> motions = move_frames(plan, 0, plan.motions, end, nullptr);
+  std::vector<MovedFrames> motions = move_frames(plan, 0, end, nullptr);
   std::reverse(motions.begin(), motions.end());
   motions.push_back({0, "at rest", {body.mesh.positions}});
   const CoveredTree& model = result.model[shown_tree(plan)];
@@ -175,7 +175,7 @@ std::vector<Picture> make_pictures(const Plan& plan, const Result& result) {
   svg += body;
   svg += fmt::format(
       "<path fill=\"#d55e00\" d=\"M12 {0:.1f}h12v12h-12z\"/><text class=\"t\" x=\"30\" y=\"{1:.1f}\">surface in front "
-      "of all spheres: bare</text>\n</svg>\n",
+      "of all spheres: uncovered</text>\n</svg>\n",
       y - 12, y - 1);
   return {{"fig1",
            fmt::format("Fig. 1. {}, bent, twisted, stretched and at rest; the spheres of Approach 2, and of exact",

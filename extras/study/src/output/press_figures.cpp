@@ -75,7 +75,7 @@ void add_press_group(const Plan& plan, const std::string& group, const std::stri
       }
       figure.series.push_back(std::move(series));
     };
-    const SeriesRole role = measure.suffix == "-lost" ? SeriesRole::bare : SeriesRole::method;
+    const SeriesRole role = measure.suffix == "-lost" ? SeriesRole::uncovered : SeriesRole::method;
     for (const PressCurve& curve : curves) add(curve, curve.name, role, measure.surfaces);
     if (measure.spheres)
       for (const PressCurve& curve : curves)
@@ -91,7 +91,7 @@ std::vector<Figure> make_press_figures(const Plan& plan, const Result& result) {
   const std::string& body = plan.bodies.front().name;
   std::vector<const PressCell*> cells;  // cells of the first body
   for (const PressCell& cell : result.presses)
-    if (plan.pressed(cell.source).body == 0) cells.push_back(&cell);
+    if (plan.pressed(cell.source).body == 0 && plan.is_first_seed(plan.pressed(cell.source))) cells.push_back(&cell);
   const auto is_medial = [&](const PressCell* cell) { return plan.pressed(cell->source).named() == Method::medial; };
   const auto medial = std::find_if(cells.begin(), cells.end(), is_medial);
   const std::size_t chosen = medial != cells.end() ? (*medial)->source : cells.empty() ? 0 : cells.front()->source;
@@ -126,7 +126,7 @@ Table make_press_table(const Plan& plan, const Result& result) {
       "degrees. Kept: contacts whose corrected depth is not 0; corrected figures are theirs. Lost: pairs of "
       "crossing facets in no contact. Error bound: mean, % of the diagonal.",
       false,
-      {"body",     "method",   "rule",          "axis",      "pressed, %", "true depth, %", "query", "pair tests",
+      {"body",     "method",   "seed",          "rule",          "axis",      "pressed, %", "true depth, %", "query", "pair tests",
        "contacts", "finished", "kept",          "depth",     "corrected",  "normal",        "90 %",  "corrected normal",
        "90 %",     "sum",      "corrected sum", "crossings", "lost",       "error bound, %"},
       {}};
@@ -136,6 +136,7 @@ Table make_press_table(const Plan& plan, const Result& result) {
     for (const PressFigures& f : cell.figures) {
       table.rows.push_back({plan.bodies[source.body].name,
                             source.method,
+                            seed_value(source),
                             plan.press_rules[cell.rule].name,
                             std::string(name(f.axis)),
                             100 * plan.press_amounts[f.amount],

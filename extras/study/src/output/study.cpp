@@ -21,13 +21,14 @@ Study make_study(Plan plan, Workers& workers, const RunOptions& options) {
   study.result = run(study.plan, workers, options);
   tell("timing updates");
   study.cost = measure_cost(study.plan, study.result, options.cache);
-  std::vector<std::vector<Claim>> of_bodies;
-  for (std::size_t body = 0; body < study.plan.bodies.size(); ++body)
-    of_bodies.push_back(make_claims(study.plan, study.result, body, body == 0 ? &study.cost : nullptr));
-  study.claims = join_claims(of_bodies);
+  std::vector<std::vector<Claim>> of_trials;
+  for (const Trial& trial : study.plan.trials())
+    of_trials.push_back(make_claims(study.plan, study.result, trial, trial.body == 0 ? &study.cost : nullptr));
+  study.claims = join_claims(of_trials);
+  study.stability = stability_of(study.plan, of_trials);
   study.figures = make_figures(study.plan, study.result);
   for (Figure& figure : make_press_figures(study.plan, study.result)) study.figures.push_back(std::move(figure));
-  study.tables = make_tables(study.plan, study.result, study.cost, of_bodies);
+  study.tables = make_tables(study.plan, study.result, study.cost, of_trials);
   tell("drawing");
   study.pictures = make_pictures(study.plan, study.result);
   return study;
@@ -59,19 +60,41 @@ void write_study(const Study& study, const std::filesystem::path& folder) {
   write_whole(folder / "study.json", study_json(study));
 }
 
+namespace {
+
+/// " of seed 2".
+std::string seed_text(const Source& source) {
+  return source.seed ? fmt::format(" of seed {}", *source.seed) : std::string();
+}
+
+/// What the verdict depends on, in shares of pairs of trials; empty if it depends on nothing.
+std::string depends_text(const Claim& claim) {
+  std::string text;
+  const auto add = [&](const char* what, const std::optional<double>& share) {
+    if (share && *share > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", what, percent(*share));
+  };
+  add("seed", claim.dependence.seed);
+  add("body", claim.dependence.body);
+  add("half the amount", claim.dependence.amount);
+  add("half the resolution", claim.dependence.resolution);
+  return text.empty() ? text : fmt::format("The verdict changes with: {} of pairs.", text);
+}
+
+}  // namespace
+
 std::vector<std::string> faults(const Plan& plan, const Result& result) {
   std::vector<std::string> list;
   for (const MotionRun& cell : result.cells) {
     const FollowRule& rule = plan.rules[cell.key.rule];
     const std::string where =
-        fmt::format("{}, {} tree, {}", plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
-                    describe_all(plan.motions[cell.key.motion]));
+        fmt::format("{}, {} tree{}, {}", plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
+                    seed_text(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion));
     if (cell.returns_to_rest && !*cell.returns_to_rest)
       list.push_back(fmt::format("{} does not return to rest ({})", rule.name, where));
     if (rule.key() != RuleKey(Rule::exact) && rule.kind == RuleKey::Kind::update) continue;
     const bool certified = !cell.certificate || cell.certificate->covered;
     if (cell.worst_uncovered_area() > 0 || cell.worst_uncovered_distance() > 0 || !certified)
-      list.push_back(fmt::format("{} leaves surface bare ({})", rule.name, where));
+      list.push_back(fmt::format("{} leaves surface uncovered ({})", rule.name, where));
   }
   for (const PressCell& cell : result.presses) {
     const Source& source = plan.pressed(cell.source);
@@ -84,23 +107,36 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
   return list;
 }
 
-std::string claims_text(std::span<const Claim> claims, bool quick) {
+std::string claims_text(std::span<const Claim> claims) {
   std::string text;
-  if (quick)
-    text +=
-        "A quick study decides what is marked \"always\". Its other verdicts, in brackets, are about a small body "
-        "with few samples; those of a full study may be the opposite.\n\n";
   for (const ClaimOrigin origin : {ClaimOrigin::paper, ClaimOrigin::ours}) {
     text += origin == ClaimOrigin::paper ? "What the paper claims, and whether it holds here\n"
                                          : "\nWhat it did not measure\n";
     for (const Claim& claim : claims) {
       if (claim.origin != origin) continue;
-      const bool decided = !quick || claim.guarantee || claim.verdict == Verdict::untested;
-      const std::string verdict = decided ? std::string(word(claim)) : fmt::format("({})", word(claim));
-      text += fmt::format("  {:<9} {}{}\n", verdict, claim.claim, quick && claim.guarantee ? " (always)" : "");
-      if (!claim.numbers.empty()) text += fmt::format("            {}\n", claim.numbers);
+      text += fmt::format("  {:<11} {}\n", word(claim), claim.claim);
+      if (!claim.numbers.empty()) text += fmt::format("              {}\n", claim.numbers);
+      if (const std::string depends = depends_text(claim); !depends.empty())
+        text += fmt::format("              {}\n", depends);
+      if (!claim.times.empty()) text += fmt::format("              {}\n", claim.times);
     }
   }
+  return text;
+}
+
+std::string trials_text(const Study& study) {
+  const Plan& plan = study.plan;
+  std::string bodies;
+  for (const NamedMesh& body : plan.bodies)
+    bodies += fmt::format("{}{} ({})", bodies.empty() ? "" : ", ", body.name,
+                          counted(body.mesh.vertex_count(), "vertex", "vertices"));
+  std::string text = fmt::format(
+      "{}: {}; {}. A claim holds if it holds in at least nine tenths of the trials, fails if it fails in as many, and "
+      "holds partly otherwise.\n",
+      counted(plan.trials().size(), "trial"), bodies, counted(plan.seeds.size(), "seed"));
+  if (study.stability)
+    text += fmt::format("With half of the seeds each, {} of {} claims have the same verdict.\n", study.stability->same,
+                        study.stability->compared);
   return text;
 }
 

@@ -12,15 +12,18 @@ namespace {
 /// Means and worst values of one level over the deformed samples of one cell, or of several.
 struct Summary {
   double error_sum = 0, error_worst = 0, count = 0;
-  double bare_worst = 0, gap_worst = 0, protrusion_worst = 0;
+  double uncovered_worst = 0, distance_worst = 0, protrusion_worst = 0;
   bool known = true;
 
-  void add(const MotionRun& cell, std::size_t level, ErrorUnit unit) {
+  void add(const Plan& plan, const MotionRun& cell, std::size_t level) {
+    const ErrorUnit unit = plan.unit;
+    const std::vector<std::size_t> decisive = plan.decisive_samples();
     for (const Sample& s : cell.samples) {
+      if (std::find(decisive.begin(), decisive.end(), s.sample) == decisive.end()) continue;
       const LevelFigures* l = cell.at(s.sample, level);
       if (l == nullptr) continue;
-      bare_worst = std::max(bare_worst, l->uncovered_area());
-      gap_worst = std::max(gap_worst, l->uncovered_distance());
+      uncovered_worst = std::max(uncovered_worst, l->uncovered_area());
+      distance_worst = std::max(distance_worst, l->uncovered_distance());
       protrusion_worst = std::max(protrusion_worst, l->protrusion_worst().value_or(0));
       if (s.sample == 0) continue;
       known = known && l->error(unit).has_value();
@@ -38,7 +41,7 @@ Table tree_table(const Plan& plan, const Result& result) {
               "A void sphere encloses no vertex. Grown: radii of trees from files that had to grow for their level "
               "to cover. The prism has many sides and no division along: long thin triangles.",
               false,
-              {"body", "method", "level", "nodes", "void spheres", "void, %", "grown"},
+              {"body", "method", "seed", "level", "nodes", "void spheres", "void, %", "grown"},
               {}};
   for (const std::vector<TreeFigures>* list : {&result.trees, &result.needles}) {
     for (const TreeFigures& tree : *list) {
@@ -47,7 +50,7 @@ Table tree_table(const Plan& plan, const Result& result) {
         const double share =
             l.nodes > 0 ? 100.0 * static_cast<double>(l.void_spheres) / static_cast<double>(l.nodes) : 0;
         table.rows.push_back({list == &result.needles ? std::string("prism") : plan.body_of(tree.source).name,
-                              plan.sources[tree.source].method, level, l.nodes, l.void_spheres, share, l.grown});
+                              plan.sources[tree.source].method, seed_value(plan.sources[tree.source]), level, l.nodes, l.void_spheres, share, l.grown});
       }
     }
   }
@@ -58,22 +61,23 @@ Table rule_table(const Plan& plan, const Result& result) {
   Table table{
       "rules",
       "Every tree, motion and rule",
-      fmt::format("Mean and worst {} ({}) over the deformed samples; uncovered area in % of the surface, gap and "
-                  "protrusion in % of the diagonal at rest, the worst of all samples. fresh: a tree built "
-                  "anew, at samples of its own.",
+      fmt::format("Mean and worst {} ({}) over the deformed samples that decide claims; uncovered area in % of the "
+                  "surface, uncovered distance and protrusion in % of the diagonal at rest, the worst of these "
+                  "samples. fresh: a new tree for the deformed mesh, at samples of its own.",
                   error_label(plan.unit), error_unit(plan.unit)),
       false,
-      {"body", "method", "motion", "level", "rule", "at rest", "mean", "worst", "bare, %", "gap, %", "protrusion, %"},
+      {"body", "method", "seed", "motion", "level", "rule", "at rest", "mean", "worst", "uncovered, %",
+       "uncovered distance, %", "protrusion, %"},
       {}};
   for (const MotionRun& cell : result.cells) {
     for (const std::size_t level : plan.levels()) {
       Summary s;
-      s.add(cell, level, plan.unit);
+      s.add(plan, cell, level);
       const LevelFigures* rest = cell.at(0, level);
       table.rows.push_back({plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
-                            describe_all(plan.motions[cell.key.motion]), level, plan.rules[cell.key.rule].name,
+                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level, plan.rules[cell.key.rule].name,
                             rest == nullptr ? TableValue() : value_of(rest->error(plan.unit)), value_of(s.mean()),
-                            s.mean() ? TableValue(s.error_worst) : TableValue(), 100 * s.bare_worst, 100 * s.gap_worst,
+                            s.mean() ? TableValue(s.error_worst) : TableValue(), 100 * s.uncovered_worst, 100 * s.distance_worst,
                             100 * s.protrusion_worst});
     }
   }
@@ -82,11 +86,11 @@ Table rule_table(const Plan& plan, const Result& result) {
 
 Table floor_table(const Plan& plan, const Result& result) {
   Table table{"floor",
-              "Error at the full amount, beside a tree built anew there",
+              "Error at the full amount, next to that of a new tree there",
               fmt::format("{} ({}); ratios to the fresh tree of the same generator.", error_label(plan.unit),
                           error_unit(plan.unit)),
               false,
-              {"body", "method", "motion", "level", "fresh", "exact", "over fresh", "rebuilt", "over fresh"},
+              {"body", "method", "seed", "motion", "level", "fresh", "exact", "over fresh", "rebuilt", "over fresh"},
               {}};
   const std::size_t last = plan.samples - 1;
   for (const MotionRun& cell : result.cells) {
@@ -105,7 +109,7 @@ Table floor_table(const Plan& plan, const Result& result) {
         return value && fresh && *fresh > 0 ? TableValue(*value / *fresh) : TableValue();
       };
       table.rows.push_back({plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
-                            describe_all(plan.motions[cell.key.motion]), level, value_of(fresh), value_of(exact),
+                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level, value_of(fresh), value_of(exact),
                             over(exact), value_of(rebuilt), over(rebuilt)});
     }
   }
@@ -116,7 +120,7 @@ Table floor_table(const Plan& plan, const Result& result) {
 struct Mix {
   std::string name;
   std::optional<double> error;
-  double bare = 0;
+  double uncovered = 0;
   std::optional<double> points, nanoseconds;
 };
 
@@ -126,8 +130,8 @@ std::vector<Mix> ranked_mixes(const Plan& plan, const Result& result, const Cost
     Summary s;
     for (const MotionRun& cell : result.mixes)
       if (cell.key.rule == r)
-        for (const std::size_t level : plan.levels()) s.add(cell, level, plan.unit);
-    mixes.push_back({plan.mixes[r].name, s.mean(), s.bare_worst, {}, {}});
+        for (const std::size_t level : plan.levels()) s.add(plan, cell, level);
+    mixes.push_back({plan.mixes[r].name, s.mean(), s.uncovered_worst, {}, {}});
     if (const UpdateCost* time = cost.find(plan.mixes[r].name)) {
       mixes.back().points = time->points_per_vertex;
       mixes.back().nanoseconds = time->nanoseconds_per_vertex;
@@ -142,24 +146,24 @@ void add_mix_tables(const Plan& plan, const Result& result, const Cost& cost, st
       fmt::format("{} tree of {}, mean over all motions, levels {}-{} and deformed samples",
                   plan.sources.front().method, plan.bodies.front().name, plan.levels().front(), plan.levels().back());
   std::stable_sort(mixes.begin(), mixes.end(), [](const Mix& a, const Mix& b) {
-    if ((a.bare == 0) != (b.bare == 0)) return a.bare == 0;
+    if ((a.uncovered == 0) != (b.uncovered == 0)) return a.uncovered == 0;
     return a.error.value_or(0) < b.error.value_or(0);
   });
   Table by_error{"mixes",
-                 "Mixes of rules by looseness: those that leave nothing bare first",
+                 "Mixes of rules by looseness: those that leave no surface uncovered first",
                  "Inner levels + leaves; covering: radii grow to what owned corners need. " + of + ".",
                  false,
                  {"mix", error_label(plan.unit), "worst uncovered area, %", "points per vertex"},
                  {}};
   for (const Mix& mix : mixes)
-    by_error.rows.push_back({mix.name, value_of(mix.error), 100 * mix.bare, value_of(mix.points)});
+    by_error.rows.push_back({mix.name, value_of(mix.error), 100 * mix.uncovered, value_of(mix.points)});
   tables.push_back(std::move(by_error));
-  std::erase_if(mixes, [](const Mix& mix) { return mix.bare > 0; });
+  std::erase_if(mixes, [](const Mix& mix) { return mix.uncovered > 0; });
   std::stable_sort(mixes.begin(), mixes.end(), [](const Mix& a, const Mix& b) {
     return a.nanoseconds && b.nanoseconds && *a.nanoseconds < *b.nanoseconds;
   });
   Table by_cost{"mixes-cost",
-                "Mixes that leave nothing bare, by cost",
+                "Mixes that leave no surface uncovered, by cost",
                 "Nanoseconds per vertex of an update of all levels, one thread, median: differs from run to run.",
                 true,
                 {"mix", "ns per vertex", error_label(plan.unit)},
@@ -170,31 +174,56 @@ void add_mix_tables(const Plan& plan, const Result& result, const Cost& cost, st
 
 Table cost_table(const Plan& plan, const Cost& cost) {
   Table table{"cost",
-              "Cost of an update of all levels",
-              fmt::format("{}, {} tree, {} vertices; one thread, median: differs from run to run.",
+              "Times of an update of all levels",
+              fmt::format("{}, {} tree, {} vertices; one thread, all rules in turns, median and quartiles: differs from "
+                          "run to run.",
                           plan.bodies.front().name, plan.sources[cost.source].method, cost.vertices),
               true,
-              {"what", "ns per vertex", "over boxes", "points per vertex"},
+              {"what", "ns per vertex", "lower quartile", "upper quartile", "over boxes", "points per vertex"},
               {}};
   const UpdateCost* boxes = cost.find("boxes");
   for (const std::vector<UpdateCost>* list : {&cost.boxes, &cost.rules}) {
     for (const UpdateCost& c : *list) {
       const double over =
           boxes->nanoseconds_per_vertex > 0 ? c.nanoseconds_per_vertex / boxes->nanoseconds_per_vertex : 0;
-      table.rows.push_back({c.name, c.nanoseconds_per_vertex, over, c.points_per_vertex});
+      table.rows.push_back(
+          {c.name, c.nanoseconds_per_vertex, c.lower_quartile, c.upper_quartile, over, c.points_per_vertex});
     }
   }
   return table;
 }
 
-Table body_table(const Plan& plan, const std::vector<std::vector<Claim>>& of_bodies) {
-  Table table{"bodies", "Verdicts body by body", "", false, {"body"}, {}};
-  for (const Claim& claim : of_bodies.front())
-    if (!claim.timed) table.columns.push_back(claim.id);
-  for (std::size_t body = 0; body < of_bodies.size(); ++body) {
-    std::vector<TableValue> row{plan.bodies[body].name};
-    for (const Claim& claim : of_bodies[body])
-      if (!claim.timed) row.emplace_back(std::string(name(claim.verdict)));
+Table count_table(const Plan& plan, const Result& result) {
+  Table table{"work",
+              "Work of an update of all levels, counted",
+              "Per vertex of the mesh. Points: each time that a node reads a vertex or a corner. Children: the same of "
+              "spheres and boxes. Distances: to points, children and corners of boxes.",
+              false,
+              {"body", "method", "seed", "what", "points", "children", "distances", "bytes read", "bytes written",
+               "bytes over boxes"},
+              {}};
+  for (const TreeFigures& tree : result.trees) {
+    const UpdateCounts* boxes = tree.find_counts("boxes");
+    const auto vertices = static_cast<double>(plan.body_of(tree.source).mesh.vertex_count());
+    const auto each = [&](std::size_t count) { return static_cast<double>(count) / vertices; };
+    for (const UpdateCounts& c : tree.counts) {
+      table.rows.push_back({plan.body_of(tree.source).name, plan.sources[tree.source].method,
+                            seed_value(plan.sources[tree.source]), c.name, each(c.points_read), each(c.children_read),
+                            each(c.distances), each(c.bytes_read), each(c.bytes_written),
+                            static_cast<double>(c.bytes()) / static_cast<double>(boxes->bytes())});
+    }
+  }
+  return table;
+}
+
+Table trial_table(const std::vector<std::vector<Claim>>& of_trials) {
+  Table table{"trials", "Verdicts trial by trial", "A trial is a body with the trees of one seed.", false,
+              {"body", "seed"}, {}};
+  for (const Claim& claim : of_trials.front()) table.columns.push_back(claim.id);
+  for (const std::vector<Claim>& claims : of_trials) {
+    const TrialVerdict& first = claims.front().trials.front();
+    std::vector<TableValue> row{first.body, static_cast<std::size_t>(first.seed)};
+    for (const Claim& claim : claims) row.emplace_back(std::string(name(claim.verdict)));
     table.rows.push_back(std::move(row));
   }
   return table;
@@ -203,14 +232,15 @@ Table body_table(const Plan& plan, const std::vector<std::vector<Claim>>& of_bod
 }  // namespace
 
 std::vector<Table> make_tables(const Plan& plan, const Result& result, const Cost& cost,
-                               const std::vector<std::vector<Claim>>& of_bodies) {
+                               const std::vector<std::vector<Claim>>& of_trials) {
   std::vector<Table> tables;
-  if (of_bodies.size() > 1) tables.push_back(body_table(plan, of_bodies));
+  if (of_trials.size() > 1) tables.push_back(trial_table(of_trials));
   tables.push_back(rule_table(plan, result));
   if (Table floor = floor_table(plan, result); !floor.rows.empty()) tables.push_back(std::move(floor));
   tables.push_back(tree_table(plan, result));
   if (!result.presses.empty()) tables.push_back(make_press_table(plan, result));
   if (!plan.mixes.empty()) add_mix_tables(plan, result, cost, tables);
+  tables.push_back(count_table(plan, result));
   tables.push_back(cost_table(plan, cost));
   return tables;
 }

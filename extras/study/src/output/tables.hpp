@@ -12,6 +12,11 @@ inline TableValue value_of(const std::optional<double>& value) {
   return value ? TableValue(*value) : TableValue();
 }
 
+/// The seed of a tree; nothing for a tree without one.
+inline TableValue seed_value(const Source& source) {
+  return source.seed ? TableValue(static_cast<std::size_t>(*source.seed)) : TableValue();
+}
+
 /// Every press. Without rows when there is none.
 Table make_press_table(const Plan& plan, const Result& result);
 

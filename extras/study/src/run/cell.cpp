@@ -83,7 +83,7 @@ std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, 
       BuildOptions options{.method = source.generator.value(),
                            .branching = plan.branching,
                            .depth = plan.depth,
-                           .seed = plan.seed,
+                           .seed = source.seed.value_or(plan.seeds.front()),
                            .stop = stop,
                            .progress = {}};
       return std::make_unique<FreshTree>(mesh, model, std::move(options));
@@ -99,7 +99,7 @@ double box_volume(const Mesh& mesh) {
   return extent.x * extent.y * extent.z;
 }
 
-LevelFigures measure_level(const Plan& plan, const Mesh& rest, const LoosenessMeter& meter, const Mesh& deformed,
+LevelFigures measure_level(const Plan& plan, const Measures& measures, const Mesh& rest, const LoosenessMeter& meter, const Mesh& deformed,
                            const SphereTree& tree, std::size_t level, const SignedDistance* distance) {
   const std::vector<Sphere> spheres = level_set_spheres(tree, std::min(level, tree.level_count() - 1));
   LevelFigures figures;
@@ -107,11 +107,13 @@ LevelFigures measure_level(const Plan& plan, const Mesh& rest, const LoosenessMe
   figures.spheres = spheres.size();
   figures.diagonal = bounding_box(rest).diagonal();
   figures.box_volume = box_volume(rest);
-  if (plan.measures.paper_grid) {
-    figures.grid = meter.measure(deformed.positions, spheres,
-                                 {.kind = VoxelGrid::Kind::level, .resolution = plan.resolution, .voxel_edge = 0});
-  }
-  if (plan.measures.lattice) {
+  const auto grid = [&](int resolution) -> VoxelGrid {
+    return {.kind = VoxelGrid::Kind::level, .resolution = resolution, .voxel_edge = 0};
+  };
+  if (measures.paper_grid) figures.grid = meter.measure(deformed.positions, spheres, grid(plan.resolution));
+  if (measures.half_grid)
+    figures.half_grid = meter.measure(deformed.positions, spheres, grid(std::max(8, plan.resolution / 2)));
+  if (measures.lattice) {
     figures.lattice = meter.measure(deformed.positions, spheres,
                                     {.kind = VoxelGrid::Kind::fixed, .voxel_edge = figures.diagonal / plan.resolution});
   }
@@ -123,7 +125,7 @@ LevelFigures measure_level(const Plan& plan, const Mesh& rest, const LoosenessMe
 
 /// The samples at which a cell measures its body.
 std::vector<std::size_t> wanted_samples(const Plan& plan, const Source& source, const FollowRule& rule) {
-  return rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples();
+  return rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples(source);
 }
 
 void add(std::optional<Certificate>& all, const std::optional<Certificate>& one) {
@@ -153,13 +155,14 @@ std::optional<Looseness> loose_from(const Json& json) {
 }  // namespace
 
 MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
-                   const FollowRule& rule, bool with_protrusion, const std::stop_token& stop) {
+                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion,
+                   const std::stop_token& stop) {
   const Source& source = plan.sources[key.source];
   const Mesh& rest = plan.bodies[source.body].mesh;
   MotionRun cell;
   cell.key = key;
   const std::unique_ptr<Follower> follower = make_follower(plan, source, model, rule, stop);
-  const LoosenessMeter meter(rest);
+  const Measures measures = plan.measures_of(source);
   const std::vector<double> parameters = plan.parameters();
   const std::vector<std::size_t> wanted = wanted_samples(plan, source, rule);
   std::optional<std::uint64_t> first_hash;
@@ -176,7 +179,7 @@ MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree&
     Sample sample{i, parameters[i], {}};
     const SignedDistance* distance = !with_protrusion || poses.distances.empty() ? nullptr : poses.distances[i].get();
     for (const std::size_t level : plan.levels())
-      sample.levels.push_back(measure_level(plan, rest, meter, deformed, tree, level, distance));
+      sample.levels.push_back(measure_level(plan, measures, rest, meter, deformed, tree, level, distance));
     cell.samples.push_back(std::move(sample));
   }
   if (first_hash) {
@@ -215,6 +218,7 @@ Json stored_json(const MotionRun& cell) {
                         {"diagonal", l.diagonal},
                         {"box_volume", l.box_volume},
                         {"grid", loose_json(l.grid)},
+                        {"half_grid", loose_json(l.half_grid)},
                         {"lattice", loose_json(l.lattice)},
                         {"coverage",
                          {c.covered, c.uncovered_area, c.uncovered_distance, c.uncovered_distance_upper, c.tolerance,
@@ -242,6 +246,7 @@ MotionRun cell_from_json(const Json& json) {
                            l.at("diagonal"),
                            l.at("box_volume"),
                            loose_from(l.at("grid")),
+                           loose_from(l.at("half_grid")),
                            loose_from(l.at("lattice")),
                            {c.at(0), c.at(1), c.at(2), c.at(3), c.at(4), c.at(5)},
                            std::nullopt};

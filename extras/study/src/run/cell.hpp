@@ -17,12 +17,13 @@ namespace morula::study {
 /// The poses of one motion, with the data that all its cells use.
 struct Poses {
   MovedFrames motion;
-  std::vector<std::unique_ptr<SignedDistance>> distances;  // one per pose; empty for a mesh without an inside
+  std::vector<std::unique_ptr<SignedDistance>> distances{};  // one per pose; empty for a mesh without an inside
 };
 
-/// Throws BuildStopped when the stop is requested.
+/// Throws BuildStopped when the stop is requested. meter: of the body at rest.
 MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
-                   const FollowRule& rule, bool with_protrusion, const std::stop_token& stop);
+                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion,
+                   const std::stop_token& stop);
 
 /// Seconds of one update of the cell's body; none for rules that are no plain update.
 std::optional<double> time_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,

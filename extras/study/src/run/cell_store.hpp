@@ -14,7 +14,7 @@ namespace morula::study {
 
 /// The version of stored figures. Raise it when a change gives other figures for the same settings, or stores them in
 /// another form.
-inline constexpr int cell_format = 2;
+inline constexpr int cell_format = 3;
 
 // cache: nullptr finds and keeps nothing. Several threads may find and store at once, for different settings.
 

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <morula/study/cost.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/kdop_tree.hpp>
@@ -26,33 +28,54 @@ namespace {
 std::vector<std::vector<Vec3>> timed_poses(const Plan& plan) {
   const std::vector<double> parameters{0.25, 0.5, 1.0};
   std::vector<std::vector<Vec3>> poses;
-  for (MovedFrames& motion : move_frames(plan, 0, plan.motions, parameters, nullptr))
+  for (MovedFrames& motion : move_frames(plan, 0, parameters, nullptr))
     for (std::vector<Vec3>& frame : motion.frames) poses.push_back(std::move(frame));
   return poses;
 }
 
+/// A tree that is updated, and its times.
+struct Timed {
+  UpdateCost cost{};
+  std::function<UpdateStatus(const std::vector<Vec3>&)> update{};
+  std::vector<double> nanoseconds{};
+};
+
 template <class Updated>
-UpdateCost time_updates(const std::string& name, Updated&& body, const std::vector<std::vector<Vec3>>& poses,
-                        int repeats) {
-  UpdateCost cost{name, 0, 0};
-  std::vector<double> times;
+Timed timed(const std::string& name, Updated body) {
+  auto kept = std::make_shared<Updated>(std::move(body));
+  return {.cost = {.name = name}, .update = [kept](const std::vector<Vec3>& p) { return kept->update(p); }};
+}
+
+void time_once(Timed& tree, const std::vector<Vec3>& positions) {
+  const auto vertices = static_cast<double>(positions.size());
+  Stopwatch watch;
+  const UpdateStatus status = tree.update(positions);
+  tree.nanoseconds.push_back(1e9 * watch.lap() / vertices);
+  if (!status) throw std::invalid_argument(message(status));
+  tree.cost.points_per_vertex = static_cast<double>(status.points_tested) / vertices;
+}
+
+/// Every tree once in each round.
+void time_in_turns(std::vector<Timed>& trees, const std::vector<std::vector<Vec3>>& poses, int rounds) {
   for (const std::vector<Vec3>& positions : poses) {
-    const auto vertices = static_cast<double>(positions.size());
-    cost.points_per_vertex = static_cast<double>(body.update(positions).points_tested) / vertices;
-    for (int i = 0; i < repeats; ++i) {
-      Stopwatch watch;
-      const UpdateStatus status = body.update(positions);
-      times.push_back(1e9 * watch.lap() / vertices);
-      if (!status) throw std::invalid_argument(message(status));
-    }
+    for (Timed& tree : trees) time_once(tree, positions), tree.nanoseconds.pop_back();  // the first one warms caches
+    for (int round = 0; round < rounds; ++round)
+      for (Timed& tree : trees) time_once(tree, positions);
   }
-  cost.nanoseconds_per_vertex = times.empty() ? 0 : median(times);
-  return cost;
+  for (Timed& tree : trees) {
+    std::vector<double>& times = tree.nanoseconds;
+    if (times.empty()) continue;
+    std::sort(times.begin(), times.end());
+    tree.cost.nanoseconds_per_vertex = median(times);
+    tree.cost.lower_quartile = times[times.size() / 4];
+    tree.cost.upper_quartile = times[times.size() - 1 - times.size() / 4];
+  }
 }
 
 std::vector<UpdateCost> list_from(const Json& json) {
   std::vector<UpdateCost> list;
-  for (const Json& c : json) list.push_back({c.at("name"), c.at("nanoseconds_per_vertex"), c.at("points_per_vertex")});
+  for (const Json& c : json) list.push_back({c.at("name"), c.at("nanoseconds_per_vertex"), c.at("lower_quartile"), c.at("upper_quartile"),
+                    c.at("points_per_vertex")});
   return list;
 }
 
@@ -61,6 +84,8 @@ Json list_json(const std::vector<UpdateCost>& list) {
   for (const UpdateCost& c : list) {
     json.push_back({{"name", c.name},
                     {"nanoseconds_per_vertex", c.nanoseconds_per_vertex},
+                    {"lower_quartile", c.lower_quartile},
+                    {"upper_quartile", c.upper_quartile},
                     {"points_per_vertex", c.points_per_vertex}});
   }
   return json;
@@ -80,7 +105,8 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   const std::size_t chosen = shown_tree(plan);
   const CoveredTree& model = result.model[chosen];
   Cost cost{chosen, body.mesh.vertex_count(), {}, {}, {}};
-  Json settings{{"morula", version},
+  Json settings{{"format", cell_format},
+                {"morula", version},
                 {"mesh", hash_text(mesh_hash(body.mesh))},
                 {"tree", hash_text(tree_hash(model.tree))},
                 {"repeats", plan.cost_repeats},
@@ -95,16 +121,20 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
     } catch (const Json::exception&) {  // foreign data: measured again
     }
   }
-  const std::vector<std::vector<Vec3>> poses = timed_poses(plan);
+  std::vector<Timed> trees;
   for (const Rule r : position_rules()) {
     const FollowRule rule(r);
-    cost.rules.push_back(time_updates(rule.name, Body(body.mesh, model, rule.options), poses, plan.cost_repeats));
+    trees.push_back(timed(rule.name, Body(body.mesh, model, rule.options)));
   }
-  cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, model, 6), poses, plan.cost_repeats));
-  cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, model, 18), poses, plan.cost_repeats));
+  const std::size_t rules = trees.size();
+  trees.push_back(timed("boxes", KDopTree(body.mesh, model, 6)));
+  trees.push_back(timed("18-DOPs", KDopTree(body.mesh, model, 18)));
+  const std::size_t boxes = trees.size();
   const CoveredTree& first = result.model.front();  // the model for the mixes
-  for (const FollowRule& mix : plan.mixes)
-    cost.mixes.push_back(time_updates(mix.name, Body(body.mesh, first, mix.options), poses, plan.cost_repeats));
+  for (const FollowRule& mix : plan.mixes) trees.push_back(timed(mix.name, Body(body.mesh, first, mix.options)));
+  time_in_turns(trees, timed_poses(plan), plan.cost_repeats);
+  for (std::size_t i = 0; i < trees.size(); ++i)
+    (i < rules ? cost.rules : i < boxes ? cost.boxes : cost.mixes).push_back(trees[i].cost);
   store(cache, stem, settings, costs_json(cost));
   return cost;
 }

@@ -109,6 +109,51 @@ std::vector<std::size_t> Plan::measured_samples() const {
   return all;
 }
 
+std::vector<std::size_t> Plan::measured_samples(const Source& source) const {
+  return is_first_seed(source) ? measured_samples() : decisive_samples();
+}
+
+std::vector<std::size_t> Plan::decisive_samples() const {
+  return decisive.empty() ? measured_samples() : decisive;
+}
+
+bool Plan::has_cells(const Source& source, const FollowRule& rule) const {
+  if (rule.kind == fresh && !source.generator) return false;  // cannot be built again
+  if (is_first_seed(source)) return true;
+  return rule.kind == fresh ? later.fresh : rule.kind == rebuilt ? later.rebuilt : true;
+}
+
+Measures Plan::measures_of(const Source& source) const {
+  Measures some = measures;
+  if (is_first_seed(source)) return some;
+  some.lattice = some.lattice && later.lattice;
+  some.protrusion = some.protrusion && later.protrusion;
+  some.half_grid = some.half_grid && later.half_grid;
+  return some;
+}
+
+std::vector<Trial> Plan::trials() const {
+  std::vector<Trial> list;
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    const bool random =
+        std::any_of(sources.begin(), sources.end(), [&](const Source& s) { return s.body == body && s.seed; });
+    for (const std::uint64_t seed : seeds)
+      if (random || seed == seeds.front()) list.push_back({body, seed});
+  }
+  return list;
+}
+
+std::vector<std::size_t> Plan::sources_of(const Trial& trial) const {
+  std::vector<std::size_t> list;
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (is_of(sources[i], trial)) list.push_back(i);
+  return list;
+}
+
+std::string Plan::motion_name(std::size_t motion) const {
+  return motion < motions.size() ? describe_all(motions[motion]) : recorded[motion - motions.size()].name;
+}
+
 std::vector<std::size_t> Plan::levels() const {
   if (!of_levels.empty()) return of_levels;
   const auto last = static_cast<std::size_t>(depth);
@@ -118,6 +163,12 @@ std::vector<std::size_t> Plan::levels() const {
 std::optional<std::size_t> Plan::find_source(std::size_t body, Method method) const {
   for (std::size_t i = 0; i < sources.size(); ++i)
     if (sources[i].body == body && sources[i].named() == method) return i;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> Plan::find_source(const Trial& trial, Method method) const {
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    if (is_of(sources[i], trial) && sources[i].named() == method) return i;
   return std::nullopt;
 }
 
@@ -135,10 +186,29 @@ std::vector<Deformations> paper_motions() {
   return {{Stretch{}}, {Twist{}}, {Bend{}}};
 }
 
+bool is_random(Method method) {
+  return method != Method::octree;
+}
+
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods) {
   std::vector<Source> sources;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    for (const Method method : methods) sources.push_back({body, std::string(name(method)), method, {}});
+    for (const Method method : methods) sources.push_back({.body = body, .method = std::string(name(method)), .generator = method});
+  return sources;
+}
+
+std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods,
+                               const std::vector<std::uint64_t>& seeds) {
+  std::vector<Source> sources;
+  for (std::size_t body = 0; body < bodies.size(); ++body) {
+    for (const std::uint64_t seed : seeds) {
+      for (const Method method : methods) {
+        if (!is_random(method) && seed != seeds.front()) continue;
+        sources.push_back({.body = body, .method = std::string(name(method)), .generator = method});
+        if (is_random(method)) sources.back().seed = seed;
+      }
+    }
+  }
   return sources;
 }
 

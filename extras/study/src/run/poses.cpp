@@ -26,4 +26,21 @@ std::vector<MovedFrames> move_frames(const Plan& plan, std::size_t body, std::sp
   return moved;
 }
 
+std::vector<MovedFrames> move_frames(const Plan& plan, std::size_t body, std::span<const double> parameters,
+                                     std::vector<Skipped>* skipped) {
+  std::vector<MovedFrames> moved = move_frames(plan, body, plan.motions, parameters, skipped);
+  for (std::size_t r = 0; r < plan.recorded.size(); ++r) {
+    const RecordedMotion& recorded = plan.recorded[r];
+    if (recorded.body != body) continue;
+    MovedFrames motion{plan.motions.size() + r, recorded.name, {}};
+    for (const double t : parameters) {
+      // The nearest of rest and the recorded frames, which are at equal steps.
+      const auto at = static_cast<std::size_t>(t * static_cast<double>(recorded.frames.size()) + 0.5);
+      motion.frames.push_back(at == 0 ? plan.bodies[body].mesh.positions : recorded.frames[at - 1]);
+    }
+    moved.push_back(std::move(motion));
+  }
+  return moved;
+}
+
 }  // namespace morula::study

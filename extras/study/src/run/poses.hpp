@@ -18,8 +18,11 @@ struct MovedFrames {
   std::vector<std::vector<Vec3>> frames;
 };
 
-/// Motions of the body, one frame per parameter. Motions that are impossible for it are left out; the reasons go to
-/// `skipped` unless that is nullptr.
+/// The plan's motions of the body, recorded ones too, one frame per parameter. Motions that are impossible for it are
+/// left out; the reasons go to `skipped` unless that is nullptr.
+std::vector<MovedFrames> move_frames(const Plan& plan, std::size_t body, std::span<const double> parameters,
+                                     std::vector<Skipped>* skipped);
+/// The same for given motions.
 std::vector<MovedFrames> move_frames(const Plan& plan, std::size_t body, std::span<const Deformations> motions,
                                      std::span<const double> parameters, std::vector<Skipped>* skipped);
 

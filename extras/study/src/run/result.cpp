@@ -51,6 +51,17 @@ std::optional<double> LevelFigures::error(ErrorUnit unit) const {
   return unit == ErrorUnit::volume ? looseness() : looseness_box();
 }
 
+std::optional<double> LevelFigures::error_on_half_grid(ErrorUnit unit) const {
+  const std::optional<double> known = part_of(half_grid, &Looseness::looseness);
+  if (unit == ErrorUnit::volume || !known) return known;
+  return box_volume > 0 ? std::optional(half_grid->outside_volume / box_volume) : std::nullopt;
+}
+
+const UpdateCounts* TreeFigures::find_counts(std::string_view name) const {
+  const auto at = std::find_if(counts.begin(), counts.end(), [&](const UpdateCounts& c) { return c.name == name; });
+  return at == counts.end() ? nullptr : &*at;
+}
+
 const LevelFigures* MotionRun::at(std::size_t sample, std::size_t level) const {
   for (const Sample& s : samples) {
     if (s.sample != sample) continue;

@@ -44,10 +44,16 @@ class Counter {
   const Progress& report_;
 };
 
-Json tree_settings(const Plan& plan, const Mesh& mesh, const std::string& method) {
-  return {{"format", cell_format}, {"morula", version},           {"mesh", hash_text(mesh_hash(mesh))},
-          {"method", method},      {"branching", plan.branching}, {"depth", plan.depth},
-          {"seed", plan.seed}};
+Json tree_settings(const Plan& plan, const Mesh& mesh, const Source& source) {
+  return {{"format", cell_format},     {"morula", version},           {"mesh", hash_text(mesh_hash(mesh))},
+          {"method", source.method},   {"branching", plan.branching}, {"depth", plan.depth},
+          {"seed", json_of(source.seed)}};
+}
+
+/// "limb-medial", "limb-medial-2": of later seeds with the seed.
+std::string stem_of(const Plan& plan, const std::string& body, const Source& source) {
+  const std::string stem = fmt::format("{}-{}", body, source.method);
+  return plan.is_first_seed(source) ? stem : fmt::format("{}-{}", stem, *source.seed);
 }
 
 Json rule_json(const FollowRule& rule) {
@@ -56,24 +62,33 @@ Json rule_json(const FollowRule& rule) {
   return {{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
 }
 
-Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& model, const std::string& motion,
+/// A hash of all positions of a recorded motion, which no words describe.
+std::string frames_hash(const MovedFrames& motion) {
+  std::uint64_t hash = 0;
+  for (const std::vector<Vec3>& frame : motion.frames) hash = 31 * hash + mesh_hash({frame, {}});
+  return hash_text(hash);
+}
+
+Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& model, const Poses& motion,
                    const FollowRule& rule, bool with_protrusion) {
-  Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
+  const Measures measures = plan.measures_of(source);
+  Json json = tree_settings(plan, plan.bodies[source.body].mesh, source);
   json["tree"] = hash_text(tree_hash(model.tree));
-  json["motion"] = motion;
+  json["motion"] = motion.motion.name;
+  if (motion.motion.motion >= plan.motions.size()) json["frames"] = frames_hash(motion.motion);
   json["rule"] = rule_json(rule);
   json["parameters"] = plan.parameters();
-  json["at"] = rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples();
+  json["at"] = rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples(source);
   json["levels"] = plan.levels();
   json["resolution"] = plan.resolution;
-  json["grids"] = {plan.measures.paper_grid, plan.measures.lattice};
+  json["grids"] = {measures.paper_grid, measures.half_grid, measures.lattice};
   json["certificate"] = plan.measures.certificate;
   json["protrusion"] = with_protrusion ? Json(plan.protrusion_tolerance) : Json(nullptr);
   return json;
 }
 
 Json press_settings(const Plan& plan, const Source& source, const CoveredTree& model, const FollowRule& rule) {
-  Json json = tree_settings(plan, plan.bodies[source.body].mesh, source.method);
+  Json json = tree_settings(plan, plan.bodies[source.body].mesh, source);
   json["tree"] = hash_text(tree_hash(model.tree));
   json["press"] = describe_all(plan.press_pose);
   json["rule"] = rule_json(rule);
@@ -90,6 +105,7 @@ struct Context {
   const std::stop_token& stop;
   Counter& counter;
   Result& result;
+  RunShard shard;
 
   /// The cached result for these settings, read by `parse`; otherwise the result of `measure`, which is then stored.
   template <class Parse, class Measure, class Write>
@@ -115,15 +131,15 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
   const Plan& plan = c.plan;
   if (!source.generator)
     return read_covered_tree(source.file, body.mesh, {.sph_origin = plan.sph_origin.of(body.mesh)}, workers);
-  const std::string stem = fmt::format("{}-{}", body.name, source.method);
-  const Json settings = tree_settings(plan, body.mesh, source.method);
+  const std::string stem = stem_of(plan, body.name, source);
+  const Json settings = tree_settings(plan, body.mesh, source);
   if (std::optional<CoveredTree> stored = find_tree(c.cache, stem, settings, body.mesh)) return std::move(*stored);
   Stopwatch watch;
   CoveredTree model = build(body.mesh,
                             {.method = *source.generator,
                              .branching = plan.branching,
                              .depth = plan.depth,
-                             .seed = plan.seed,
+                             .seed = source.seed.value_or(plan.seeds.front()),
                              .stop = c.stop,
                              .progress = {}},
                             workers);
@@ -144,9 +160,9 @@ struct CellTask {
 /// Everything about one body; its trees and poses are dropped at the end, unless the caller requests its trees.
 class BodyRun {
  public:
-  BodyRun(const Context& context, std::size_t body) : c_(context), body_(body) {
+  BodyRun(const Context& context, std::size_t body) : c_(context), body_(body), meter_(context.plan.bodies[body].mesh) {
     for (std::size_t s = 0; s < c_.plan.sources.size(); ++s)
-      if (c_.plan.sources[s].body == body) sources_.push_back(s);
+      if (c_.plan.sources[s].body == body && c_.shard.has(s)) sources_.push_back(s);
   }
 
   void run() {
@@ -169,8 +185,9 @@ class BodyRun {
       c_.counter.next(fmt::format("building {} {}", body().name, source(s).method));
       double seconds = 0;
       trees_[s] = make_tree(c_, body(), source(s), workers, c_.plan.measures.timed_updates > 0 ? &seconds : nullptr);
-      figures[s] = {sources_[s], {}, seconds};
+      figures[s] = {.source = sources_[s], .levels = {}, .build_seconds = seconds};
       figures[s].levels = tree_levels(body().mesh, trees_[s]);
+      figures[s].counts = count_updates(body().mesh, trees_[s]);
     };
     if (c_.plan.measures.timed_updates > 0) {
       for (std::size_t s = 0; s < sources_.size(); ++s) make(s, c_.workers);
@@ -182,9 +199,12 @@ class BodyRun {
 
   void make_poses() {
     const Plan& plan = c_.plan;
-    for (MovedFrames& motion : move_frames(plan, body_, plan.motions, plan.parameters(), &c_.result.skipped))
+    for (MovedFrames& motion : move_frames(plan, body_, plan.parameters(), &c_.result.skipped))
       poses_.push_back({std::move(motion), {}});
-    if (!plan.measures.protrusion || !inspect(body().mesh).has_volume()) return;
+    const bool is_needed = std::any_of(sources_.begin(), sources_.end(), [&](std::size_t s) {
+      return plan.measures_of(plan.sources[s]).protrusion;
+    });
+    if (!is_needed || !inspect(body().mesh).has_volume()) return;
     for (Poses& poses : poses_) poses.distances.resize(plan.samples);
     c_.workers.run(poses_.size() * plan.samples, [&](std::size_t i) {
       Poses& poses = poses_[i / plan.samples];
@@ -197,15 +217,17 @@ class BodyRun {
   void run_cells() {
     const Plan& plan = c_.plan;
     std::vector<MotionRun> cells(sources_.size() * poses_.size() * plan.rules.size());
-    std::vector<MotionRun> mixes(body_ == 0 && !sources_.empty() ? poses_.size() * plan.mixes.size() : 0);
+    const bool has_first = !sources_.empty() && sources_.front() == 0;
+    std::vector<MotionRun> mixes(has_first ? poses_.size() * plan.mixes.size() : 0);
     std::vector<CellTask> tasks;
     std::size_t next = 0;
     for (std::size_t s = 0; s < sources_.size(); ++s) {
       for (std::size_t m = 0; m < poses_.size(); ++m) {
         for (std::size_t r = 0; r < plan.rules.size(); ++r) {
           MotionRun* cell = &cells[next++];
-          if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built again
-          tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], true, cell});
+          if (!plan.has_cells(source(s), plan.rules[r])) continue;
+          const bool protrusion = plan.measures_of(source(s)).protrusion;
+          tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], protrusion, cell});
         }
       }
     }
@@ -235,11 +257,11 @@ class BodyRun {
     const CoveredTree& model = trees_[task.source];
     c_.counter.next(fmt::format("{} {} {} {}", body().name, of.method, poses.motion.name, task.rule->name));
     *task.result = c_.cached(
-        fmt::format("{}-{}-{}-{}", body().name, of.method, poses.motion.name, task.rule->name),
-        cell_settings(c_.plan, of, model, poses.motion.name, *task.rule,
+        fmt::format("{}-{}-{}", stem_of(c_.plan, body().name, of), poses.motion.name, task.rule->name),
+        cell_settings(c_.plan, of, model, poses, *task.rule,
                       task.with_protrusion && !poses.distances.empty()),
         cell_from_json,
-        [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, task.with_protrusion, c_.stop); },
+        [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, meter_, task.with_protrusion, c_.stop); },
         stored_json);
     task.result->key = task.key;
   }
@@ -247,34 +269,52 @@ class BodyRun {
   /// Runs presses for all trees, including trees that are made only for them.
   void run_presses() {
     const Plan& plan = c_.plan;
-    if (plan.press_rules.empty() || sources_.empty()) return;
-    std::optional<PressScene> scene = make_press(plan, body_, trees_.front(), c_.result.skipped);
-    if (!scene) return;
-    std::vector<std::size_t> pressed = sources_;
-    for (std::size_t s = 0; s < plan.press_sources.size(); ++s)
-      if (plan.press_sources[s].body == body_) pressed.push_back(plan.sources.size() + s);
-    std::vector<CoveredTree> others(pressed.size() - sources_.size());
+    if (plan.press_rules.empty()) return;
+    std::vector<std::size_t> pressed;
+    for (std::size_t s = 0; s < plan.sources.size() + plan.press_sources.size(); ++s) {
+      const Source& source = plan.pressed(s);
+      if (source.body == body_ && c_.shard.has(s) && (plan.is_first_seed(source) || plan.later.presses))
+        pressed.push_back(s);
+    }
+    if (pressed.empty()) return;
+    std::vector<CoveredTree> others(pressed.size());  // trees that are only pressed
     c_.workers.run(others.size(), [&](std::size_t i) {
-      others[i] = make_tree(c_, body(), plan.pressed(pressed[sources_.size() + i]), serial_workers());
+      if (pressed[i] >= plan.sources.size())
+        others[i] = make_tree(c_, body(), plan.pressed(pressed[i]), serial_workers());
     });
+    const auto tree_of = [&](std::size_t i) -> const CoveredTree& {
+      const auto at = std::find(sources_.begin(), sources_.end(), pressed[i]);
+      return at == sources_.end() ? others[i] : trees_[static_cast<std::size_t>(at - sources_.begin())];
+    };
+    std::optional<PressScene> scene = scene_of_body();
+    if (!scene) return;
     const std::size_t rules = plan.press_rules.size();
     std::vector<PressCell> cells(pressed.size() * rules);
     c_.workers.run(cells.size(), [&](std::size_t i) {
-      const std::size_t s = i / rules;
-      const CoveredTree& model = s < sources_.size() ? trees_[s] : others[s - sources_.size()];
-      cells[i] = press(*scene, pressed[s], i % rules, model);
+      cells[i] = press(*scene, pressed[i / rules], i % rules, tree_of(i / rules));
     });
     for (PressCell& cell : cells) c_.result.presses.push_back(std::move(cell));
     c_.result.scenes.push_back(std::move(*scene));
   }
 
+  /// The scene, by the body's first tree, also in a shard without it: its distances end within a rounding that depends
+  /// on the tree.
+  std::optional<PressScene> scene_of_body() const {
+    const Plan& plan = c_.plan;
+    std::size_t first = 0;
+    while (plan.sources[first].body != body_) ++first;
+    if (!sources_.empty() && sources_.front() == first)
+      return make_press(plan, body_, trees_.front(), c_.result.skipped);
+    return make_press(plan, body_, make_tree(c_, body(), plan.sources[first], c_.workers), c_.result.skipped);
+  }
+
   PressCell press(const PressScene& scene, std::size_t source, std::size_t rule, const CoveredTree& model) const {
     if (c_.stop.stop_requested()) throw BuildStopped();
-    const std::string& method = c_.plan.pressed(source).method;
+    const std::string stem = stem_of(c_.plan, body().name, c_.plan.pressed(source));
     const FollowRule& follow = c_.plan.press_rules[rule];
-    c_.counter.next(fmt::format("{} {} pressed, {}", body().name, method, follow.name));
+    c_.counter.next(fmt::format("{} pressed, {}", stem, follow.name));
     return c_.cached(
-        fmt::format("{}-{}-press-{}", body().name, method, follow.name),
+        fmt::format("{}-press-{}", stem, follow.name),
         press_settings(c_.plan, c_.plan.pressed(source), model, follow),
         [&](const Json& json) {
           return PressCell{source, rule, figures_from_json(json)};
@@ -284,28 +324,43 @@ class BodyRun {
 
   const Context& c_;
   std::size_t body_;
+  LoosenessMeter meter_;
   std::vector<std::size_t> sources_;  // in the plan
   std::vector<CoveredTree> trees_;
   std::vector<Poses> poses_;
 };
 
+/// True for the generated trees of the first body, each method once.
+bool has_needle(const Plan& plan, std::size_t source) {
+  const Source& s = plan.sources[source];
+  return s.body == 0 && s.generator && plan.is_first_seed(s);
+}
+
 void run_needles(const Context& c) {
   const NamedMesh prism{"prism", needle_prism(c.plan.needle_sides)};
   std::vector<std::size_t> sources;
   for (std::size_t s = 0; s < c.plan.sources.size(); ++s)
-    if (c.plan.sources[s].body == 0 && c.plan.sources[s].generator) sources.push_back(s);
+    if (has_needle(c.plan, s) && c.shard.has(s)) sources.push_back(s);
   c.result.needles.resize(sources.size());
   c.workers.run(sources.size(), [&](std::size_t i) {
     const Source& source = c.plan.sources[sources[i]];
     c.counter.next(fmt::format("building {} {}", prism.name, source.method));
     const CoveredTree model = make_tree(c, prism, source, serial_workers());
-    c.result.needles[i] = {sources[i], tree_levels(prism.mesh, model), 0};
+    c.result.needles[i] = {.source = sources[i], .levels = tree_levels(prism.mesh, model)};
   });
 }
 
 /// Rejects entries that refer to a part that is not in the plan.
 void check(const Plan& plan) {
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("study: " + what); };
+  if (plan.seeds.empty()) refuse("a plan needs a seed");
+  for (const RecordedMotion& motion : plan.recorded) {
+    if (motion.body >= plan.bodies.size()) refuse("a motion is of a body that is not there");
+    if (motion.frames.empty()) refuse("a motion needs a frame");
+    for (const std::vector<Vec3>& frame : motion.frames)
+      if (frame.size() != plan.bodies[motion.body].mesh.vertex_count())
+        refuse("a frame of " + motion.name + " has another number of vertices than its body");
+  }
   if (plan.bodies.empty() || plan.sources.empty()) refuse("a plan needs a body and a tree of it");
   if (plan.samples < 2) refuse("a motion needs two samples");
   if (plan.sources.front().body != 0) refuse("the first source must be of the first body");
@@ -321,15 +376,26 @@ void check(const Plan& plan) {
     if (plan.measured[i] >= plan.samples) refuse("a measured sample is not there");
     if (i > 0 && plan.measured[i] <= plan.measured[i - 1]) refuse("measured samples must ascend");
   }
+  const std::vector<std::size_t> measured = plan.measured_samples();
+  for (std::size_t i = 0; i < plan.decisive.size(); ++i) {
+    if (std::find(measured.begin(), measured.end(), plan.decisive[i]) == measured.end())
+      refuse("a deciding sample is not measured");
+    if (i > 0 && plan.decisive[i] <= plan.decisive[i - 1]) refuse("deciding samples must ascend");
+  }
 }
 
-std::size_t count_steps(const Plan& plan) {
-  std::size_t total = plan.sources.size() * (1 + plan.motions.size() * plan.rules.size());
-  total += plan.motions.size() * plan.mixes.size();
-  total += (plan.sources.size() + plan.press_sources.size()) * plan.press_rules.size();
-  if (plan.needle_sides > 0)
-    total += static_cast<std::size_t>(std::count_if(plan.sources.begin(), plan.sources.end(),
-                                                    [](const Source& s) { return s.body == 0 && s.generator; }));
+std::size_t count_steps(const Plan& plan, const RunShard& shard) {
+  std::size_t total = shard.has(0) ? plan.motions.size() * plan.mixes.size() : 0;
+  for (std::size_t s = 0; s < plan.sources.size() + plan.press_sources.size(); ++s) {
+    if (!shard.has(s)) continue;
+    const bool is_first = plan.is_first_seed(plan.pressed(s));
+    if (is_first || plan.later.presses) total += plan.press_rules.size();
+    if (s >= plan.sources.size()) continue;
+    total += 1;
+    for (const FollowRule& rule : plan.rules)
+      if (plan.has_cells(plan.sources[s], rule)) total += plan.motion_count();
+    if (plan.needle_sides > 0 && has_needle(plan, s)) ++total;
+  }
   return total;
 }
 
@@ -337,11 +403,15 @@ std::size_t count_steps(const Plan& plan) {
 
 Result run(const Plan& plan, Workers& workers, const RunOptions& options) {
   check(plan);
-  Counter counter(count_steps(plan), options.progress);
+  if (options.shard.number < 1 || options.shard.number > options.shard.count)
+    throw std::invalid_argument("study: there is no such part of the study");
+  if (options.shard.count > 1 && options.cache == nullptr)
+    throw std::invalid_argument("study: a part of a study needs a folder of finished cells");
+  Counter counter(count_steps(plan, options.shard), options.progress);
   Result result;
   result.trees.resize(plan.sources.size());
   result.model.resize(plan.sources.size());
-  const Context context{plan, options.cache, workers, options.stop, counter, result};
+  const Context context{plan, options.cache, workers, options.stop, counter, result, options.shard};
   try {
     for (std::size_t body = 0; body < plan.bodies.size(); ++body) BodyRun(context, body).run();
     if (plan.needle_sides > 0) run_needles(context);

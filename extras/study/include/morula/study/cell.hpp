@@ -27,8 +27,9 @@ struct LevelFigures {
   std::size_t spheres = 0;
   double diagonal = 0;               ///< diagonal of the body's box at rest, mesh units
   double box_volume = 0;             ///< volume of that box, mesh units³
-  std::optional<Looseness> grid;     ///< looseness on the paper's grid
-  std::optional<Looseness> lattice;  ///< looseness on one lattice for all samples
+  std::optional<Looseness> grid;       ///< looseness on the paper's grid
+  std::optional<Looseness> half_grid;  ///< looseness on a grid of half its resolution
+  std::optional<Looseness> lattice;    ///< looseness on one lattice for all samples
   Coverage coverage;
   std::optional<Protrusion> protrusion;
 
@@ -43,6 +44,7 @@ struct LevelFigures {
   std::optional<double> protrusion_worst() const;
   std::optional<double> protrusion_mean() const;
   std::optional<double> error(ErrorUnit unit) const;
+  std::optional<double> error_on_half_grid(ErrorUnit unit) const;
 };
 
 struct Sample {

@@ -11,6 +11,7 @@ namespace morula::study {
 struct UpdateCost {
   std::string name;
   double nanoseconds_per_vertex = 0;  ///< one thread; median over repeats of all samples of all motions
+  double lower_quartile = 0, upper_quartile = 0;
   double points_per_vertex = 0;       ///< number of points read; 0 if boxes are updated
 };
 
@@ -25,7 +26,8 @@ struct Cost {
   const UpdateCost* find(std::string_view name) const;
 };
 
-/// Measures the tree that represents the first body. The cache stores the figures, so the same folder keeps them.
+/// Measures the tree that represents the first body. All rules take turns in each round, so that all of them meet the
+/// same disturbances. The cache stores the figures, so the same folder keeps them.
 Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache = nullptr);
 
 }  // namespace morula::study

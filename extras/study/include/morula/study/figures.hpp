@@ -14,13 +14,7 @@
 
 namespace morula::study {
 
-/// The part that a curve plays in its figure.
-enum class SeriesRole : std::uint8_t {
-  method,     ///< a method or rule that the figure compares
-  reference,  ///< another method or rule, drawn thin for orientation
-  bare        ///< a curve of `method` whose measure is uncovered surface or lost crossings
-};
-/// The name of the enumerator.
+enum class SeriesRole : std::uint8_t { method, reference, uncovered };
 std::string_view name(SeriesRole role);
 
 struct Series {
@@ -45,7 +39,7 @@ struct Figure {
   std::vector<std::string> x_names{};  ///< names of the queries x = 0, 1, …; empty: x is a sample of the motion
 };
 
-/// Figures of the first body: Fig. 2 of the paper [garcia2005], then every rule on every other tree.
+/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on every tree.
 std::vector<Figure> make_figures(const Plan& plan, const Result& result);
 /// Figures of the first body's presses at the middle one of Plan::press_amounts, for each axis: all trees with the rule
 /// `exact`, then all rules on the medial tree, or on the first tree if there is no medial one.
@@ -63,12 +57,10 @@ struct Table {
   std::vector<std::vector<TableValue>> rows;  ///< one value per column
 };
 
-/// The tables of a study, in this order: the claims on each body, if there are several bodies; means and worst samples
-/// of every rule; the looseness of new trees, which bounds that of updates from below; trees and void spheres; contacts
-/// of presses; mixes of rules; cost. Tables without rows are left out, except those of rules, trees and cost.
-/// of_bodies: the claims about each body, in the order of Plan::bodies.
+/// Trees and void spheres, means and worst samples of every rule, the floor, contacts, mixes, cost, trials. of_trials:
+/// the claims of each trial, in their order.
 std::vector<Table> make_tables(const Plan& plan, const Result& result, const Cost& cost,
-                               const std::vector<std::vector<Claim>>& of_bodies);
+                               const std::vector<std::vector<Claim>>& of_trials);
 
 /// The label of the y axis for this divisor of looseness: "looseness" or "outside volume".
 std::string error_label(ErrorUnit unit);

@@ -30,7 +30,21 @@ struct NamedMesh {
   Mesh mesh;
 };
 
-/// The way in which the spheres of one tree follow a motion, if all levels follow the same.
+/// A motion of one body, as frames. Its samples are frames at equal steps, the mesh at rest first.
+struct RecordedMotion {
+  std::string name;
+  std::size_t body = 0;
+  std::vector<std::vector<Vec3>> frames;
+};
+
+/// A body with the trees of one seed: a verdict is about one trial, and joined over all.
+struct Trial {
+  std::size_t body = 0;
+  std::uint64_t seed = 1;
+  auto operator<=>(const Trial&) const = default;
+};
+
+/// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates.
 struct RuleKey {
   enum class Kind : std::uint8_t {
     update,   ///< all levels follow one rule
@@ -77,10 +91,11 @@ struct FollowRule {
 
 /// A tree of one body: from a generator or from a file.
 struct Source {
-  std::size_t body = 0;             ///< index in Plan::bodies
-  std::string method;               ///< name of the generator, or the method that the user declares for a file
-  std::optional<Method> generator;  ///< generator that builds the tree; no value: the tree is read from `file`
-  std::filesystem::path file;
+  std::size_t body = 0;
+  std::string method;  ///< the generator's name, or the declared method of a file
+  std::optional<Method> generator{};
+  std::filesystem::path file{};
+  std::optional<std::uint64_t> seed{};  ///< no value: all seeds give this tree, and all trials share it
 
   /// The generator with the name `method`, also for a file; no value if there is none.
   std::optional<Method> named() const { return method_from_name(method); }
@@ -110,46 +125,60 @@ std::string name(const SphOrigin& origin);
 
 /// The measurements of each tree in each sample, in addition to uncovered area and distance.
 struct Measures {
-  bool paper_grid = true;  ///< looseness on the paper's grid, which fills the box of the level's spheres
-  bool lattice = true;  ///< looseness on one lattice for all samples, with Plan::resolution voxels along the diagonal
-  bool protrusion = true;    ///< protrusion, for Plan::rules but not for Plan::mixes
-  bool certificate = false;  ///< certificate, for the levels whose rules guarantee cover
-  /// Number of timed repeats of each update; 0: no times. Updates run on one thread while nothing else runs; trees are
-  /// built one at a time with all workers, and their times are taken also.
+  bool paper_grid = true;    ///< looseness on the paper's grid
+  bool half_grid = false;    ///< also with half its resolution, to know whether a verdict depends on it
+  bool lattice = true;       ///< looseness on one lattice for all samples, `resolution` voxels along the rest diagonal
+  bool protrusion = true;    ///< protrusion for `rules`, not for `mixes`
+  bool certificate = false;  ///< certificate in every sample, for the levels whose rules guarantee cover
+  /// Number of timed repeats of each update, on one thread while nothing else runs; trees are then built one at a time
+  /// with all workers, and timed. 0: no times.
   int timed_updates = 0;
 };
 
-/// The input of run(): all sources are run with all motions and all rules.
+/// The parts that trials of seeds after the first repeat as well. Claims that need a part are decided in the trials
+/// that have it.
+struct LaterSeeds {
+  bool lattice = false;
+  bool protrusion = false;
+  bool half_grid = false;
+  bool fresh = false;    ///< cells of the rule `fresh`
+  bool rebuilt = false;  ///< cells of the rule `rebuilt`
+  bool presses = false;  ///< also the trees that are only pressed
+};
+
 struct Plan {
   std::vector<NamedMesh> bodies{};
   std::vector<Source> sources{};  ///< trees; those of the first body come first
   std::vector<Deformations> motions{};
+  std::vector<RecordedMotion> recorded{};  ///< further motions, numbered after `motions`
   std::vector<FollowRule> rules{};
-  std::vector<FollowRule> mixes{};       ///< more rules, run with the first source and all motions
-  std::size_t samples = 13;              ///< number of samples of each motion, from rest to the full amount
-  bool and_back = false;                 ///< true: the samples also lead back to rest (frame_parameters)
-  std::vector<std::size_t> measured{};   ///< indices of the samples to measure; empty: all
+  std::vector<FollowRule> mixes{};       ///< rules on the first source and all motions
+  std::size_t samples = 13;              ///< samples of each motion, from rest to the full amount
+  bool and_back = false;                 ///< samples also lead back to rest: frame_parameters()
+  std::vector<std::size_t> measured{};   ///< samples to measure; empty: all
+  /// Samples that decide claims, each in `measured`; trials of later seeds measure only these. Empty: all measured ones.
+  std::vector<std::size_t> decisive{};
   std::vector<std::size_t> of_levels{};  ///< levels to measure; empty: the last two, as in the paper
   Measures measures{};
-  /// Number of voxels along the longest side of the paper's grid, and along the diagonal at rest of the fixed lattice.
-  int resolution = 192;
-  int branching = 8;   ///< BuildOptions::branching of all trees
-  int depth = 3;       ///< BuildOptions::depth of all trees
-  bool quick = false;  ///< a label of the result for small bodies and few samples, without effect on the run
-  std::uint64_t seed = 1;
-  /// Number of samples besides rest at which `fresh` builds the medial tree; the last one is at the full amount.
-  std::size_t fresh_poses = 2;
-  double protrusion_tolerance = 0.05;     ///< error of protrusion; share of a sphere's radius
-  ErrorUnit unit = ErrorUnit::volume;     ///< divisor of looseness in figures and tables
-  std::size_t needle_sides = 64;          ///< sides of needle_prism(), which shows void spheres; 0: none
-  int cost_repeats = 9;                   ///< number of timed repeats for the table of costs
-  std::vector<Source> press_sources{};    ///< additional trees that are only pressed
-  std::vector<FollowRule> press_rules{};  ///< rules of the kind `update`; empty: no presses
-  std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};  ///< PressTruth::amount; shares of the diagonal at rest
-  std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< budgets of the queries in presses, pair tests
-  Deformations press_pose{Bend{45.0, Axis::automatic}};           ///< deformation of pressed bodies
-  SphOrigin sph_origin{};                                         ///< for all .sph files
-  bool keep_trees = false;  ///< true: Result::model keeps the trees of all bodies; false: only of the first
+  int resolution = 192;  ///< resolution of the paper's grid, and of the fixed lattice per diagonal at rest
+  int branching = 8;
+  int depth = 3;
+  bool quick = false;  ///< small bodies, few samples: a label of the result, without effect on the run
+  /// Seeds of the generators: each body has a trial for each.
+  std::vector<std::uint64_t> seeds{1};
+  LaterSeeds later{};
+  std::size_t fresh_poses = 2;  ///< poses besides rest, for the medial tree; the last at the full amount
+  double protrusion_tolerance = 0.05;
+  ErrorUnit unit = ErrorUnit::volume;
+  std::size_t needle_sides = 64;  ///< sides of a prism of long thin triangles, for void spheres; 0: none
+  int cost_repeats = 9;
+  std::vector<Source> press_sources{};                            ///< additional trees that are only pressed
+  std::vector<FollowRule> press_rules{};                          ///< rules of kind `update`; empty: no presses
+  std::vector<double> press_amounts{0.001, 0.01, 0.02, 0.05};     ///< shares of the diagonal at rest
+  std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< pair tests
+  Deformations press_pose{Bend{45.0, Axis::automatic}};
+  SphOrigin sph_origin{};
+  bool keep_trees = false;  ///< true: keep the trees of all bodies, not only of the first
 
   /// The parameter of each sample: 0 at rest, 1 at the full amount.
   std::vector<double> parameters() const;
@@ -159,10 +188,29 @@ struct Plan {
   std::vector<std::size_t> fresh_samples(const Source& source) const;
   /// The indices of the samples to measure.
   std::vector<std::size_t> measured_samples() const;
-  /// The levels to measure.
+  std::vector<std::size_t> measured_samples(const Source& source) const;
+  /// The samples that decide claims, ascending: measured in every trial.
+  std::vector<std::size_t> decisive_samples() const;
   std::vector<std::size_t> levels() const;
 
-  /// The body of a source. source: index in `sources`.
+  /// True for trees of the first seed, and for those without one.
+  bool is_first_seed(const Source& source) const { return !source.seed || *source.seed == seeds.front(); }
+  /// True if the tree follows motions by the rule.
+  bool has_cells(const Source& source, const FollowRule& rule) const;
+  /// The measures of a tree: fewer for later seeds.
+  Measures measures_of(const Source& source) const;
+  /// Each body with each seed, bodies in order; a body whose trees have no seed makes one trial.
+  std::vector<Trial> trials() const;
+  bool is_of(const Source& source, const Trial& trial) const {
+    return source.body == trial.body && (!source.seed || *source.seed == trial.seed);
+  }
+  /// Places of the trial's trees in `sources`.
+  std::vector<std::size_t> sources_of(const Trial& trial) const;
+
+  std::size_t motion_count() const { return motions.size() + recorded.size(); }
+  /// describe_all() of a motion, or the name of a recorded one.
+  std::string motion_name(std::size_t motion) const;
+
   const NamedMesh& body_of(std::size_t source) const { return bodies[sources[source].body]; }
   /// The source of a press. source: index in `sources` followed by `press_sources`.
   const Source& pressed(std::size_t source) const {
@@ -170,7 +218,7 @@ struct Plan {
   }
   /// The index of the first source of a body whose method has the generator's name; no value if there is none.
   std::optional<std::size_t> find_source(std::size_t body, Method method) const;
-  /// The index of the first rule with this key in `rules`; no value if there is none.
+  std::optional<std::size_t> find_source(const Trial& trial, Method method) const;
   std::optional<std::size_t> find_rule(const RuleKey& key) const;
 };
 
@@ -178,10 +226,14 @@ struct Plan {
 std::vector<Method> paper_methods();
 /// The motions of the paper: stretch to twice the length, twist by 180°, bend by 90°.
 std::vector<Deformations> paper_motions();
-/// Sources for all trees: every method on every body, body by body.
+/// True if trees of the method depend on the seed.
+bool is_random(Method method);
+/// Every method on every body, without seeds.
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods);
-/// Mixes for Plan::mixes: one of four rules on the inner levels with one of four on the last level, each without and
-/// with UpdateOptions::conservative. depth: Plan::depth.
+/// Every method on every body with every seed; methods that are not random once.
+std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods,
+                               const std::vector<std::uint64_t>& seeds);
+/// Every rule on the inner levels with every rule on the leaves, plain and conservative.
 std::vector<FollowRule> rule_mixes(int depth);
 
 /// The deformations as text, in the form of describe(): "stretch 2, twist 180".

@@ -19,7 +19,8 @@ struct Study {
   Plan plan;
   Result result;
   Cost cost;
-  std::vector<Claim> claims;  ///< claims over all bodies
+  std::vector<Claim> claims;           ///< claims over all trials
+  std::optional<Stability> stability;  ///< verdicts of two halves of the seeds, compared
   std::vector<Figure> figures;
   std::vector<Table> tables;
   std::vector<Picture> pictures;
@@ -52,7 +53,9 @@ PageContent study_page(const Study& study, Workers& workers = serial_workers(), 
 std::vector<std::string> faults(const Plan& plan, const Result& result);
 
 /// Text for readers: a line for each claim and its verdict, then the numbers.
-std::string claims_text(std::span<const Claim> claims, bool quick = false);
+std::string claims_text(std::span<const Claim> claims);
+/// A line about the trials, and one about the stability of verdicts, if it is known.
+std::string trials_text(const Study& study);
 /// The files that write_study() writes, a line each.
 std::string contents_text(const Study& study);
 
