@@ -110,6 +110,7 @@ def study(
     seed: int = 1,
     unit: str = "volume",
     quick: bool = False,
+    formats: Sequence[str] = ("svg", "csv"),
     executor: concurrent.futures.Executor | None = None,
     progress: Callable[[float, str], object] | None = None,
     workers: _morula.Workers | None = None,
@@ -120,6 +121,7 @@ def study(
         meshes: None for the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
+        formats: files of figures in the folder, of svg, csv, pdf and pgf.
         executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes trees and cells, and
             stores them in the folder, which all workers must share. Figures are the same; only times differ.
         progress: called with the completed share and the present step; an exception of it ends the study.
@@ -133,7 +135,7 @@ def study(
     options: dict[str, Any] = {
         "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
-        "seed": seed, "unit": unit, "quick": quick,
+        "seed": seed, "unit": unit, "quick": quick, "formats": list(formats),
     }
     if executor is not None:
         if output is None:

@@ -3,10 +3,15 @@
 // study.json.
 #include "json.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <morula/geometry/inspect.hpp>
 #include <morula/study/study.hpp>
 #include <morula/version.hpp>
 
+#include "output/styles.hpp"
+#include "output/summary.hpp"
 #include "run/cost.hpp"
 #include "run/press.hpp"
 
@@ -56,9 +61,34 @@ Json claim_json(const Claim& claim) {
   Json json{{"id", claim.id},           {"source", name(claim.origin)},
             {"claim", claim.claim},     {"verdict", name(claim.verdict)},
             {"numbers", claim.numbers}, {"figures", claim.figures}};
+  if (const std::string why = why_of(claim.id); !why.empty()) json["why"] = why;
   if (claim.timed) json["timed"] = true;
   if (claim.adverse) json["adverse"] = true;
   if (claim.guarantee) json["guarantee"] = true;
+  return json;
+}
+
+/// The look of a curve, the same as in the files: colors on light and dark pages, dashes in pixels.
+Json style_json(const Series& series) {
+  const toolbox::PlotLine line = style_of(series);
+  const toolbox::Shade& shade = toolbox::palette[static_cast<std::size_t>(line.color)];
+  return {{"light", fmt::format("#{:06x}", shade.light)},
+          {"dark", fmt::format("#{:06x}", shade.dark)},
+          {"dash", line.dash},
+          {"marker", name(line.marker)},
+          {"strong", line.strong},
+          {"hollow", line.hollow},
+          {"dots", line.dots}};
+}
+
+Json series_json(const Series& series) {
+  Json json{{"name", series.name},
+            {"x", series.x},
+            {"y", array_of(series.y, json_of<double>)},
+            {"role", name(series.role)},
+            {"style", style_json(series)}};
+  if (std::find(series.uncovered.begin(), series.uncovered.end(), true) != series.uncovered.end())
+    json["uncovered"] = series.uncovered;
   return json;
 }
 
@@ -75,9 +105,7 @@ Json figure_json(const Plan& plan, const Figure& figure) {
   json["frame_axis"] = figure.x_names.empty();
   json["motion"] = figure.motion;
   json["body"] = plan.bodies[figure.body].name;
-  json["series"] = array_of(figure.series, [](const Series& s) -> Json {
-    return {{"name", s.name}, {"x", s.x}, {"y", array_of(s.y, json_of<double>)}, {"role", name(s.role)}};
-  });
+  json["series"] = array_of(figure.series, series_json);
   return json;
 }
 
@@ -166,6 +194,7 @@ std::string study_json(const Study& study) {
       {"title", "Sphere trees on deforming bodies: the evaluation of Garcia, Bayona, Toharia and Mendoza, again"},
       {"settings", settings_json(plan)},
       {"bodies", array_of(plan.bodies, body_json)},
+      {"summary", summary_of(study)},
       {"claims", array_of(study.claims, claim_json)},
       {"figures", array_of(study.figures, [&](const Figure& figure) { return figure_json(plan, figure); })},
       {"tables", array_of(study.tables, table_json)},

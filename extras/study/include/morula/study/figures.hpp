@@ -21,6 +21,10 @@ struct Series {
   SeriesRole role = SeriesRole::method;
   std::vector<double> x;
   std::vector<std::optional<double>> y;
+  std::string rule{};             ///< name of its rule; curves of one rule look alike in all figures
+  std::string method{};           ///< name of its generator, in figures that compare generators
+  bool faint = false;             ///< a companion in the background, such as the values of spheres
+  std::vector<bool> uncovered{};  ///< samples at which the rule leaves surface uncovered; empty: not known
 };
 
 /// One measure with several curves.
