@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The page in a real browser: on narrow screens, without a motion, below a study. Writes screenshots to look at.
-import { writeFileSync } from 'node:fs';
-import { at, check, claim, equal, morula } from './support.mjs';
+import { at, check, claim, equal } from './support.mjs';
 import { settled, slide } from './browser.mjs';
 import { close, opened, words, writeLimb, writeStill, writeStudy } from './limb.mjs';
 import { study } from './study_example.mjs';
@@ -37,9 +36,9 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     equal(await words(page, '.claim:first-of-type .verdict'), 'holds', 'verdict');
     equal(await words(page, '#claim-uncovered .verdict'), 'better', 'a rule that is better than claimed');
     equal(await page.getAttribute('#claim-uncovered', 'data-verdict'), 'better', 'and its color');
-    const box = await page.locator('#figure-fig2a .u-over').boundingBox();
-    await page.locator('#figure-fig2a').scrollIntoViewIfNeeded();
-    const now = (await page.locator('#figure-fig2a .u-over').boundingBox()) ?? box;
+    const curves = page.locator('#claim-approach2-below-approach1 .u-over');
+    await curves.scrollIntoViewIfNeeded();
+    const now = await curves.boundingBox();
     await page.mouse.click(now.x + now.width - 1, now.y + 20);
     equal(await page.locator('#frame').inputValue(), '12', 'frame at the end of the curve');
     equal(await page.locator('#pictures img').count(), 1, 'the picture');
@@ -55,15 +54,47 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     await page.screenshot({ path: at('study-dark.png') });
   }));
 
-await claim('a_quick_study_decides_what_holds_for_every_body', async () => {
-  const quick = { ...study, settings: { ...study.settings, quick: true }, claims: study.claims.map((c) => ({ ...c, guarantee: c.id === 'exact' })) };
-  writeFileSync(at('quick.json'), JSON.stringify(quick));
-  morula('view limb.obj limb.morula -o quick.html --no-measure --study quick.json --title Quick');
-  await opened('quick.html', { width: 1440, height: 900 }, async (page) => {
-    equal(await words(page, '#claim-exact .verdict'), 'holds', 'what holds always');
-    equal(await words(page, '#claim-covers .verdict'), 'not decided', 'what a full study decides');
-    equal(await words(page, '.tally'), '1 holds\n4 not decided\n1 not tested', 'tally');
-  });
+await claim('the_first_screen_has_the_study_in_three_sentences_and_its_figures', () =>
+  opened('study.html', { width: 1400, height: 900 }, async (page) => {
+    equal((await page.locator('.told').allInnerTexts()).join(' '), study.summary.join(' '), 'sentences');
+    const bottom = async (selector) => page.locator(selector).last().evaluate((e) => e.getBoundingClientRect().bottom);
+    for (const selector of ['.told', '#fig1 img', '.smalls .u-over', '.pair .kinds', '#stage canvas']) check((await bottom(selector)) <= 900, `${selector} ends at ${await bottom(selector)}`);
+    equal((await page.locator('.small h3').allInnerTexts()).join(), ['a', 'b', 'c', 'd'].map((part) => `Fig. 2 ${part}. Looseness`).join(), 'Fig. 2');
+    const high = await page.locator('#report').evaluate((report) => report.scrollHeight / innerHeight);
+    check(high <= 15, `the column has ${high} screens`);
+    check(!(await page.isVisible('#claim-approach2-below-approach1 table')), 'statistics are folded');
+    equal(await words(page, '#claim-approach2-below-approach1 .spread'), 'holds in 1 of 2, partly in 1 of 2', 'spread');
+    equal(await words(page, '.tally'), 'holds 2\nbetter 1\npartly 1\nfails 1\nnot decided 1', 'tally, in the words of the study');
+  }));
+
+await claim('rules_look_the_same_in_all_figures_of_either_theme_and_no_two_look_alike', () =>
+  opened('study.html', { width: 1400, height: 900 }, async (page) => {
+    for (const theme of ['light', 'dark']) {
+      if (theme === 'dark') await page.keyboard.press('t');
+      await settled(page);
+      const seen = await page.evaluate(() => [...document.querySelectorAll('.kind:has(.swatch)')].map((kind) => [kind.innerText, [...kind.querySelectorAll('.swatch path')].map((p) => ['stroke', 'fill', 'stroke-dasharray', 'd'].map((a) => p.getAttribute(a)).join()).join(' ')]));
+      const looks = new Map(seen);
+      for (const [name, look] of seen) if (['approach 1', 'approach 2', 'exact', 'built anew'].includes(name)) equal(look, looks.get(name), name);
+      const ours = ['approach 1', 'approach 2', 'exact', 'built anew', 'surface uncovered'].map((name) => looks.get(name));
+      equal(new Set(ours).size, 5, 'looks');
+      check(ours[0].includes(theme === 'light' ? '#911a01' : '#e86f0a'), `${theme}: ${ours[0]}`);
+    }
+  }));
+
+await claim('titles_take_one_line_and_nothing_sticks_out', async () => {
+  for (const width of [1400, 800, 390]) {
+    await opened('study.html', { width, height: 900 }, async (page) => {
+      await page.evaluate(() => document.querySelectorAll('#report details').forEach((fold) => (fold.open = true)));
+      await settled(page);
+      const found = await page.evaluate(() => {
+        const place = document.getElementById('report').getBoundingClientRect();
+        const out = [...document.querySelectorAll('#report *')].filter((e) => !e.closest('.wide, pre, svg') && e.getBoundingClientRect().right > place.right + 0.5);
+        const tall = [...document.querySelectorAll('.one-line')].filter((e) => e.getClientRects().length > 0 && e.clientHeight > 1.7 * parseFloat(getComputedStyle(e).fontSize));
+        return [...out, ...tall].map((e) => `${e.localName}.${e.className}`);
+      });
+      equal(found.join(), '', `at ${width} pixels`);
+    });
+  }
 });
 
 for (const width of [390, 800]) {

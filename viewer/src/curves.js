@@ -5,8 +5,7 @@ import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { figure } from './numbers.js';
 import { styleValue } from './dom.js';
-
-const dashes = { reference: [6, 4], uncovered: [2, 3] };
+import { isStroked, markerPath } from './look.js';
 
 /** Log scales need something above zero; a curve of all zeros has nothing. */
 function suitsLog(series) {
@@ -27,9 +26,31 @@ function aligned(series) {
   return [xs, ...rows];
 }
 
+/** Strokes that hang from a line: from each hatched point half way to its neighbors. */
+function hatch(hatched, known, at, scale) {
+  const apart = 5 * scale;
+  const path = new Path2D();
+  let rest = 0;
+  for (let i = 0; i + 1 < hatched.length; ++i) {
+    if (!known(i) || !known(i + 1) || !(hatched[i] || hatched[i + 1])) continue;
+    const [x, y] = at(i);
+    const [dx, dy] = at(i + 1).map((to, k) => to - (k === 0 ? x : y));
+    const size = Math.hypot(dx, dy);
+    const end = hatched[i + 1] ? size : 0.5 * size;
+    let along = hatched[i] ? apart - rest : 0.5 * size + apart;
+    for (; along <= end; along += apart) {
+      const [px, py] = [x + (dx * along) / size, y + (dy * along) / size];
+      path.moveTo(px, py);
+      path.lineTo(px - 3 * scale, py + 6 * scale);
+    }
+    rest = Math.max(0, end - (along - apart));
+  }
+  return path;
+}
+
 export class Curves {
   /**
-   * content: {series: [{name, x, y, color, strong, role}], xLabel, yLabel, log, frames: whether x is the frame,
+   * content: {series: [{name, x, y, color, strong, dash, marker, hollow, dots, hatched}], xLabel, yLabel, log, frames: whether x is the frame,
    * names: of x = 0, 1, 2 …, when these are kinds and not numbers}.
    * onframe(frame): the reader pressed or dragged there.
    */
@@ -39,6 +60,12 @@ export class Curves {
       const width = this.place.clientWidth;
       if (this.plot && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
       else if (!this.plot && this.content) this.draw(this.content);
+    }).observe(place);
+    this.inSight = true;
+    new IntersectionObserver(([entry]) => {
+      this.inSight = entry.isIntersecting;
+      if (this.inSight && this.stale) this.plot?.redraw(false, false);
+      if (this.inSight) this.stale = false;
     }).observe(place);
   }
 
@@ -89,18 +116,49 @@ export class Curves {
             label: s.name,
             stroke: s.color,
             width: s.strong ? 2.4 : 1.3,
-            alpha: s.strong === false ? 0.65 : 1,
-            dash: dashes[s.role],
-            points: { show: names !== undefined || s.x.length === 1, size: 6, fill: s.color },
+            dash: s.dash?.length ? s.dash : undefined,
+            points: { show: !s.marker && (names !== undefined || s.x.length === 1), size: 6, fill: s.color },
+            ...(s.dots ? { paths: () => null } : {}),
             spanGaps: false,
           })),
         ],
-        hooks: { draw: [(plot) => this.drawFrame(plot)] },
+        hooks: { draw: [(plot) => this.drawMarks(plot), (plot) => this.drawFrame(plot)] },
       },
       data,
       this.place,
     );
     if (content.frames) this.watch(this.plot);
+  }
+
+  /** Markers where lines end and at single points; hatch below lines where surface is uncovered. */
+  drawMarks(plot) {
+    const scale = devicePixelRatio || 1;
+    const { ctx } = plot;
+    const [xs] = plot.data;
+    ctx.save();
+    ctx.setLineDash([]);
+    this.content.series.forEach((s, k) => {
+      const row = plot.data[k + 1];
+      const at = (i) => [plot.valToPos(xs[i], 'x', true), plot.valToPos(row[i], 'y', true)];
+      const known = (i) => i < row.length && row[i] !== null && row[i] !== undefined;
+      ctx.strokeStyle = s.color;
+      if (s.hatched?.length) {
+        const hatched = new Map(s.x.map((x, i) => [x, s.hatched[i] === true]));
+        ctx.lineWidth = 0.8 * scale;
+        ctx.stroke(hatch(xs.map((x) => hatched.get(x)), known, at, scale));
+      }
+      if (!s.marker) return;
+      xs.forEach((_, i) => {
+        if (!known(i) || (known(i + 1) && !s.dots && !this.content.names)) return;
+        const path = new Path2D(markerPath(s.marker, ...at(i), 3.8 * scale));
+        const stroked = isStroked(s.marker);
+        ctx.fillStyle = s.hollow ? styleValue('--panel') : s.color;
+        ctx.lineWidth = (stroked ? 2 : 1.3) * scale;
+        if (!stroked) ctx.fill(path);
+        if (stroked || s.hollow) ctx.stroke(path);
+      });
+    });
+    ctx.restore();
   }
 
   watch(plot) {
@@ -145,9 +203,12 @@ export class Curves {
     ctx.restore();
   }
 
+  /** Draws the frame's line where it is; later, if the curves are out of sight. */
   moveTo(frame) {
+    const moved = frame !== this.frame;
     this.frame = frame;
-    this.plot?.redraw(false, false);
+    if (this.inSight) this.plot?.redraw(false, false);
+    else this.stale = this.stale || moved;
   }
   retheme() {
     if (this.content) this.draw(this.content);

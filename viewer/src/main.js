@@ -246,9 +246,9 @@ function start() {
   state.set({ scene: 0 });
   begun = { ...state.values };
   goTo(location.hash);
-  // A body that moves is shown moving, unless the address or a study says what to show, or the reader wants no motion.
+  // A body that moves is shown moving, unless the address says what to show, or the reader wants no motion.
   const moves = scene.joints === null && scene.frameCount > 1;
-  if (moves && !hasReport && location.hash === '' && !matchMedia('(prefers-reduced-motion: reduce)').matches) play();
+  if (moves && location.hash === '' && !matchMedia('(prefers-reduced-motion: reduce)').matches) play();
   document.body.dataset.ready = 'true';
 }
 

@@ -3,17 +3,25 @@
 // A study: its claims with their verdicts, then figures, tables and pictures; curves over frames follow the body's.
 import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
-import { css, kindColor } from './colors.js';
+import { legend, looks } from './look.js';
 import { counted, figure } from './numbers.js';
 
-const verdicts = { holds: 'holds', better: 'better', partly: 'in part', fails: 'fails', 'not decided': 'not decided' };
 /** For the reader: where a claim to the bad of a rule fails, that is better than claimed. */
-const verdictOf = (claim) => (claim.adverse && claim.verdict === 'fails' ? 'better' : claim.verdict);
-const tallies = { holds: ['holds', 'hold'], better: ['is better than claimed', 'are better than claimed'], partly: ['holds in part', 'hold in part'], fails: ['fails', 'fail'], 'not decided': ['is not decided', 'are not decided'] };
-const little = matchMedia('(max-width: 900px)');
-const longest = 40; // rows of a table that is not folded
+const verdictOf = (claim) => (claim.adverse && claim.verdict === 'fails' ? 'better' : String(claim.verdict));
+const order = ['holds', 'better', 'partly', 'fails'];
 const list = (value) => (Array.isArray(value) ? value : []);
 const labeled = ({ label = '', unit = '' } = {}) => (unit ? `${label} (${unit})` : label);
+
+/** The first sentences of a text. */
+const sentences = (text, most) => String(text ?? '').split(/(?<=[.!?])\s+(?=[A-Z])/).slice(0, most).join(' ');
+
+/** "in 14 of 18": the verdicts of single bodies and seeds, where the study has them. */
+function spread({ counts, trials }) {
+  const count = counts && typeof counts === 'object' ? counts : list(trials).reduce((sum, { verdict }) => ({ ...sum, [verdict]: (sum[verdict] ?? 0) + 1 }), {});
+  const known = Object.entries(count).filter(([, n]) => Number.isFinite(n) && n > 0);
+  const total = known.reduce((sum, [, n]) => sum + n, 0);
+  return total > 1 ? known.map(([verdict, n]) => `${verdict} in ${n} of ${total}`).join(', ') : null;
+}
 
 /** Drawings come as text and are shown as images: whatever is in them, it runs nothing and loads nothing. */
 function drawing({ svg, title }) {
@@ -24,11 +32,12 @@ function drawing({ svg, title }) {
 
 export class Report {
   constructor(study, sceneList, state) {
-    Object.assign(this, { study, sceneList, state, curves: [] });
+    Object.assign(this, { study, sceneList, state, curves: [], legends: [] });
     const place = byId('report');
     place.hidden = false;
-    const sections = [...this.claims(), ...this.figures(), ...this.tables(), ...this.pictures(), this.settings()];
-    place.replaceChildren(this.contents(sections), ...sections);
+    const lead = this.lead();
+    const sections = [...this.claims(), ...this.figures(), ...this.pictures(), ...this.tables(), this.settings()];
+    place.replaceChildren(...lead, this.contents(sections), ...sections);
     addEventListener('hashchange', () => this.reveal());
     this.reveal();
     state.listen((changed) => {
@@ -62,14 +71,11 @@ export class Report {
     this.state.set({ scene, frame: Math.min(frame, frames - 1), playing: false });
   }
 
-  section(id, title, note, ...children) {
-    return element('section', { id, 'data-title': title }, element('h2', {}, title), note ? element('p', { class: 'muted' }, note) : null, ...children);
+  section(id, title, ...children) {
+    return element('section', { id, 'data-title': title }, element('h2', {}, title), ...children);
   }
-  /** The same, folded where there is little room; long: folded everywhere. */
-  folded(id, title, note, long, ...children) {
-    return element('section', { id, 'data-title': title },
-      element('details', { open: !long && !little.matches },
-        element('summary', {}, element('h2', {}, title)), note ? element('p', { class: 'muted' }, note) : null, ...children));
+  folded(id, title, ...children) {
+    return element('section', { id, 'data-title': title }, element('details', {}, element('summary', {}, element('h2', {}, title)), ...children));
   }
   contents(sections) {
     return element('nav', { id: 'contents', 'aria-label': 'Contents' },
@@ -79,82 +85,131 @@ export class Report {
   reveal() {
     const wanted = location.hash.includes('=') ? null : document.getElementById(decodeURIComponent(location.hash.slice(1)));
     if (!wanted || !byId('report').contains(wanted)) return;
-    for (const fold of [wanted.querySelector('details'), wanted.closest('details')]) if (fold) fold.open = true;
+    if (wanted.localName === 'section') wanted.querySelector('details')?.setAttribute('open', '');
+    for (let fold = wanted.closest('details'); fold; fold = fold.parentElement.closest('details')) fold.open = true;
     requestAnimationFrame(() => wanted.scrollIntoView({ block: 'start' }));
+  }
+
+  /** Curves of a figure in an element of that height. bare: without names of axes. */
+  plot(spec, height, bare = false) {
+    const place = element('div', { class: 'plot', style: `min-height:${height}px` });
+    const curves = new Curves(place, height, (frame) => this.go(spec, frame));
+    const content = () => {
+      const its = looks(list(spec.series));
+      return {
+        series: list(spec.series).map((s, k) => ({ name: s.name, x: list(s.x), y: list(s.y), ...its[k] })),
+        xLabel: bare ? undefined : labeled(spec.x), yLabel: bare ? undefined : labeled(spec.y),
+        log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
+      };
+    };
+    this.curves.push({ curves, spec, content });
+    curves.content = content(); // drawn as soon as it has a width
+    return place;
+  }
+  legend(...specs) {
+    const made = legend(specs.map((spec) => list(spec.series)));
+    this.legends.push(made);
+    return made.place;
+  }
+  /** The words of a title before its colon, and those after it. */
+  heading(spec, tag = 'h3') {
+    const [head, ...rest] = String(spec.title).split(': ');
+    return [element(tag, { class: 'one-line', title: spec.title }, head), rest.length ? element('p', { class: 'muted one-line' }, rest.join(': ')) : null];
+  }
+
+  /** The study in three sentences, Fig. 1, and Fig. 2 a to d. */
+  lead() {
+    const told = list(this.study.summary);
+    const first = list(this.study.pictures).find(({ id }) => id === 'fig1');
+    const specs = [/^fig2a$/, /^fig2b$/, /^fig2c-[^-]+$/, /^fig2d-[^-]+$/].map((id) => list(this.study.figures).find((spec) => id.test(spec.id)));
+    const small = (spec) => element('article', { class: 'small' }, ...this.heading(spec), this.plot(spec, 132, true));
+    const pairs = [specs.slice(0, 2), specs.slice(2)].map((pair) => pair.filter(Boolean)).filter((pair) => pair.length > 0);
+    if (told.length === 0 && !first && pairs.length < 2) return [];
+    return [
+      element('section', { id: 'summary' },
+        ...told.map((text) => element('p', { class: 'told' }, text)),
+        first ? element('div', { class: 'drawing', id: 'fig1' }, drawing(first)) : null,
+        pairs.length === 0 ? null : element('div', { class: 'pairs' },
+          ...pairs.map((pair) => element('div', { class: 'pair' }, element('div', { class: 'smalls' }, ...pair.map(small)), this.legend(...pair))))),
+    ];
   }
 
   claims() {
     const claims = list(this.study.claims);
     if (claims.length === 0) return [];
-    const count = Object.keys(verdicts)
-      .map((verdict) => [verdict, claims.filter((claim) => verdictOf(claim) === verdict).length])
-      .filter(([, n]) => n > 0);
-    const figures = new Map(list(this.study.figures).map((spec) => [spec.id, spec.title]));
-    const card = (claim) =>
-      element('article', { class: 'claim', 'data-verdict': verdictOf(claim), id: `claim-${claim.id}` },
-        element('span', { class: 'verdict' }, verdicts[verdictOf(claim)] ?? claim.verdict),
-        element('div', {},
-          element('h3', {}, claim.claim),
-          claim.numbers ? element('p', {}, claim.numbers) : null,
-          element('p', { class: 'links' },
-            ...list(claim.figures).filter((id) => figures.has(id)).map((id) => element('a', { href: `#figure-${id}` }, figures.get(id))))));
-    const trials = list(this.study.settings?.trials).length;
-    const note = trials > 1 ? `${trials} trials, which are bodies × seeds. A claim holds if it holds in nine tenths of them.` : null;
+    const words = [...new Set([...order, ...claims.map(verdictOf)])];
+    const count = words.map((word) => [word, claims.filter((claim) => verdictOf(claim) === word).length]).filter(([, n]) => n > 0);
     const groups = [['paper', 'Claims of the paper'], ['new', 'Claims of Morula']];
     return [
-      this.section('claims', 'Claims', note,
-        element('p', { class: 'tally' }, ...count.map(([verdict, n]) => element('span', { 'data-verdict': verdict }, element('b', {}, String(n)), ` ${tallies[verdict][n === 1 ? 0 : 1]}`))),
+      this.section('claims', 'Claims',
+        element('p', { class: 'tally' }, ...count.map(([word, n]) => element('span', { 'data-verdict': word }, `${word} `, element('b', {}, String(n))))),
         ...groups.flatMap(([source, title]) => {
           const its = claims.filter((claim) => (claim.source ?? 'new') === source);
-          return its.length === 0 ? [] : [element('h4', {}, title), ...its.map(card)];
+          return its.length === 0 ? [] : [element('h4', {}, title), ...its.map((claim) => this.claim(claim))];
         })),
     ];
+  }
+
+  claim(claim) {
+    const specs = list(claim.figures).map((id) => list(this.study.figures).find((spec) => spec.id === id)).filter(Boolean);
+    const why = sentences(claim.why ?? claim.numbers, 2);
+    const numbers = claim.numbers && claim.numbers !== why ? claim.numbers : null;
+    const trials = list(claim.trials);
+    const more = [
+      numbers ? element('p', {}, numbers) : null,
+      trials.length > 1 ? this.trials(trials) : null,
+      specs.length > 1 ? element('p', { class: 'links' }, ...specs.slice(1).map((spec) => element('a', { href: `#figure-${spec.id}` }, spec.title))) : null,
+    ].filter(Boolean);
+    const text = [
+      element('h3', {}, claim.claim),
+      claim.quote || claim.section ? element('p', { class: 'quote' }, [claim.quote ? `“${claim.quote}”` : null, claim.section ? `section ${claim.section}` : null].filter(Boolean).join(', ')) : null,
+      spread(claim) ? element('p', { class: 'spread' }, spread(claim)) : null,
+      why ? element('p', { class: 'why' }, why) : null,
+      more.length ? element('details', { class: 'more' }, element('summary', {}, 'Numbers'), ...more) : null,
+    ];
+    return element('article', { class: 'claim', 'data-verdict': verdictOf(claim), id: `claim-${claim.id}` },
+      element('div', { class: 'claim-text' }, element('span', { class: 'verdict' }, verdictOf(claim)), ...text),
+      specs.length ? element('div', { class: 'claim-figure' }, ...this.heading(specs[0], 'h4'), this.legend(specs[0]), this.plot(specs[0], 150, true)) : null);
+  }
+  trials(trials) {
+    const row = (trial) => element('tr', {},
+      ...[trial.body, trial.seed, trial.verdict, Number.isFinite(trial.cases) ? `${trial.cases_true ?? '–'} of ${trial.cases}` : '–', Number.isFinite(trial.value) ? figure(trial.value) : '–']
+        .map((value) => element('td', {}, String(value ?? '–'))));
+    return element('div', { class: 'wide' }, element('table', { class: 'figures' },
+      element('thead', {}, element('tr', {}, ...['body', 'seed', 'verdict', 'cases', 'value'].map((name) => element('th', { scope: 'col' }, name)))),
+      element('tbody', {}, ...trials.map(row))));
   }
 
   figures() {
     const specs = list(this.study.figures);
     if (specs.length === 0) return [];
-    const cards = specs.map((spec) => {
-      const place = element('div', { class: 'plot' });
-      const colors = list(spec.series).map((s, k) => (s.role === 'reference' ? 'var(--muted)' : css(kindColor(k))));
-      const legend = element('p', { class: 'kinds' },
-        ...list(spec.series).map((s, k) => element('span', { class: 'kind' }, element('i', { class: 'line', style: `background:${colors[k]}` }), s.name)));
-      const card = element('article', { class: 'figure', id: `figure-${spec.id}` },
-        element('h3', {}, spec.title), legend, place,
+    const cards = specs.map((spec) =>
+      element('article', { class: 'figure', id: `figure-${spec.id}` },
+        ...this.heading(spec), this.legend(spec), this.plot(spec, 230),
         spec.note ? element('p', { class: 'muted' }, spec.note) : null,
-        spec.frame_axis ? element('p', { class: 'muted hint' }, 'Press or drag in the curves to pose the body.') : null);
-      const curves = new Curves(place, 230, (frame) => this.go(spec, frame));
-      const content = () => ({
-        series: list(spec.series).map((s, k) => ({
-          name: s.name, x: list(s.x), y: list(s.y), role: s.role,
-          color: s.role === 'reference' ? getComputedStyle(document.documentElement).getPropertyValue('--muted').trim() : colors[k],
-        })),
-        xLabel: labeled(spec.x), yLabel: labeled(spec.y), log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
-      });
-      this.curves.push({ curves, spec, content });
-      curves.content = content(); // drawn as soon as it has a width
-      return card;
-    });
-    return [this.folded('study-figures', 'Figures', null, false, element('div', { class: 'cards' }, ...cards))];
+        spec.frame_axis ? element('p', { class: 'muted hint' }, 'Press or drag in the curves to pose the body.') : null));
+    return [this.folded('study-figures', 'All figures', element('div', { class: 'cards' }, ...cards))];
   }
 
   tables() {
-    return list(this.study.tables).map((table) => {
+    const tables = list(this.study.tables).map((table) => {
       const numeric = list(table.columns).map((_, k) => list(table.rows).every((row) => typeof row[k] !== 'string'));
       const cell = (value, k) => element('td', { class: numeric[k] ? 'number' : null }, typeof value === 'number' ? figure(value) : (value ?? '–'));
-      return this.folded(`table-${table.id}`, table.title, table.note, list(table.rows).length > longest,
+      return element('details', { id: `table-${table.id}` }, element('summary', {}, element('h3', {}, table.title)),
+        table.note ? element('p', { class: 'muted' }, table.note) : null,
         element('div', { class: 'wide' },
           element('table', { class: 'figures' },
             element('thead', {}, element('tr', {}, ...list(table.columns).map((name, k) => element('th', { scope: 'col', class: numeric[k] ? 'number' : null }, name)))),
             element('tbody', {}, ...list(table.rows).map((row) => element('tr', {}, ...row.map(cell)))))));
     });
+    return tables.length === 0 ? [] : [this.section('tables', 'Tables', ...tables)];
   }
 
   pictures() {
-    const pictures = list(this.study.pictures);
+    const pictures = list(this.study.pictures).filter(({ id }) => id !== 'fig1');
     if (pictures.length === 0) return [];
     return [
-      this.folded('pictures', 'Pictures', null, false,
+      this.section('pictures', 'Pictures',
         element('div', { class: 'cards' },
           ...pictures.map((picture) => element('article', { class: 'figure', id: `picture-${picture.id}` }, element('h3', {}, picture.title), element('div', { class: 'drawing' }, drawing(picture)))))),
     ];
@@ -163,12 +218,13 @@ export class Report {
   settings() {
     const bodies = list(this.study.bodies).map((body) =>
       element('li', {}, `${body.name}: ${counted(body.vertices, 'vertex', 'vertices')}, ${counted(body.facets, 'facet')}, volume ${figure(body.volume)}`));
-    return this.folded('settings', 'Settings', null, true,
+    return this.folded('settings', 'Settings',
       bodies.length ? element('ul', {}, ...bodies) : null,
       element('pre', {}, JSON.stringify(this.study.settings ?? {}, null, 2)));
   }
 
   retheme() {
     for (const { curves, content } of this.curves) curves.draw(content());
+    for (const { fill } of this.legends) fill();
   }
 }

@@ -61,6 +61,7 @@ int study_command(const StudyArguments& o) {
   if (above.empty() || fs::is_directory(above)) require_folder_place(folder);
   if (!o.trees.empty()) require_not_input_folder(o.output, {o.trees});
   const Shard shard = parse_shard(o.shard);
+  const std::vector<study::FigureFormat> formats = figure_formats(o.formats);
   const study::Plan plan = make_study_plan(o);
   Workers workers = make_workers(o.threads);
   const Interrupt interrupt;
@@ -77,7 +78,8 @@ int study_command(const StudyArguments& o) {
     const bool with_page = [&] {
       Progress progress("study");
       return write_study_folder(
-          study, folder, workers, [&](double share, std::string what) { progress.update(share, std::move(what)); },
+          study, folder, formats, workers,
+          [&](double share, std::string what) { progress.update(share, std::move(what)); },
           [&] { return interrupt.requested(); });
     }();
     note_written(folder);
@@ -86,7 +88,7 @@ int study_command(const StudyArguments& o) {
     } else {
       fmt::print("{}\n{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
                  wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), o.output, seconds(watch.lap()),
-                 study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study));
+                 study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study, formats));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
       } else {
@@ -156,6 +158,11 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "--depth", o->depth, "Levels below the root, 1 to 6; the last two are measured; default: 3")
       ->type_name("N")
       ->transform(whole_number(1, 6));
+  add_option(*command, "--formats", o->formats,
+             fmt::format("Files of figures, of {}", fmt::join(figure_format_names(), ", ")))
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->capture_default_str();
   add_option(*command, "--seed", o->seed, "First seed of all random choices")
       ->type_name("N")
       ->transform(whole_number())

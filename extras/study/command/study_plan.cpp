@@ -205,12 +205,27 @@ std::vector<std::string> study_rule_names() {
   return names;
 }
 
+std::vector<std::string> figure_format_names() {
+  std::vector<std::string> names;
+  for (const study::FigureFormat format : study::all_figure_formats()) names.emplace_back(name(format));
+  return names;
+}
+
+std::vector<study::FigureFormat> figure_formats(const std::vector<std::string>& names) {
+  for (const std::string& given : names) check_name("format", given, figure_format_names());
+  std::vector<study::FigureFormat> formats;
+  for (const study::FigureFormat format : study::all_figure_formats())
+    if (std::find(names.begin(), names.end(), name(format)) != names.end()) formats.push_back(format);
+  return formats;
+}
+
 std::vector<std::string> paper_method_names() {
   return names_of(study::paper_methods());
 }
 
 study::Plan make_study_plan(const StudyOptions& o) {
   study::Plan plan;
+  figure_formats(o.formats);  // unknown names end here, before any work
   std::vector<std::string> methods = o.methods;
   if (methods.empty()) {
     methods = paper_method_names();
@@ -264,11 +279,12 @@ study::Plan make_study_plan(const StudyOptions& o) {
   return plan;
 }
 
-bool write_study_folder(const study::Study& study, const fs::path& folder, Workers& workers,
+bool write_study_folder(const study::Study& study, const fs::path& folder,
+                        const std::vector<study::FigureFormat>& formats, Workers& workers,
                         const study::Progress& progress, const std::function<bool()>& is_stopped) {
   // Into a folder in use: finished cells stay where they are, and results change together.
   WholeFolder results(folder, WholeFolder::Mode::merge);
-  study::write_study(study, results.path());
+  study::write_study(study, results.path(), formats);
   const bool with_page = has_page();
   if (with_page) {
     const PageContent page = study::study_page(study, workers, progress);

@@ -32,12 +32,16 @@ struct StudyOptions {
   std::uint64_t seed = 1;  ///< the first seed; the others follow it
   std::size_t seeds = 3;
   std::string unit = "volume";
+  std::vector<std::string> formats{"svg", "csv"};
   bool quick = false;
 };
 
 std::vector<std::string> study_rule_names();
 /// The sample bodies of a study without other bodies.
 std::vector<std::string> study_body_names();
+std::vector<std::string> figure_format_names();
+/// Each once, in the order of study::all_figure_formats(). Throws UsageError for an unknown name.
+std::vector<study::FigureFormat> figure_formats(const std::vector<std::string>& names);
 /// The names of the generators that the paper has.
 std::vector<std::string> paper_method_names();
 
@@ -45,9 +49,10 @@ std::vector<std::string> paper_method_names();
 /// end at a file that was never there.
 study::Plan make_study_plan(const StudyOptions& options);
 
-/// study.json, CSV and SVG files, and index.html where there is a page, all of them or none. `is_stopped` is asked
-/// before they take their places. Returns whether there is a page. Throws study::Stopped.
-bool write_study_folder(const study::Study& study, const std::filesystem::path& folder, Workers& workers,
+/// study.json, tables, figures in these formats, and index.html where there is a page, all of them or none.
+/// `is_stopped` is asked before they take their places. Returns whether there is a page. Throws study::Stopped.
+bool write_study_folder(const study::Study& study, const std::filesystem::path& folder,
+                        const std::vector<study::FigureFormat>& formats, Workers& workers,
                         const study::Progress& progress, const std::function<bool()>& is_stopped);
 
 }  // namespace morula::cli

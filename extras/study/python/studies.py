@@ -119,6 +119,7 @@ def study(
     seeds: int = 3,
     unit: str = "volume",
     quick: bool = False,
+    formats: Sequence[str] = ("svg", "csv"),
     executor: concurrent.futures.Executor | None = None,
     shards: int = 32,
     progress: Callable[[float, str], object] | None = None,
@@ -133,6 +134,7 @@ def study(
         seeds: number of seeds from `seed` on: each body has a trial with each.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
+        formats: files of figures in the folder, of svg, csv, pdf and pgf.
         executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes `shards` parts and
             stores their cells in the folder, which all workers must share. Figures are the same; only times differ.
         progress: called with the completed share and the present step; an exception of it ends the study.
@@ -146,7 +148,8 @@ def study(
     options: dict[str, Any] = {
         "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
-        "seed": seed, "seeds": seeds, "unit": unit, "quick": quick, "samples": list(samples), "motions": [os.fspath(path) for path in motions],
+        "seed": seed, "seeds": seeds, "unit": unit, "quick": quick, "formats": list(formats),
+        "samples": list(samples), "motions": [os.fspath(path) for path in motions],
     }
     if executor is not None:
         if output is None:

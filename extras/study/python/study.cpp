@@ -38,7 +38,7 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
                        (name == "resolution" && read(options.resolution)) ||
                        (name == "branching" && read(options.branching)) || (name == "depth" && read(options.depth)) ||
                        (name == "seed" && read(options.seed)) || (name == "seeds" && read(options.seeds)) || (name == "unit" && read(options.unit)) ||
-                       (name == "quick" && read(options.quick));
+                       (name == "quick" && read(options.quick)) || (name == "formats" && read(options.formats));
     if (!known) throw nb::type_error(("there is no option '" + name + "'").c_str());
   }
   return options;
@@ -100,7 +100,9 @@ void bind_study_extra(nb::module_& m) {
   m.def(
       "study_files",
       [](nb::dict bodies, nb::dict options, std::optional<FilePath> output, nb::object progress, Threads* workers) {
-        const study::Plan plan = plan_of(study_options(bodies, options));
+        const cli::StudyOptions chosen = study_options(bodies, options);
+        const study::Plan plan = plan_of(chosen);
+        const std::vector<study::FigureFormat> formats = cli::figure_formats(chosen.formats);
         Report report(progress);
         auto [json, cells, faults] = stoppable(report, [&] {
           CallWorkers call(workers);
@@ -109,7 +111,8 @@ void bind_study_extra(nb::module_& m) {
           const study::Study made =
               study::make_study(plan, call, {cache ? &*cache : nullptr, report.token(), report.progress()});
           if (output)
-            cli::write_study_folder(made, output->path, call, report.progress(), [&] { return report.stopped(); });
+            cli::write_study_folder(made, output->path, formats, call, report.progress(),
+                                    [&] { return report.stopped(); });
           return std::make_tuple(study::study_json(made), study::cells_csv(made.plan, made.result),
                                  study::faults(made.plan, made.result));
         });

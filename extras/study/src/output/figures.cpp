@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <functional>
 #include <morula/study/figures.hpp>
 
@@ -41,16 +42,26 @@ struct Curve {
   std::optional<std::size_t> rule;
   std::string name;
   SeriesRole role;
+  bool of_generators = false;  // its figure compares generators
 };
 
+/// "Fig. 2 a. Uncovered area: rules, medial, level 2, stretch 2": one line, the measure in the middle.
+std::string figure_title(const std::string& head, const std::string& measure, const std::string& about) {
+  std::string text = head.empty() ? measure : head + ". " + measure;
+  const std::size_t first = text.size() - measure.size();
+  text[first] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[first])));
+  return text + ": " + about;
+}
+
 /// Looseness, uncovered area, uncovered distance and protrusion of the same curves.
-void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& title,
-               std::size_t motion, std::size_t level, const std::vector<Curve>& curves, std::vector<Figure>& figures) {
+void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& head,
+               const std::string& about, std::size_t motion, std::size_t level, const std::vector<Curve>& curves,
+               std::vector<Figure>& figures) {
   for (const MeasureKind& kind : measures(plan.unit)) {
     Figure figure;
     figure.id = group + kind.suffix;
     figure.group = group;
-    figure.title = kind.suffix.empty() ? title : fmt::format("{}: {}", title, kind.title);
+    figure.title = figure_title(head, kind.title, about);
     figure.motion = first_word(plan.motion_name(motion));
     figure.y_label = kind.label;
     figure.y_unit = kind.unit;
@@ -59,11 +70,14 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
       const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
       Series series{curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
+      series.rule = plan.rules[*curve.rule].name;
+      if (curve.of_generators) series.method = plan.sources[curve.source].method;
       for (const Sample& sample : cell->samples) {
         const LevelFigures* figures_of_level = cell->at(sample.sample, level);
         if (figures_of_level == nullptr) continue;
         series.x.push_back(static_cast<double>(sample.sample));
         series.y.push_back(kind.value(*figures_of_level));
+        series.uncovered.push_back(!kind.uncovered && figures_of_level->uncovered_area() > 0);
         known = known || series.y.back().has_value();
       }
       figure.series.push_back(std::move(series));
@@ -116,10 +130,9 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
       const std::string part = i + 1 == levels.size() ? "b" : "a";
       const std::string id =
           stretch ? "fig2" + part : fmt::format("rules-{}-{}-{}", medial_name, first_word(words), levels[i]);
-      add_group(plan, result, id,
-                fmt::format("{}Approach 1 and Approach 2, {} tree, level {}, {}",
-                            stretch ? fmt::format("Fig. 2 {}. ", part) : "", medial_name, levels[i], words),
-                motion, levels[i], rule_curves(plan, medial), figures);
+      add_group(plan, result, id, stretch ? "Fig. 2 " + part : "",
+                fmt::format("rules, {}, level {}, {}", medial_name, levels[i], words), motion, levels[i],
+                rule_curves(plan, medial), figures);
     }
   }
   const std::optional<std::size_t> approach2 = plan.find_rule(Rule::approach2), exact = plan.find_rule(Rule::exact);
@@ -131,13 +144,12 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
       for (const std::size_t source : sources) {
         const bool ours = plan.sources[source].named() == Method::optimized;
         curves.push_back(
-            {source, approach2, plan.sources[source].method, ours ? SeriesRole::reference : SeriesRole::method});
+            {source, approach2, plan.sources[source].method, ours ? SeriesRole::reference : SeriesRole::method, true});
       }
       for (const std::size_t source : sources)
-        curves.push_back({source, exact, plan.sources[source].method + ", exact", SeriesRole::reference});
-      add_group(plan, result, fmt::format("fig2{}-{}", part, first_word(words)),
-                fmt::format("Fig. 2 {}. Generators with Approach 2, level {}, {}", part, levels[i], words), motion,
-                levels[i], curves, figures);
+        curves.push_back({source, exact, plan.sources[source].method + ", exact", SeriesRole::reference, true});
+      add_group(plan, result, fmt::format("fig2{}-{}", part, first_word(words)), "Fig. 2 " + part,
+                fmt::format("generators, level {}, {}", levels[i], words), motion, levels[i], curves, figures);
     }
   }
   for (const std::size_t source : sources) {
@@ -146,8 +158,8 @@ std::vector<Figure> make_figures(const Plan& plan, const Result& result) {
     for (const std::size_t level : levels) {
       for (std::size_t motion = 0; motion < plan.motion_count(); ++motion) {
         const std::string words = plan.motion_name(motion);
-        add_group(plan, result, fmt::format("rules-{}-{}-{}", method, first_word(words), level),
-                  fmt::format("Every rule, {} tree, level {}, {}", method, level, words), motion, level,
+        add_group(plan, result, fmt::format("rules-{}-{}-{}", method, first_word(words), level), "",
+                  fmt::format("rules, {}, level {}, {}", method, level, words), motion, level,
                   rule_curves(plan, source), figures);
       }
     }

@@ -3,10 +3,15 @@
 // study.json.
 #include "json.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <morula/geometry/inspect.hpp>
 #include <morula/study/study.hpp>
 #include <morula/version.hpp>
 
+#include "output/styles.hpp"
+#include "output/summary.hpp"
 #include "run/cost.hpp"
 #include "run/press.hpp"
 
@@ -89,6 +94,7 @@ Json claim_json(const Claim& claim) {
             {"claim", claim.claim},     {"verdict", name(claim.verdict)},
             {"numbers", claim.numbers}, {"figures", claim.figures}};
   if (!claim.times.empty()) json["times"] = claim.times;
+  if (const std::string why = why_of(claim.id); !why.empty()) json["why"] = why;
   if (claim.adverse) json["adverse"] = true;
   if (claim.guarantee) json["guarantee"] = true;
   json["counts"] = {{"trials", claim.trials.size()},
@@ -111,6 +117,30 @@ Json claim_json(const Claim& claim) {
   return json;
 }
 
+/// The look of a curve, the same as in the files: colors on light and dark pages, dashes in pixels.
+Json style_json(const Series& series) {
+  const toolbox::PlotLine line = style_of(series);
+  const toolbox::Shade& shade = toolbox::palette[static_cast<std::size_t>(line.color)];
+  return {{"light", fmt::format("#{:06x}", shade.light)},
+          {"dark", fmt::format("#{:06x}", shade.dark)},
+          {"dash", line.dash},
+          {"marker", name(line.marker)},
+          {"strong", line.strong},
+          {"hollow", line.hollow},
+          {"dots", line.dots}};
+}
+
+Json series_json(const Series& series) {
+  Json json{{"name", series.name},
+            {"x", series.x},
+            {"y", array_of(series.y, json_of<double>)},
+            {"role", name(series.role)},
+            {"style", style_json(series)}};
+  if (std::find(series.uncovered.begin(), series.uncovered.end(), true) != series.uncovered.end())
+    json["uncovered"] = series.uncovered;
+  return json;
+}
+
 Json figure_json(const Plan& plan, const Figure& figure) {
   Json json{{"id", figure.id}, {"title", figure.title}};
   if (!figure.note.empty()) json["note"] = figure.note;
@@ -124,9 +154,7 @@ Json figure_json(const Plan& plan, const Figure& figure) {
   json["frame_axis"] = figure.x_names.empty();
   json["motion"] = figure.motion;
   json["body"] = plan.bodies[figure.body].name;
-  json["series"] = array_of(figure.series, [](const Series& s) -> Json {
-    return {{"name", s.name}, {"x", s.x}, {"y", array_of(s.y, json_of<double>)}, {"role", name(s.role)}};
-  });
+  json["series"] = array_of(figure.series, series_json);
   return json;
 }
 
@@ -218,6 +246,7 @@ std::string study_json(const Study& study) {
       {"title", "Sphere trees on deforming bodies: the evaluation of Garcia, Bayona, Toharia and Mendoza, again"},
       {"settings", settings_json(plan)},
       {"bodies", array_of(plan.bodies, body_json)},
+      {"summary", summary_of(study)},
       {"claims", array_of(study.claims, claim_json)},
       {"stability", stability_json(study.stability)},
       {"figures", array_of(study.figures, [&](const Figure& figure) { return figure_json(plan, figure); })},

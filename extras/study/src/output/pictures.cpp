@@ -8,6 +8,7 @@
 #include <morula/update/body.hpp>
 #include <stdexcept>
 
+#include "output/styles.hpp"
 #include "run/poses.hpp"
 #include "svg/picture.hpp"
 
@@ -16,17 +17,6 @@ namespace morula::study {
 using namespace toolbox;
 
 namespace {
-
-/// The color of a curve: the same for one rule, or one generator, in all plots.
-int color_of(const std::string& series) {
-  static const std::vector<std::pair<std::string, int>> colors{
-      {"Approach 1", 1},  {"Approach 2", 0}, {"traditional", 4}, {"weighted", 6}, {"exact, rebuilt", 5},
-      {"fresh build", 7}, {"exact", 2},      {"medial", 0},      {"grid", 2},     {"hubbard", 1},
-      {"spawn", 3},       {"optimized", 7},  {"octree", 4}};
-  for (const auto& [begin, color] : colors)
-    if (series.rfind(begin, 0) == 0) return color;
-  return 7;
-}
 
 constexpr double page_width = 1080;
 constexpr double left = 120;  // room for the names of rows
@@ -82,11 +72,74 @@ std::vector<Column> make_columns(const Plan& plan, const Result& result) {
   return columns;
 }
 
+/// The boxes of all contents: rows × columns, in units of the mesh; and what they take on the page.
+struct Layout {
+  std::vector<std::vector<PictureBox>> boxes;
+  std::vector<double> widths, heights;
+};
+
+Layout layout_of(const std::vector<Row>& rows, const std::vector<Column>& columns, const PictureView& view) {
+  Layout layout{std::vector<std::vector<PictureBox>>(rows.size()), {}, std::vector<double>(rows.size(), 0)};
+  for (const Column& column : columns) {
+    double width = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const PictureBox box = picture_box(view, column.positions, spheres_of(column, rows[r]));
+      layout.boxes[r].push_back(box);
+      width = std::max(width, box.x1 - box.x0);
+      layout.heights[r] = std::max(layout.heights[r], box.y1 - box.y0);
+    }
+    layout.widths.push_back(width);
+  }
+  return layout;
+}
+
+void add_text(Drawing& drawing, double x, double y, const std::string& text, Shade color, Anchor anchor) {
+  drawing.items.emplace_back(DrawnText{x, y, text, color, 16, anchor});
+}
+
+/// One row: its name, and its contents in each pose. Returns its lower end.
+double draw_row(const Mesh& rest, const std::vector<Row>& rows, std::size_t r, const std::vector<Column>& columns,
+                const Layout& layout, PictureView view, double y, Drawing& drawing) {
+  std::vector<std::uint32_t> kept;
+  Mesh shown = coarser(rest, most_facets, kept);
+  const double height = view.scale * layout.heights[r];
+  add_text(drawing, 12, y + 0.5 * height, rows[r].first_line, shades::ink, Anchor::start);
+  if (!rows[r].second_line.empty())
+    add_text(drawing, 12, y + 0.5 * height + 20, rows[r].second_line, shades::muted, Anchor::start);
+  double x = left;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const double width = view.scale * layout.widths[c];
+    const PictureBox& box = layout.boxes[r][c];
+    view.page_x = x + 0.5 * width - 0.5 * view.scale * (box.x0 + box.x1);
+    view.page_y = y + 0.5 * height - 0.5 * view.scale * (box.y0 + box.y1);
+    if (r == 0) {
+      add_text(drawing, x + 0.5 * width, top - 22, columns[c].name, shades::ink, Anchor::middle);
+      for (std::size_t v = 0; v < kept.size(); ++v) shown.positions[v] = columns[c].positions[kept[v]];
+      draw_mesh(shown, view, drawing);
+    } else {
+      draw_spheres({columns[c].positions, rest.facets}, spheres_of(columns[c], rows[r]), view, drawing);
+    }
+    x += width + between;
+  }
+  return y + height;
+}
+
+/// Levels and budgets do not form one sequence: a gap between them.
+void part_levels_from_budgets(const std::vector<std::string>& names, PlotLine& line) {
+  for (std::size_t i = 1; i < names.size() && i < line.x.size(); ++i) {
+    if (names[i - 1].rfind("level", 0) != 0 || names[i].rfind("level", 0) == 0) continue;
+    line.x.insert(line.x.begin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(i) - 0.5);
+    line.y.insert(line.y.begin() + static_cast<std::ptrdiff_t>(i), std::nullopt);
+    return;
+  }
+}
+
 }  // namespace
 
 Plot plot_of(std::span<const Figure> group) {
   const Figure& first = group.front();
   Plot plot{first.title, fmt::format("sample (0 is rest, the last one the full {})", first.motion), {}};
+  plot.hatch_name = "hatched: the rule leaves surface uncovered";
   if (!first.x_names.empty()) {
     plot.x_label = "how far the query goes: a level, leaves with a budget of pair tests, all leaves";
     plot.x_names = first.x_names;
@@ -94,19 +147,11 @@ Plot plot_of(std::span<const Figure> group) {
   for (const Figure& figure : group) {
     PlotPanel panel{fmt::format("{}, {}", figure.y_label, figure.y_unit), {}};
     for (const Series& s : figure.series) {
-      PlotLine line{s.name, s.x, s.y, color_of(s.name), PlotLine::Style::solid, s.role != SeriesRole::reference};
-      // Levels and budgets do not form one sequence.
-      for (std::size_t i = 1; i < first.x_names.size() && i < line.x.size(); ++i) {
-        if (first.x_names[i - 1].rfind("level", 0) != 0 || first.x_names[i].rfind("level", 0) == 0) continue;
-        line.x.insert(line.x.begin() + static_cast<std::ptrdiff_t>(i), static_cast<double>(i) - 0.5);
-        line.y.insert(line.y.begin() + static_cast<std::ptrdiff_t>(i), std::nullopt);
-        break;
-      }
-      if (s.name.find("fresh") != std::string::npos) {
-        line.style = PlotLine::Style::dots;
-      } else if (!line.strong && s.name != "optimized") {
-        line.style = PlotLine::Style::dashed;
-      }
+      PlotLine line = style_of(s);
+      line.x = s.x;
+      line.y = s.y;
+      line.hatched = s.uncovered;
+      part_levels_from_budgets(first.x_names, line);
       panel.lines.push_back(std::move(line));
     }
     plot.panels.push_back(std::move(panel));
@@ -115,72 +160,28 @@ Plot plot_of(std::span<const Figure> group) {
 }
 
 std::vector<Picture> make_pictures(const Plan& plan, const Result& result) {
-  std::vector<Column> columns = make_columns(plan, result);
+  const std::vector<Column> columns = make_columns(plan, result);
   if (columns.empty()) return {};
   const Mesh& rest = plan.bodies.front().mesh;
-  std::vector<std::uint32_t> kept;
-  Mesh shown = coarser(rest, most_facets, kept);
   const std::vector<Row> rows = make_rows(plan);
-
   // One scale for all; the width of a column and the height of a row are those of their contents.
   PictureView view = side_view(bounding_box(rest).longest_axis());
-  std::vector<double> widths, heights(rows.size(), 0);
-  std::vector<std::vector<PictureBox>> boxes(rows.size());
+  const Layout layout = layout_of(rows, columns, view);
   double total = 0;
-  for (const Column& column : columns) {
-    double width = 0;
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      boxes[r].push_back(picture_box(view, column.positions, spheres_of(column, rows[r])));
-      const PictureBox& box = boxes[r].back();
-      width = std::max(width, box.x1 - box.x0);
-      heights[r] = std::max(heights[r], box.y1 - box.y0);
-    }
-    widths.push_back(width);
-    total += width;
-  }
+  for (const double width : layout.widths) total += width;
   view.scale = (page_width - left - between * static_cast<double>(columns.size())) / total;
-  std::string body = svg_sphere_definitions("f1");
+  Drawing drawing{.width = page_width, .height = 0, .title = "Fig. 1. The body, and the spheres that follow it"};
   double y = top;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const double height = view.scale * heights[r];
-    body += fmt::format("<text x=\"12\" y=\"{:.1f}\">{}</text>", y + 0.5 * height, svg_escaped(rows[r].first_line));
-    body += fmt::format("<text class=\"t\" x=\"12\" y=\"{:.1f}\">{}</text>\n", y + 0.5 * height + 16,
-                        svg_escaped(rows[r].second_line));
-    double x = left;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const double width = view.scale * widths[c];
-      const PictureBox& box = boxes[r][c];
-      view.page_x = x + 0.5 * width - 0.5 * view.scale * (box.x0 + box.x1);
-      view.page_y = y + 0.5 * height - 0.5 * view.scale * (box.y0 + box.y1);
-      if (r == 0) {
-        body += fmt::format("<text text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 0.5 * width,
-                            top - 22, svg_escaped(columns[c].name));
-        for (std::size_t v = 0; v < kept.size(); ++v) shown.positions[v] = columns[c].positions[kept[v]];
-        body += svg_mesh(shown, view);
-      } else {
-        body += svg_spheres({columns[c].positions, rest.facets}, spheres_of(columns[c], rows[r]), view,
-                            fmt::format("f1-{}{}-", r, c));
-      }
-      x += width + between;
-    }
-    y += height + 26;
-  }
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
-      "height=\"{1:.0f}\" role=\"img\" font-family=\"system-ui,Helvetica,Arial,sans-serif\" font-size=\"13\">\n"
-      "<title>{2}</title>\n<style>text{{fill:#222}}.t{{fill:#555}}.p{{fill:#fff}}@media(prefers-color-scheme:dark)"
-      "{{text{{fill:#e8e8e8}}.t{{fill:#aaa}}.p{{fill:#16181c}}}}</style>\n"
-      "<rect class=\"p\" width=\"100%\" height=\"100%\"/>\n",
-      page_width, y + 14, "Fig. 1. The body, and the spheres that follow it");
-  svg += body;
-  svg += fmt::format(
-      "<path fill=\"#d55e00\" d=\"M12 {0:.1f}h12v12h-12z\"/><text class=\"t\" x=\"30\" y=\"{1:.1f}\">surface in front "
-      "of all spheres: uncovered</text>\n</svg>\n",
-      y - 12, y - 1);
+  for (std::size_t r = 0; r < rows.size(); ++r) y = draw_row(rest, rows, r, columns, layout, view, y, drawing) + 26;
+  DrawnPath square;
+  square.steps = {{'M', 12, y - 12}, {'L', 24, y - 12}, {'L', 24, y}, {'L', 12, y}, {'Z'}};
+  square.fill = uncovered_shade;
+  drawing.items.emplace_back(square);
+  add_text(drawing, 30, y - 1, "surface in front of all spheres: uncovered", shades::muted, Anchor::start);
+  drawing.height = y + 14;
   return {{"fig1",
-           fmt::format("Fig. 1. {}, bent, twisted, stretched and at rest; the spheres of Approach 2, and of exact",
-                       plan.bodies.front().name),
-           svg}};
+           fmt::format("Fig. 1. {}: its poses, and the spheres of Approach 2 and exact", plan.bodies.front().name),
+           svg_of(drawing), pdf_of(drawing)}};
 }
 
 }  // namespace morula::study

@@ -52,22 +52,26 @@ std::vector<std::string> query_names(const Plan& plan) {
 struct PressCurve {
   std::string name;
   const PressCell* cell;
+  std::string method{};  // in figures that compare generators
 };
 
-void add_press_group(const Plan& plan, const std::string& group, const std::string& title, Axis axis,
+void add_press_group(const Plan& plan, const std::string& group, const std::string& about, Axis axis,
                      const std::vector<PressCurve>& curves, std::vector<Figure>& figures) {
   const std::size_t amount = plan.press_amounts.size() / 2;
   for (const PressMeasure& measure : press_measures()) {
     Figure figure;
     figure.id = group + measure.suffix;
     figure.group = group;
-    figure.title = measure.suffix.empty() ? title : fmt::format("{}: {}", title, measure.title);
+    figure.title = fmt::format("Contacts, {}: {}", measure.title, about);
     figure.motion = "press";
     figure.y_label = measure.label;
     figure.y_unit = measure.unit;
     figure.x_names = query_names(plan);
     const auto add = [&](const PressCurve& curve, const std::string& name, SeriesRole role, const Value& value) {
       Series series{name, role, {}, {}};
+      series.rule = plan.press_rules[curve.cell->rule].name;
+      series.method = curve.method;
+      series.faint = role == SeriesRole::reference;
       for (const PressFigures& f : curve.cell->figures) {
         if (f.amount != amount || f.axis != axis) continue;
         series.x.push_back(static_cast<double>(f.query));
@@ -99,7 +103,8 @@ std::vector<Figure> make_press_figures(const Plan& plan, const Result& result) {
   std::vector<Axis> axes;
   for (const PressCell* cell : cells) {
     const FollowRule& rule = plan.press_rules[cell->rule];
-    if (rule.key() == RuleKey(Rule::exact)) generators.push_back({plan.pressed(cell->source).method, cell});
+    if (rule.key() == RuleKey(Rule::exact))
+      generators.push_back({plan.pressed(cell->source).method, cell, plan.pressed(cell->source).method});
     if (cell->source == chosen) rules.push_back({rule.title(), cell});
     for (const PressFigures& f : cell->figures)
       if (std::find(axes.begin(), axes.end(), f.axis) == axes.end()) axes.push_back(f.axis);
@@ -107,11 +112,10 @@ std::vector<Figure> make_press_figures(const Plan& plan, const Result& result) {
   const std::string pressed = percent(plan.press_amounts[plan.press_amounts.size() / 2]);
   for (const Axis axis : axes) {
     const std::string along(name(axis));
-    const std::string heading =
-        fmt::format("Contacts of {} pressed along {} by {} of its diagonal", body, along, pressed);
+    const std::string about = fmt::format("{}, pressed along {} by {}", body, along, pressed);
     if (!generators.empty())
-      add_press_group(plan, "press-generators-" + along, heading + ", rule exact", axis, generators, figures);
-    add_press_group(plan, "press-rules-" + along, fmt::format("{}, {} tree", heading, plan.pressed(chosen).method),
+      add_press_group(plan, "press-generators-" + along, about + ", generators", axis, generators, figures);
+    add_press_group(plan, "press-rules-" + along, fmt::format("{}, rules, {}", about, plan.pressed(chosen).method),
                     axis, rules, figures);
   }
   return figures;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <morula/io/whole_output.hpp>
 #include <morula/study/study.hpp>
 
@@ -49,13 +50,45 @@ std::string figure_svg(std::span<const Figure> group) {
   return svg_plot(plot_of(group));
 }
 
-void write_study(const Study& study, const std::filesystem::path& folder) {
-  for (const std::span<const Figure> group : groups_of(study.figures)) {
-    write_whole(folder / (group.front().group + ".csv"), figure_csv(group));
-    write_whole(folder / (group.front().group + ".svg"), figure_svg(group));
+std::string figure_pdf(std::span<const Figure> group) {
+  return pdf_plot(plot_of(group));
+}
+
+std::string figure_pgf(std::span<const Figure> group) {
+  return pgf_plot(plot_of(group));
+}
+
+std::string_view name(FigureFormat format) {
+  constexpr std::array<std::string_view, 4> names{"svg", "csv", "pdf", "pgf"};
+  return names[static_cast<std::size_t>(format)];
+}
+
+std::span<const FigureFormat> all_figure_formats() {
+  static constexpr std::array all{FigureFormat::svg, FigureFormat::csv, FigureFormat::pdf, FigureFormat::pgf};
+  return all;
+}
+
+std::vector<FigureFormat> default_figure_formats() {
+  return {FigureFormat::svg, FigureFormat::csv};
+}
+
+void write_study(const Study& study, const std::filesystem::path& folder, const std::vector<FigureFormat>& formats) {
+  const auto file_of = [&](const std::string& id, FigureFormat format) {
+    return folder / fmt::format("{}.{}", id, name(format));
+  };
+  for (const FigureFormat format : formats) {
+    const auto write_figure = format == FigureFormat::svg   ? figure_svg
+                              : format == FigureFormat::csv ? figure_csv
+                              : format == FigureFormat::pdf ? figure_pdf
+                                                            : figure_pgf;
+    for (const std::span<const Figure> group : groups_of(study.figures))
+      write_whole(file_of(group.front().group, format), write_figure(group));
+    for (const Picture& picture : study.pictures) {
+      if (format == FigureFormat::svg) write_whole(file_of(picture.id, format), picture.svg);
+      if (format == FigureFormat::pdf) write_whole(file_of(picture.id, format), picture.pdf);
+    }
   }
   for (const Table& table : study.tables) write_whole(folder / (table.id + ".csv"), table_csv(table));
-  for (const Picture& picture : study.pictures) write_whole(folder / (picture.id + ".svg"), picture.svg);
   write_whole(folder / "cells.csv", cells_csv(study.plan, study.result));
   write_whole(folder / "study.json", study_json(study));
 }
@@ -140,10 +173,13 @@ std::string trials_text(const Study& study) {
   return text;
 }
 
-std::string contents_text(const Study& study) {
+std::string contents_text(const Study& study, const std::vector<FigureFormat>& formats) {
+  std::string extensions;
+  for (std::size_t i = 0; i < formats.size(); ++i)
+    extensions += fmt::format("{}.{}", i == 0 ? "" : i + 1 == formats.size() ? " and " : ", ", name(formats[i]));
   std::string text = "- study.json: everything; cells.csv: every measurement with all digits\n";
-  text += fmt::format("- {} figures as .svg and .csv: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*, press-*\n",
-                      groups_of(study.figures).size() + study.pictures.size());
+  text += fmt::format("- {} figures as {}: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*, press-*\n",
+                      groups_of(study.figures).size() + study.pictures.size(), extensions);
   text += "- tables as .csv:";
   for (const Table& table : study.tables) text += ' ' + table.id;
   return text + '\n';

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "svg/picture.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,29 +10,16 @@
 namespace morula::study {
 namespace {
 
-constexpr double fine = 10;  // whole numbers in paths are tenths of page units
-
-long fine_x(const PictureView& view, const Vec3& p) {
-  return std::lround(fine * view.x(p));
-}
-
-long fine_y(const PictureView& view, const Vec3& p) {
-  return std::lround(fine * view.y(p));
-}
-
-/// "12-3 4": a minus parts numbers by itself.
-void append(std::string& path, long value, bool first) {
-  if (!first && value >= 0) path += ' ';
-  path += std::to_string(value);
-}
-
-constexpr int shades = 20;
+constexpr int shade_count = 20;
 constexpr int slabs = 16;
 
-std::string shade_color(int shade) {
-  const double t = static_cast<double>(shade) / (shades - 1);
-  const auto mix = [&](double dark, double light) { return static_cast<int>(std::lround(dark + t * (light - dark))); };
-  return fmt::format("#{:02x}{:02x}{:02x}", mix(58, 236), mix(66, 222), mix(88, 204));
+toolbox::Shade shade_color(int shade) {
+  const double t = static_cast<double>(shade) / (shade_count - 1);
+  const auto mix = [&](double dark, double light) {
+    return static_cast<std::uint32_t>(std::lround(dark + t * (light - dark)));
+  };
+  const std::uint32_t color = mix(58, 236) << 16 | mix(66, 222) << 8 | mix(88, 204);
+  return {color, color};
 }
 
 }  // namespace
@@ -64,7 +49,7 @@ PictureBox picture_box(const PictureView& view, const PositionView& points, std:
   return box;
 }
 
-std::string svg_mesh(const MeshView& mesh, const PictureView& view) {
+void draw_mesh(const MeshView& mesh, const PictureView& view, toolbox::Drawing& drawing) {
   struct Seen {
     double depth;
     int shade;
@@ -82,35 +67,25 @@ std::string svg_mesh(const MeshView& mesh, const PictureView& view) {
     const double bright = std::clamp(0.22 + 0.78 * dot(normal, light) / size, 0.0, 1.0);
     const double depth = view.depth((a + b + c) * (1.0 / 3));
     near = std::max(near, depth), far = std::min(far, depth);
-    seen.push_back({depth, static_cast<int>(std::lround(bright * (shades - 1))), f});
+    seen.push_back({depth, static_cast<int>(std::lround(bright * (shade_count - 1))), f});
   }
   // Facets of one slab of depth hardly hide each other, so within it those of one shade may share a path.
   const double thickness = std::max((near - far) / slabs, 1e-300);
-  std::map<std::pair<int, int>, std::string> paths;
+  std::map<std::pair<int, int>, toolbox::DrawnPath> paths;
   for (const Seen& s : seen) {
-    std::string& path = paths[{std::min(slabs - 1, static_cast<int>((s.depth - far) / thickness)), s.shade}];
-    const std::array<Vec3, 3> corners = mesh.corners(s.facet);
-    long x = fine_x(view, corners[0]);
-    long y = fine_y(view, corners[0]);
-    path += 'M';
-    append(path, x, true);
-    append(path, y, false);
-    path += 'l';
-    for (int k = 1; k < 3; ++k) {
-      const long next_x = fine_x(view, corners[static_cast<std::size_t>(k)]);
-      const long next_y = fine_y(view, corners[static_cast<std::size_t>(k)]);
-      append(path, next_x - x, k == 1);
-      append(path, next_y - y, false);
-      x = next_x, y = next_y;
+    toolbox::DrawnPath& path = paths[{std::min(slabs - 1, static_cast<int>((s.depth - far) / thickness)), s.shade}];
+    char kind = 'M';
+    for (const Vec3& corner : mesh.corners(s.facet)) {
+      path.steps.push_back({kind, view.x(corner), view.y(corner)});
+      kind = 'L';
     }
-    path += 'z';
+    path.steps.push_back({'Z'});
   }
-  std::string svg = "<g transform=\"scale(.1)\" stroke-width=\"4\" stroke-linejoin=\"round\">\n";
-  for (const auto& [key, path] : paths) {
-    const std::string color = shade_color(key.second);
-    svg += fmt::format("<path fill=\"{0}\" stroke=\"{0}\" d=\"{1}\"/>\n", color, path);
+  for (auto& [key, path] : paths) {
+    path.fill = path.stroke = shade_color(key.second);
+    path.width = 0.4;
+    drawing.items.emplace_back(std::move(path));
   }
-  return svg + "</g>\n";
 }
 
 Mesh coarser(const Mesh& mesh, std::size_t most_facets, std::vector<std::uint32_t>& kept) {

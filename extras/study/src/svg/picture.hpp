@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bodies and spheres seen from one side, as compact SVG: shaded facets, and the visible part of every sphere.
+// Bodies and spheres seen from one side, as paths: shaded facets, and the visible part of every sphere.
 #pragma once
 
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <span>
-#include <string>
+#include <toolbox/drawing.hpp>
 
 namespace morula::study {
 
@@ -32,16 +32,15 @@ struct PictureBox {
 PictureBox picture_box(const PictureView& view, const PositionView& points, std::span<const Sphere> spheres);
 
 /// Facets that face the viewer, in the order of their depth; neighboring ones of one shade share a path.
-std::string svg_mesh(const MeshView& mesh, const PictureView& view);
+void draw_mesh(const MeshView& mesh, const PictureView& view, toolbox::Drawing& drawing);
 
 /// The visible part of every sphere, shaded as a ball, and in a color of its own the part of the mesh that is in front
-/// of all spheres: uncovered surface. It is found on a raster of a third of a page unit. id: begins the names of
-/// gradients.
-std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
-                        const std::string& id);
+/// of all spheres: uncovered surface. It is found on a raster of a third of a page unit.
+void draw_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
+                  toolbox::Drawing& drawing);
 
-/// The gradient that svg_spheres refers to; once in a file.
-std::string svg_sphere_definitions(const std::string& id);
+/// The color of uncovered surface.
+inline constexpr toolbox::Shade uncovered_shade{0xd55e00, 0xd55e00};
 
 /// A coarser mesh for pictures: vertices that share a cell of a lattice become one, at the position of the first of
 /// them. `kept` has, for each of its vertices, the index of that vertex in the mesh.

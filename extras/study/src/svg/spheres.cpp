@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The visible parts of spheres: a raster has the sphere in front at each pixel, and the borders of its regions become
 // paths.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -166,7 +164,7 @@ void simplify(const std::vector<Point>& loop, std::size_t begin, std::size_t end
   simplify(loop, at, end, tolerance, kept);
 }
 
-std::string loop_path(const std::vector<Point>& loop) {
+void add_loop(const std::vector<Point>& loop, toolbox::DrawnPath& path) {
   std::size_t half = 0;
   for (std::size_t i = 0; i < loop.size(); ++i)
     if (std::hypot(loop[i].x - loop[0].x, loop[i].y - loop[0].y) >
@@ -176,62 +174,39 @@ std::string loop_path(const std::vector<Point>& loop) {
   constexpr double tolerance = 0.62 / per_unit;
   simplify(loop, 0, half, tolerance, kept);
   simplify(loop, half, loop.size(), tolerance, kept);
-  if (kept.size() < 3) return {};
-  std::string path;
-  long x = 0, y = 0;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const long to_x = std::lround(10 * kept[i].x), to_y = std::lround(10 * kept[i].y);
-    if (i == 0) {
-      path += fmt::format("M{} {}l", to_x, to_y);
-    } else {
-      if (i > 1 && to_x - x >= 0) path += ' ';
-      path += std::to_string(to_x - x);
-      if (to_y - y >= 0) path += ' ';
-      path += std::to_string(to_y - y);
-    }
-    x = to_x, y = to_y;
+  if (kept.size() < 3) return;
+  char kind = 'M';
+  for (const Point& point : kept) {
+    path.steps.push_back({kind, point.x, point.y});
+    kind = 'L';
   }
-  return path + 'z';
+  path.steps.push_back({'Z'});
 }
 
 }  // namespace
 
-std::string svg_sphere_definitions(const std::string& id) {
-  return fmt::format(
-      "<defs><radialGradient id=\"{0}\" gradientUnits=\"userSpaceOnUse\"><stop offset=\"0\" stop-color=\"#d8ecf8\"/>"
-      "<stop offset=\".45\" stop-color=\"#8fc1e3\"/><stop offset=\".8\" stop-color=\"#3f86b8\"/>"
-      "<stop offset=\"1\" stop-color=\"#1f5583\"/></radialGradient></defs>\n",
-      id);
-}
-
-std::string svg_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
-                        const std::string& id) {
+void draw_spheres(const MeshView& mesh, std::span<const Sphere> spheres, const PictureView& view,
+                  toolbox::Drawing& drawing) {
   Raster raster(picture_box(view, mesh.positions, spheres));
   for (std::size_t i = 0; i < spheres.size(); ++i) raster.add(spheres[i], view, static_cast<int>(i));
   // Spheres that touch the surface from outside must not get spots by rounding: a sixth of a page unit.
   for (std::size_t f = 0; f < mesh.facet_count(); ++f)
     raster.add(mesh.corners(f), view, static_cast<int>(spheres.size()), 0.5);
   std::vector<std::vector<Crack>> borders = cracks(raster, spheres.size() + 1);
-  std::string definitions;
-  std::string shapes;
   for (std::size_t i = 0; i <= spheres.size(); ++i) {
-    std::string path;
-    for (const std::vector<Point>& loop : loops(borders[i], raster)) path += loop_path(loop);
-    if (path.empty()) continue;
+    toolbox::DrawnPath path;
+    for (const std::vector<Point>& loop : loops(borders[i], raster)) add_loop(loop, path);
+    if (path.steps.empty()) continue;
+    path.even_odd = true;
+    path.width = 0.3;
     if (i == spheres.size()) {
-      shapes += fmt::format("<path fill=\"#d55e00\" d=\"{}\"/>\n", path);
-      continue;
+      path.fill = uncovered_shade;
+    } else {
+      const double x = view.x(spheres[i].center), y = view.y(spheres[i].center), r = view.scale * spheres[i].radius;
+      path.ball = toolbox::Ball{x, y, r, x - 0.3 * r, y - 0.4 * r};
     }
-    const double x = 10 * view.x(spheres[i].center), y = 10 * view.y(spheres[i].center);
-    const double r = 10 * view.scale * spheres[i].radius;
-    const std::string name = fmt::format("{}{}", id, i);
-    definitions += fmt::format(
-        "<radialGradient id=\"{}\" href=\"#{}\" cx=\"{:.0f}\" cy=\"{:.0f}\" r=\"{:.0f}\" fx=\"{:.0f}\" fy=\"{:.0f}\"/>",
-        name, id.substr(0, id.find('-')), x, y, r, x - 0.3 * r, y - 0.4 * r);
-    shapes += fmt::format("<path fill=\"url(#{0})\" stroke=\"url(#{0})\" d=\"{1}\"/>\n", name, path);
+    drawing.items.emplace_back(std::move(path));
   }
-  return fmt::format("<defs>{}</defs>\n<g transform=\"scale(.1)\" stroke-width=\"3\" fill-rule=\"evenodd\">\n{}</g>\n",
-                     definitions, shapes);
 }
 
 }  // namespace morula::study

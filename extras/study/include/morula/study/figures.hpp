@@ -22,6 +22,10 @@ struct Series {
   SeriesRole role = SeriesRole::method;
   std::vector<double> x;                 ///< samples of the motion, or queries of the press
   std::vector<std::optional<double>> y;  ///< one per x, in Figure::y_unit; no value: not measured
+  std::string rule{};             ///< name of its rule; curves of one rule look alike in all figures
+  std::string method{};           ///< name of its generator, in figures that compare generators
+  bool faint = false;             ///< a companion in the background, such as the values of spheres
+  std::vector<bool> uncovered{};  ///< samples at which the rule leaves surface uncovered; empty: not known
 };
 
 /// One measure with several curves.

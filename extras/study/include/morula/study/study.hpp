@@ -13,6 +13,7 @@ struct Picture {
   std::string id;
   std::string title;
   std::string svg;
+  std::string pdf;
 };
 
 struct Study {
@@ -36,13 +37,23 @@ std::string cells_csv(const Plan& plan, const Result& result);
 /// A figure and its companions of one group: one row per curve and sample.
 std::string figure_csv(std::span<const Figure> group);
 std::string table_csv(const Table& table);
-/// A figure and its companions as a drawing, one panel each.
+/// A figure and its companions as a drawing, one panel each: for pages, for print, and as pgfplots for LaTeX.
 std::string figure_svg(std::span<const Figure> group);
+std::string figure_pdf(std::span<const Figure> group);
+std::string figure_pgf(std::span<const Figure> group);
 /// The figures of each group.
 std::vector<std::span<const Figure>> groups_of(std::span<const Figure> figures);
 
-/// Writes study.json, CSV and SVG files into an existing folder. The write of each file is atomic.
-void write_study(const Study& study, const std::filesystem::path& folder);
+/// File formats of figures. Tables are always CSV; pictures have no CSV and no PGF.
+enum class FigureFormat : std::uint8_t { svg, csv, pdf, pgf };
+/// The name, which is also the file extension: "svg", "csv", "pdf", "pgf".
+std::string_view name(FigureFormat format);
+std::span<const FigureFormat> all_figure_formats();
+std::vector<FigureFormat> default_figure_formats();
+
+/// Writes study.json, tables and figures into an existing folder. The write of each file is atomic.
+void write_study(const Study& study, const std::filesystem::path& folder,
+                 const std::vector<FigureFormat>& formats = default_figure_formats());
 
 /// index.html of a study, for make_page(): claims and figures, and next to them the first body on its medial tree (or
 /// its first tree), in every motion, with approach2 and exact. The frames are the samples of the figures.
@@ -57,6 +68,10 @@ std::string claims_text(std::span<const Claim> claims);
 /// A line about the trials, and one about the stability of verdicts, if it is known.
 std::string trials_text(const Study& study);
 /// The files that write_study() writes, a line each.
-std::string contents_text(const Study& study);
+std::string contents_text(const Study& study, const std::vector<FigureFormat>& formats = default_figure_formats());
+
+/// Three sentences, from the claims and the figures: claims of the paper, their verdicts, and looseness next to
+/// uncovered surface.
+std::vector<std::string> summary_of(const Study& study);
 
 }  // namespace morula::study
