@@ -66,7 +66,7 @@ void SphereRobot::set_joint_values(std::span<const double> values) {
 
 void SphereRobot::set_link_poses(std::span<const RigidTransform> link_poses) {
   if (link_poses.size() != robot_.links.size()) {
-    throw std::invalid_argument("SphereRobot::place: one pose per link of the robot");
+    throw std::invalid_argument("SphereRobot::set_link_poses: one pose per link of the robot");
   }
   for (std::size_t i = 0; i < links_.size(); ++i) {
     LinkTree& link = trees_[i];
