@@ -11,7 +11,7 @@ const keys = [
   ['[ ]', 'coarser, finer level'],
   ['c', 'next coloring'],
   ['m s', 'mesh, spheres'],
-  ['b w', 'bare surface in red, facets'],
+  ['b w', 'uncovered surface in red, facets'],
   ['x y z', 'section plane across an axis'],
   [', .', 'move the section plane'],
   ['f u', 'fit the view, another axis up'],

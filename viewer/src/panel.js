@@ -221,7 +221,7 @@ export class Panel {
     }
     if (state.get('bare') && state.get('body') && !scene.entry.inside) {
       const share = scene.measured('uncovered_area', level, state.get('frame'));
-      const text = share === null ? 'bare surface' : share > 0 ? `bare ${percent(share)}` : 'no surface is bare';
+      const text = share === null ? 'uncovered surface' : share > 0 ? `uncovered ${percent(share)}` : 'no surface is uncovered';
       parts.push(element('span', { class: 'kind', id: 'bare-chip', 'data-bare': share === null ? 'unknown' : String(share > 0) }, element('i', { class: 'dot bare-dot' }), text));
     }
     if (scene.joints && this.meeting?.length > 0) {

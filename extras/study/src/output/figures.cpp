@@ -58,7 +58,8 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     for (const Curve& curve : curves) {
       const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
-      Series series{curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
+      Series series{
+          curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
       for (const Sample& sample : cell->samples) {
         const LevelFigures* figures_of_level = cell->at(sample.sample, level);
         if (figures_of_level == nullptr) continue;

@@ -38,7 +38,8 @@ struct Figure {
   std::vector<std::string> x_names{};  ///< names of x = 0, 1, …; empty: x is the sample of the motion
 };
 
-/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on every tree.
+/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on
+/// every tree.
 std::vector<Figure> make_figures(const Plan& plan, const Result& result);
 /// Figures of contacts in presses: generators with exact, then the rules on one tree.
 std::vector<Figure> make_press_figures(const Plan& plan, const Result& result);
