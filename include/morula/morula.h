@@ -62,7 +62,8 @@ MORULA_API morula_status morula_mesh_create(const double* positions, size_t vert
 MORULA_API morula_status morula_mesh_read(const char* path, morula_mesh** mesh);
 /* Writes a mesh by extension: OBJ, OFF, PLY, STL or .vtp. The write is atomic. */
 MORULA_API morula_status morula_mesh_write(const morula_mesh* mesh, const char* path);
-/* Generates a sample: bar, capsule, limb, torus, blob, plate, two or tool. resolution: edges around it, 3 to 4096. */
+/* Generates a sample: bar, capsule, limb, torus, blob, plate, two, tool, hand or vessel.
+ * resolution: edges around it, 3 to 4096. */
 MORULA_API morula_status morula_mesh_sample(const char* name, int resolution, morula_mesh** mesh);
 MORULA_API void morula_mesh_destroy(morula_mesh* mesh);
 MORULA_API size_t morula_mesh_vertex_count(const morula_mesh* mesh);

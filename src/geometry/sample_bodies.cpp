@@ -229,7 +229,8 @@ std::vector<std::array<int, 3>> hand_cells() {
   };
   add(0, 5, 0, 7);
   constexpr std::array<int, 4> lengths{3, 5, 5, 4};
-  for (int finger = 0; finger < 4; ++finger) add(5, 5 + lengths[static_cast<std::size_t>(finger)], 2 * finger, 2 * finger + 1);
+  for (int finger = 0; finger < 4; ++finger)
+    add(5, 5 + lengths[static_cast<std::size_t>(finger)], 2 * finger, 2 * finger + 1);
   add(1, 2, 7, 9);
   return cells;
 }

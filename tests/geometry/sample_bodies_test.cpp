@@ -124,7 +124,8 @@ TEST(SampleBodies, bits_are_the_golden_ones) {
   const std::map<std::string, std::uint64_t> golden{{"bar", 0x17dbc82799c83c48u},  {"capsule", 0xf9adc8d57cdb909au},
                                                     {"limb", 0xe4f524468d78185au}, {"torus", 0x1cc34d60897bf463u},
                                                     {"blob", 0xa5e53133e8ab0596u}, {"plate", 0x8b86e553baecf799u},
-                                                    {"two", 0xc028c6565dfd6459u},  {"tool", 0xb24e9f641b4da6cdu}};
+                                                    {"two", 0xc028c6565dfd6459u},  {"tool", 0xb24e9f641b4da6cdu},
+                                                    {"hand", 0x91905c247af6fe8du}, {"vessel", 0x6bc76b441db4c6f4u}};
   for (const std::string& name : names()) EXPECT_EQ(mesh_hash(sample_body(name)), golden.at(name)) << name;
 }
 
@@ -137,8 +138,9 @@ TEST(SampleBodies, refuse_unknown_names_and_resolutions) {
     }
     return "nothing thrown";
   };
-  EXPECT_EQ(message("cow", 48),
-            "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two, tool, hand, vessel");
+  EXPECT_EQ(
+      message("cow", 48),
+      "no sample body is called 'cow'; known are bar, capsule, limb, torus, blob, plate, two, tool, hand, vessel");
   EXPECT_EQ(message("bar", 2), "resolution 2 is not in 3…4096");
   EXPECT_EQ(message("bar", 4097), "resolution 4097 is not in 3…4096");
   EXPECT_EQ(message("bar", -1), "resolution -1 is not in 3…4096");

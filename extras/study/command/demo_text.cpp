@@ -101,7 +101,8 @@ std::string cover_finding(const Demo& demo) {
     return fmt::format("exact FAILED to cover ({}): that must not happen, please report it.", where(demo, *worst));
   }
   return fmt::format(
-      "exact leaves no surface uncovered: 0 in every one of its {} measurements, and its certificate held at every level in "
+      "exact leaves no surface uncovered: 0 in every one of its {} measurements, and its certificate held at every "
+      "level in "
       "every frame of all {} cases.",
       frames, cases);
 }
@@ -120,9 +121,10 @@ std::string approach2_finding(const Demo& demo) {
       tighter == 0 ? fmt::format("approach2 is nowhere tighter than exact")
                    : fmt::format("approach2 is tighter than exact in {}", share_of(tighter, list.size()));
   if (uncovered == 0) return tightness + ", and left no surface uncovered here, though nothing guarantees it.";
-  return fmt::format("{}, {} it leaves surface uncovered in {}, up to {} of it ({}): looseness alone would not show that.",
-                     tightness, tighter == 0 ? "and" : "but", share_of(uncovered, list.size()),
-                     percent(most.a->worst_uncovered_area()), where(demo, *most.a));
+  return fmt::format(
+      "{}, {} it leaves surface uncovered in {}, up to {} of it ({}): looseness alone would not show that.", tightness,
+      tighter == 0 ? "and" : "but", share_of(uncovered, list.size()), percent(most.a->worst_uncovered_area()),
+      where(demo, *most.a));
 }
 
 std::string approach1_finding(const Demo& demo) {
@@ -135,8 +137,8 @@ std::string approach1_finding(const Demo& demo) {
   }));
   const auto uncovered = static_cast<std::size_t>(
       std::count_if(list.begin(), list.end(), [](const Pair& p) { return p.a->worst_uncovered_area() > 0; }));
-  const std::string cover =
-      uncovered == 0 ? "left no surface uncovered here" : "still leaves surface uncovered in " + share_of(uncovered, list.size());
+  const std::string cover = uncovered == 0 ? "left no surface uncovered here"
+                                           : "still leaves surface uncovered in " + share_of(uncovered, list.size());
   if (looser == 0) return fmt::format("approach1 is nowhere looser than exact, and {}.", cover);
   const double ratio = most.a->worst_looseness_fixed() / std::max(most.b->worst_looseness_fixed(), 1e-300);
   return fmt::format(

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the command gains by the study: `demo` and `study`.
+// The subcommands of the study: `demo` and `study`.
 #include "shared/extension.hpp"
 
 namespace morula::cli {

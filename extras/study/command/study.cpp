@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// morula study: the evaluation of the paper again, and beside it what the paper did not measure.
+// morula study: the evaluation of the paper for bodies and seeds, and further measurements.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -46,10 +46,11 @@ int study_shard(const StudyArguments& o, const study::Plan& plan, const Shard& s
   if (o.json) {
     print_json({{"shard", o.shard}, {"cells", result.cell_count()}, {"from_cache", result.taken_from_cache}});
   } else {
-    fmt::print("{} of part {} in {} ({}; {} were there already). When all parts are done, the same command without "
-               "--shard joins them.\n",
-               counted(result.cell_count(), "cell"), o.shard, cache.folder().string(), seconds(watch.lap()),
-               result.taken_from_cache);
+    fmt::print(
+        "{} of part {} in {} ({}; {} were there already). When all parts are done, the same command without "
+        "--shard joins them.\n",
+        counted(result.cell_count(), "cell"), o.shard, cache.folder().string(), seconds(watch.lap()),
+        result.taken_from_cache);
   }
   return exit_done;
 }
@@ -87,8 +88,9 @@ int study_command(const StudyArguments& o) {
       print_json(Json::parse(study::study_json(study)));
     } else {
       fmt::print("{}\n{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
-                 wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), o.output, seconds(watch.lap()),
-                 study.result.taken_from_cache, study.result.cell_count(), study::contents_text(study, formats));
+                 wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), o.output,
+                 seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
+                 study::contents_text(study, formats));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
       } else {
@@ -113,8 +115,9 @@ void add_study(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder for figures, tables, pictures and finished cells")
       ->type_name("FOLDER")
       ->capture_default_str();
-  add_option(*command, "--bodies", o->samples,
-             fmt::format("Sample bodies; default: {}, unless other bodies are given", fmt::join(study_body_names(), ", ")))
+  add_option(
+      *command, "--bodies", o->samples,
+      fmt::format("Sample bodies; default: {}, unless other bodies are given", fmt::join(study_body_names(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   add_option(*command, "--mesh", o->meshes, "Bodies of files: " + readable_mesh_extensions())
@@ -135,7 +138,8 @@ void add_study(CLI::App& app, Run& run) {
       ->type_name("LIST")
       ->delimiter(',');
   add_option(*command, "--rules", o->rules,
-             fmt::format("Rules, of {}; default: all except wrapped", fmt::join(study_rule_names(), ", ")))
+             fmt::format("Rules, of {}; default: all except wrapped, with --quick also without fresh",
+                         fmt::join(study_rule_names(), ", ")))
       ->type_name("LIST")
       ->delimiter(',');
   add_flag(*command, "--mixes", o->mixes, "Also rank mixes of rules per level");
@@ -167,10 +171,10 @@ void add_study(CLI::App& app, Run& run) {
       ->type_name("N")
       ->transform(whole_number())
       ->capture_default_str();
-  add_option(*command, "--seeds", o->seeds, "Number of seeds, and so of trials of each body")
+  add_option(*command, "--seeds", o->seeds,
+             "Number of seeds, and so of trials of each body; default: 3, or 2 with --quick")
       ->type_name("N")
-      ->transform(whole_number(1, 1000))
-      ->capture_default_str();
+      ->transform(whole_number(1, 1000));
   add_option(*command, "--shard", o->shard,
              "Only the cells of a part: 2/8 is the second of eight; a run without it joins all parts")
       ->type_name("I/N")

@@ -97,7 +97,7 @@ void add_motions(const StudyOptions& o, study::Plan& plan) {
   }
 }
 
-/// Everything that is read later, read once now: hours of cells must not end at a file that was never there.
+/// Reads every file of a later step once: hours of cells must not end at a missing file.
 void require_sound_inputs(const study::Plan& plan) {
   for (const study::NamedMesh& body : plan.bodies) require_usable_scale(body.mesh);
   for (const study::Source& source : plan.sources)
@@ -163,7 +163,7 @@ void require_once(const char* option, const std::vector<std::string>& names) {
       throw UsageError(fmt::format("{} names {} twice", option, names[i]));
 }
 
-/// Those that follow positions: all that were asked for, else the ones that differ most.
+/// Rules that follow positions: all requested ones, otherwise the ones that differ most.
 std::vector<study::FollowRule> press_rules(const study::Plan& plan, bool all) {
   std::vector<study::FollowRule> rules;
   for (const study::FollowRule& rule : plan.rules) {
@@ -235,10 +235,10 @@ study::Plan make_study_plan(const StudyOptions& o) {
   if (o.trees.empty()) {
     for (const std::string& method : methods) parse_method(method);
   }
-  const std::vector<std::string> rules =
-      o.rules.empty()
-          ? std::vector<std::string>{"traditional", "weighted", "approach1", "approach2", "exact", "rebuilt", "fresh"}
-          : o.rules;
+  std::vector<std::string> rules = o.rules.empty() ? std::vector<std::string>{"traditional", "weighted", "approach1",
+                                                                              "approach2",   "exact",    "rebuilt"}
+                                                   : o.rules;
+  if (o.rules.empty() && !o.quick) rules.emplace_back("fresh");  // new trees take more time than all else
   require_once("--rules", rules);
   for (const std::string& rule : rules) {
     check_name("rule", rule, study_rule_names());
@@ -256,7 +256,7 @@ study::Plan make_study_plan(const StudyOptions& o) {
   plan.branching = o.branching;
   plan.depth = o.depth > 0 ? o.depth : 3;
   plan.seeds.clear();
-  for (std::size_t i = 0; i < o.seeds; ++i) plan.seeds.push_back(o.seed + i);
+  for (std::size_t i = 0; i < (o.seeds > 0 ? o.seeds : o.quick ? 2 : 3); ++i) plan.seeds.push_back(o.seed + i);
   plan.quick = o.quick;
   plan.sph_origin = study_origin(parse_sph_origin(o.sph_origin));
   plan.cost_repeats = o.quick ? 3 : 9;

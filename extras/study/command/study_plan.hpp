@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a study is about, from its options; and its folder of results.
+// Plan of a study from its options, and its folder of results.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace morula::cli {
 
-/// What a study is asked for on the command line and in Python, where meshes are given as they are.
+/// Options of a study on the command line and in Python, which gives meshes in memory.
 struct StudyOptions {
   std::vector<std::string> meshes;         ///< files
   std::vector<study::NamedMesh> bodies{};  ///< in memory, before those of the files
@@ -30,7 +30,7 @@ struct StudyOptions {
   int branching = 8;
   int depth = 0;
   std::uint64_t seed = 1;  ///< the first seed; the others follow it
-  std::size_t seeds = 3;
+  std::size_t seeds = 0;   ///< 0: three, or two of a quick study
   std::string unit = "volume";
   std::vector<std::string> formats{"svg", "csv"};
   bool quick = false;
@@ -45,12 +45,12 @@ std::vector<study::FigureFormat> figure_formats(const std::vector<std::string>& 
 /// The names of the generators that the paper has.
 std::vector<std::string> paper_method_names();
 
-/// Throws UsageError, naming the option, and FileError. What is read later is read once now: hours of cells must not
-/// end at a file that was never there.
+/// Throws UsageError, naming the option, and FileError. Reads every file of a later step once: hours of cells must not
+/// end at a missing file.
 study::Plan make_study_plan(const StudyOptions& options);
 
 /// study.json, tables, figures in these formats, and index.html where there is a page, all of them or none.
-/// `is_stopped` is asked before they take their places. Returns whether there is a page. Throws study::Stopped.
+/// `is_stopped` is called before they take their places. Returns whether there is a page. Throws study::Stopped.
 bool write_study_folder(const study::Study& study, const std::filesystem::path& folder,
                         const std::vector<study::FigureFormat>& formats, Workers& workers,
                         const study::Progress& progress, const std::function<bool()>& is_stopped);

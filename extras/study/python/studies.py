@@ -116,7 +116,7 @@ def study(
     branching: int = 8,
     depth: int = 0,
     seed: int = 1,
-    seeds: int = 3,
+    seeds: int = 0,
     unit: str = "volume",
     quick: bool = False,
     formats: Sequence[str] = ("svg", "csv"),
@@ -131,7 +131,7 @@ def study(
         meshes: a mesh; meshes by name; paths of files; None for the sample bodies of the command. Options are those of the command,
             with its defaults.
         samples: names of sample bodies. motions: files of frames, each of the first body that they fit.
-        seeds: number of seeds from `seed` on: each body has a trial with each.
+        seeds: number of seeds from `seed` on, 0 for the default of 3, or 2 of a quick study: each body has a trial with each.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
         formats: files of figures in the folder, of svg, csv, pdf and pgf.

@@ -37,8 +37,9 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
                        (name == "frames" && read(options.frames)) ||
                        (name == "resolution" && read(options.resolution)) ||
                        (name == "branching" && read(options.branching)) || (name == "depth" && read(options.depth)) ||
-                       (name == "seed" && read(options.seed)) || (name == "seeds" && read(options.seeds)) || (name == "unit" && read(options.unit)) ||
-                       (name == "quick" && read(options.quick)) || (name == "formats" && read(options.formats));
+                       (name == "seed" && read(options.seed)) || (name == "seeds" && read(options.seeds)) ||
+                       (name == "unit" && read(options.unit)) || (name == "quick" && read(options.quick)) ||
+                       (name == "formats" && read(options.formats));
     if (!known) throw nb::type_error(("there is no option '" + name + "'").c_str());
   }
   return options;
@@ -141,8 +142,9 @@ void bind_study_extra(nb::module_& m) {
         return computed;
       },
       nb::arg("bodies"), nb::arg("options"), nb::arg("number"), nb::arg("count"), nb::arg("cells"),
-      nb::sig("def study_shard(bodies: dict[str, Mesh], options: dict[str, typing.Any], number: int, count: int, cells: "
-              "str | os.PathLike[str]) -> int"),
+      nb::sig(
+          "def study_shard(bodies: dict[str, Mesh], options: dict[str, typing.Any], number: int, count: int, cells: "
+          "str | os.PathLike[str]) -> int"),
       "Computes part `number` of `count` parts, and stores it in the folder of finished cells, from which the whole "
       "study reads it. Returns its number of cells.");
 }

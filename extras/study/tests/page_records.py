@@ -67,6 +67,7 @@ def study_claims(study):
     return rows
 
 
+STUDY = ["--quick", "--seeds", "3", "--rules", "traditional,weighted,approach1,approach2,exact,rebuilt,fresh"]
 TABLES = {"demo": {"demo_rules": demo_rules, "demo_budgets": demo_budgets}, "study": {"study_claims": study_claims}}
 
 
@@ -83,7 +84,7 @@ def main():
         return 2
     what, command = arguments[0], pathlib.Path(arguments[1]).resolve()
     with tempfile.TemporaryDirectory() as folder:
-        run = subprocess.run([command, what, "-o", "out", "--json"], cwd=folder, capture_output=True, text=True, check=False)
+        run = subprocess.run([command, what, *(STUDY if what == "study" else []), "-o", "out", "--json"], cwd=folder, capture_output=True, text=True, check=False)
     if run.returncode != 0:
         print(run.stderr, file=sys.stderr)
         return 1

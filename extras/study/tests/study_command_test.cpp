@@ -67,9 +67,10 @@ TEST_F(LongStudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
       }
     }
   }
-  for (const char* id : {"fig2a", "fig2a-uncovered", "fig2a-uncovered-distance", "fig2a-protrusion", "fig2b", "fig2c-stretch",
-                         "fig2c-twist", "fig2c-bend", "fig2d-stretch", "fig2d-twist-uncovered", "fig2d-bend",
-                         "press-generators-z", "press-generators-x-normal", "press-rules-y", "press-rules-x-lost"}) {
+  for (const char* id :
+       {"fig2a", "fig2a-uncovered", "fig2a-uncovered-distance", "fig2a-protrusion", "fig2b", "fig2c-stretch",
+        "fig2c-twist", "fig2c-bend", "fig2d-stretch", "fig2d-twist-uncovered", "fig2d-bend", "press-generators-z",
+        "press-generators-x-normal", "press-rules-y", "press-rules-x-lost"}) {
     EXPECT_EQ(figures.count(id), 1u) << id;
   }
   std::set<std::string> claims;
@@ -345,10 +346,10 @@ TEST_F(LongStudyCommand, joins_the_verdicts_of_bodies_and_seeds) {
     }
     for (const char* verdict : {"holds", "partly", "fails"}) EXPECT_EQ(claim["counts"][verdict], counts[verdict]);
     const int of_trials = 4 - counts["not decided"];
-    const std::string expected = of_trials == 0                                ? "not decided"
+    const std::string expected = of_trials == 0                          ? "not decided"
                                  : 10 * counts["holds"] >= 9 * of_trials ? "holds"
                                  : 10 * counts["fails"] >= 9 * of_trials ? "fails"
-                                                                               : "partly";
+                                                                         : "partly";
     EXPECT_EQ(claim["verdict"], expected) << claim["id"];
     if (of_trials > 1) {
       ++decided;
@@ -366,8 +367,7 @@ TEST_F(LongStudyCommand, joins_the_verdicts_of_bodies_and_seeds) {
 
 TEST_F(LongStudyCommand, parts_of_several_machines_join_to_the_same_study) {
   if (!std::filesystem::exists(bench() / "seeded/study.json")) bench().require(seeded + " -o seeded");
-  for (const char* part : {"2/3", "1/3", "3/3"})
-    bench().require(seeded + " -o parts --shard " + std::string(part));
+  for (const char* part : {"2/3", "1/3", "3/3"}) bench().require(seeded + " -o parts --shard " + std::string(part));
   EXPECT_FALSE(std::filesystem::exists(bench() / "parts/study.json"));
   const std::string out = bench().require(seeded + " -o parts").out;
   EXPECT_TRUE(untimed(study("parts")) == untimed(study("seeded")));

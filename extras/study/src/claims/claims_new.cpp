@@ -51,12 +51,11 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
                              fmt::format("{} leaves surface uncovered", title(rule)), cover_figures());
     claim.adverse = true;
     claim.quantity = {.name = "largest uncovered share of the surface", .of_motion = true};
-    evidence.decide(
-        claim, found.cases, found.total, found.worst,
-        fmt::format("In {} of {} cases, up to {} of the surface{}, at distances up to {} of the diagonal.", found.cases,
-                    found.total, percent(found.worst),
-                    found.worst > 0 ? fmt::format(" ({})", evidence.text(found.where)) : "",
-                    percent(found.worst_distance)));
+    evidence.decide(claim, found.cases, found.total, found.worst,
+                    fmt::format("In {} of {} cases, up to {} of the surface{}, at distances up to {} of the diagonal.",
+                                found.cases, found.total, percent(found.worst),
+                                found.worst > 0 ? fmt::format(" ({})", evidence.text(found.where)) : "",
+                                percent(found.worst_distance)));
     claims.push_back(std::move(claim));
   }
   for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
@@ -98,18 +97,16 @@ Claim ratio_claim(const Evidence& evidence, Claim claim, const RuleKey& rule, co
     text += fmt::format("{}{} {} ({} to {})", text.empty() ? "" : ", ", evidence.motion(motion),
                         figure(median(by_motion[motion])), figure(*low), figure(*high));
   }
-  evidence.decide(
-      claim, count, all.size(), median(all),
-      fmt::format("In {} of {} cases; ratio in the median (least to most): {}.", count, all.size(), text));
+  evidence.decide(claim, count, all.size(), median(all),
+                  fmt::format("In {} of {} cases; ratio in the median (least to most): {}.", count, all.size(), text));
   return claim;
 }
 
 Claim uncovered_gain_claim(const Evidence& evidence) {
-  Claim claim = make_claim("approach2-gain-is-uncovered", ClaimOrigin::ours,
-                           "Where Approach 2 is tighter than exact, it leaves surface uncovered",
-                           {"fig2a", "fig2a-uncovered"});
-  claim.quantity = {
-      .name = "share of the samples in which Approach 2 is tighter", .of_motion = true, .of_grid = true};
+  Claim claim =
+      make_claim("approach2-gain-is-uncovered", ClaimOrigin::ours,
+                 "Where Approach 2 is tighter than exact, it leaves surface uncovered", {"fig2a", "fig2a-uncovered"});
+  claim.quantity = {.name = "share of the samples in which Approach 2 is tighter", .of_motion = true, .of_grid = true};
   std::size_t tighter = 0;
   std::size_t uncovered = 0;
   std::size_t total = 0;
@@ -154,8 +151,7 @@ Claim void_claim(const Evidence& evidence) {
       ++total;
       with += leaves.void_spheres > 0 ? 1 : 0;
       text += fmt::format("{}{} on {} {}", text.empty() ? "" : ", ", evidence.method(tree.source),
-                          is_prism ? "prism" : body.name,
-                          percent(share));
+                          is_prism ? "prism" : body.name, percent(share));
     }
   }
   evidence.decide(claim, with, total, on_body > 0 ? std::optional(share_sum / on_body) : std::nullopt,

@@ -13,10 +13,9 @@ using namespace toolbox;
 namespace {
 
 Claim loss_claim(const Evidence& evidence, const RuleKey& rule, std::vector<std::string> figures) {
-  Claim claim =
-      make_claim(name(rule) + "-below-traditional", ClaimOrigin::paper,
-                 fmt::format("{}: lower loss of accuracy than in traditional update techniques", title(rule)),
-                 std::move(figures));
+  Claim claim = make_claim(name(rule) + "-below-traditional", ClaimOrigin::paper,
+                           fmt::format("{}: lower loss of accuracy than in traditional update techniques", title(rule)),
+                           std::move(figures));
   claim.quantity = {.name = fmt::format("loss of {} over that of traditional (median of cases)", title(rule)),
                     .is_ratio = true,
                     .of_motion = true,
@@ -49,9 +48,9 @@ Claim loss_claim(const Evidence& evidence, const RuleKey& rule, std::vector<std:
 }
 
 Claim exponential_claim(const Evidence& evidence) {
-  Claim claim = make_claim("approach1-exponential", ClaimOrigin::paper,
-                           "Approach 1's error grows exponentially when the medial tree is stretched",
-                           {"fig2a", "fig2b"});
+  Claim claim =
+      make_claim("approach1-exponential", ClaimOrigin::paper,
+                 "Approach 1's error grows exponentially when the medial tree is stretched", {"fig2a", "fig2b"});
   claim.quantity = {.name = "rate b of the fit (mean of levels)", .of_motion = true, .of_grid = true};
   double rates = 0;
   std::size_t count = 0;
@@ -86,9 +85,9 @@ Claim exponential_claim(const Evidence& evidence) {
 }
 
 Claim largely_better_claim(const Evidence& evidence) {
-  Claim claim = make_claim("approach2-largely-better", ClaimOrigin::paper,
-                           "Approach 2 is largely better than Approach 1 when the medial tree is stretched",
-                           {"fig2a", "fig2b"});
+  Claim claim =
+      make_claim("approach2-largely-better", ClaimOrigin::paper,
+                 "Approach 2 is largely better than Approach 1 when the medial tree is stretched", {"fig2a", "fig2b"});
   claim.quantity = {.name = "error of Approach 1 over that of Approach 2 (median of levels)",
                     .is_ratio = true,
                     .of_motion = true,
@@ -114,7 +113,7 @@ Claim largely_better_claim(const Evidence& evidence) {
     for (const Sample* s : evidence.samples(cell))
       uncovered = std::max(uncovered, cell.at(s->sample, level)->uncovered_area());
     text +=
-        fmt::format("{}level {}: {} as loose in the mean, while Approach 2 leaves up to {} of the surface uncovered",
+        fmt::format("{}level {}: {} as loose on average, while Approach 2 leaves up to {} of the surface uncovered",
                     text.empty() ? "" : "; ", level, times(ratio), percent(uncovered));
   }
   const Verdict verdict = total == 0       ? Verdict::undecided
@@ -200,17 +199,17 @@ Claim order_claim(const Evidence& evidence, Claim claim, const std::vector<std::
                     .is_ratio = true,
                     .of_motion = true,
                     .of_grid = true};
-  if (better.size() == 1) claim.quantity.name = fmt::format("error of {} over the least of the others", name(better[0]));
+  if (better.size() == 1)
+    claim.quantity.name = fmt::format("error of {} over the least of the others", name(better[0]));
   std::size_t count = 0;
   std::vector<double> ratios;
   std::string text;
   for (const std::size_t motion : evidence.motions()) {
     const Ranking list = ranking(evidence, motion, levels, with_rest);
     if (list.empty()) continue;
-    const bool right = std::all_of(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(better.size()),
-                                   [&](const auto& item) {
-                                     return std::find(better.begin(), better.end(), item.second) != better.end();
-                                   });
+    const bool right = std::all_of(
+        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(better.size()),
+        [&](const auto& item) { return std::find(better.begin(), better.end(), item.second) != better.end(); });
     count += right ? 1 : 0;
     ratios.push_back(worst_over_best(list, better));
     text += fmt::format("{}{} ({}): {}", text.empty() ? "" : "; ", evidence.motion(motion), right ? "yes" : "no",
@@ -229,10 +228,10 @@ std::vector<std::string> motion_figures(const Evidence& evidence, const std::str
 
 /// Errors at rest.
 Claim rigid_claim(const Evidence& evidence, std::vector<std::string> figures) {
-  Claim claim = make_claim(
-      "level3-grid-rest", ClaimOrigin::paper,
-      fmt::format("On level {} grid is more conservative than the others while rigid", evidence.lower()),
-      std::move(figures));
+  Claim claim =
+      make_claim("level3-grid-rest", ClaimOrigin::paper,
+                 fmt::format("On level {} grid is more conservative than the others while rigid", evidence.lower()),
+                 std::move(figures));
   claim.quantity = {.name = "error of grid at rest over the largest of the others", .is_ratio = true, .of_grid = true};
   Ranking rest;
   for (const Method method : paper_methods()) {
@@ -263,11 +262,11 @@ std::vector<Claim> generator_claims(const Evidence& evidence) {
       make_claim("level2-hubbard-medial", ClaimOrigin::paper,
                  fmt::format("On level {} hubbard and medial are better than grid and spawn", evidence.upper()), upper),
       {evidence.upper()}, false, {Method::hubbard, Method::medial}));
-  claims.push_back(
-      order_claim(evidence,
-                  make_claim("level3-grid", ClaimOrigin::paper,
-                             fmt::format("On level {} grid is slightly better than the others", evidence.lower()), lower),
-                  {evidence.lower()}, false, {Method::grid}));
+  claims.push_back(order_claim(
+      evidence,
+      make_claim("level3-grid", ClaimOrigin::paper,
+                 fmt::format("On level {} grid is slightly better than the others", evidence.lower()), lower),
+      {evidence.lower()}, false, {Method::grid}));
   claims.push_back(rigid_claim(evidence, lower));
   claims.push_back(order_claim(
       evidence,

@@ -24,8 +24,7 @@ bool is_of(const Evidence& evidence, const PressCell& cell) {
 std::vector<const PressCell*> presses_of(const Evidence& evidence, Rule rule) {
   std::vector<const PressCell*> list;
   for (const PressCell& cell : evidence.result().presses)
-    if (is_of(evidence, cell) && evidence.plan().press_rules[cell.rule].key() == rule)
-      list.push_back(&cell);
+    if (is_of(evidence, cell) && evidence.plan().press_rules[cell.rule].key() == rule) list.push_back(&cell);
   return list;
 }
 

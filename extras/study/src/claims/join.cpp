@@ -186,7 +186,8 @@ std::vector<Claim> join_claims(const std::vector<std::vector<Claim>>& of_trials)
     claim.effect = effect_of(claim);
     claim.dependence = {
         differing_share(claim.trials, [](const auto& a, const auto& b) { return a.body == b.body; }),
-        differing_share(claim.trials, [](const auto& a, const auto& b) { return a.seed == b.seed && a.body != b.body; }),
+        differing_share(claim.trials,
+                        [](const auto& a, const auto& b) { return a.seed == b.seed && a.body != b.body; }),
         flipped_share(claim.trials, &TrialVerdict::at_half_amount),
         flipped_share(claim.trials, &TrialVerdict::at_half_resolution)};
     const std::size_t decided = claim.decided();

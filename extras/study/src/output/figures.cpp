@@ -69,7 +69,8 @@ void add_group(const Plan& plan, const Result& result, const std::string& group,
     for (const Curve& curve : curves) {
       const MotionRun* cell = curve.rule ? result.find({curve.source, motion, *curve.rule}) : nullptr;
       if (cell == nullptr) continue;
-      Series series{curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
+      Series series{
+          curve.name, kind.uncovered && curve.role == SeriesRole::method ? SeriesRole::uncovered : curve.role, {}, {}};
       series.rule = plan.rules[*curve.rule].name;
       if (curve.of_generators) series.method = plan.sources[curve.source].method;
       for (const Sample& sample : cell->samples) {

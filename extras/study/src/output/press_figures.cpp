@@ -122,18 +122,37 @@ std::vector<Figure> make_press_figures(const Plan& plan, const Result& result) {
 }
 
 Table make_press_table(const Plan& plan, const Result& result) {
-  Table table{
-      "contacts",
-      "Contacts of two bodies pressed together, against exact triangles",
-      "Pressed: % of the diagonal at rest along the axis. Depths: the largest, over the true one. Normals: "
-      "median and 90 % of the angles from the true ones, and the angle of their sum weighted by depth, in "
-      "degrees. Kept: contacts whose corrected depth is not 0; corrected figures are theirs. Lost: pairs of "
-      "crossing facets in no contact. Error bound: mean, % of the diagonal.",
-      false,
-      {"body",     "method",   "seed",          "rule",          "axis",      "pressed, %", "true depth, %", "query", "pair tests",
-       "contacts", "finished", "kept",          "depth",     "corrected",  "normal",        "90 %",  "corrected normal",
-       "90 %",     "sum",      "corrected sum", "crossings", "lost",       "error bound, %"},
-      {}};
+  Table table{"contacts",
+              "Contacts of two bodies pressed together, against exact triangles",
+              "Pressed: % of the diagonal at rest along the axis. Depths: the largest, over the true one. Normals: "
+              "median and 90 % of the angles from the true ones, and the angle of their sum weighted by depth, in "
+              "degrees. Kept: contacts whose corrected depth is not 0; corrected figures are theirs. Lost: pairs of "
+              "crossing facets in no contact. Error bound: mean, % of the diagonal.",
+              false,
+              {"body",
+               "method",
+               "seed",
+               "rule",
+               "axis",
+               "pressed, %",
+               "true depth, %",
+               "query",
+               "pair tests",
+               "contacts",
+               "finished",
+               "kept",
+               "depth",
+               "corrected",
+               "normal",
+               "90 %",
+               "corrected normal",
+               "90 %",
+               "sum",
+               "corrected sum",
+               "crossings",
+               "lost",
+               "error bound, %"},
+              {}};
   const std::vector<PressQuery> queries = press_queries(plan);
   for (const PressCell& cell : result.presses) {
     const Source& source = plan.pressed(cell.source);

@@ -100,7 +100,7 @@ std::string seed_text(const Source& source) {
   return source.seed ? fmt::format(" of seed {}", *source.seed) : std::string();
 }
 
-/// What the verdict depends on, in shares of pairs of trials; empty if it depends on nothing.
+/// Dependence of the verdict, in shares of pairs of trials; empty if it depends on nothing.
 std::string depends_text(const Claim& claim) {
   std::string text;
   const auto add = [&](const char* what, const std::optional<double>& share) {
@@ -143,8 +143,7 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
 std::string claims_text(std::span<const Claim> claims) {
   std::string text;
   for (const ClaimOrigin origin : {ClaimOrigin::paper, ClaimOrigin::ours}) {
-    text += origin == ClaimOrigin::paper ? "What the paper claims, and whether it holds here\n"
-                                         : "\nWhat it did not measure\n";
+    text += origin == ClaimOrigin::paper ? "Claims of the paper\n" : "\nFurther claims\n";
     for (const Claim& claim : claims) {
       if (claim.origin != origin) continue;
       text += fmt::format("  {:<11} {}\n", word(claim), claim.claim);

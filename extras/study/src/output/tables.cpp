@@ -50,7 +50,8 @@ Table tree_table(const Plan& plan, const Result& result) {
         const double share =
             l.nodes > 0 ? 100.0 * static_cast<double>(l.void_spheres) / static_cast<double>(l.nodes) : 0;
         table.rows.push_back({list == &result.needles ? std::string("prism") : plan.body_of(tree.source).name,
-                              plan.sources[tree.source].method, seed_value(plan.sources[tree.source]), level, l.nodes, l.void_spheres, share, l.grown});
+                              plan.sources[tree.source].method, seed_value(plan.sources[tree.source]), level, l.nodes,
+                              l.void_spheres, share, l.grown});
       }
     }
   }
@@ -75,10 +76,11 @@ Table rule_table(const Plan& plan, const Result& result) {
       s.add(plan, cell, level);
       const LevelFigures* rest = cell.at(0, level);
       table.rows.push_back({plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
-                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level, plan.rules[cell.key.rule].name,
+                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level,
+                            plan.rules[cell.key.rule].name,
                             rest == nullptr ? TableValue() : value_of(rest->error(plan.unit)), value_of(s.mean()),
-                            s.mean() ? TableValue(s.error_worst) : TableValue(), 100 * s.uncovered_worst, 100 * s.distance_worst,
-                            100 * s.protrusion_worst});
+                            s.mean() ? TableValue(s.error_worst) : TableValue(), 100 * s.uncovered_worst,
+                            100 * s.distance_worst, 100 * s.protrusion_worst});
     }
   }
   return table;
@@ -109,8 +111,8 @@ Table floor_table(const Plan& plan, const Result& result) {
         return value && fresh && *fresh > 0 ? TableValue(*value / *fresh) : TableValue();
       };
       table.rows.push_back({plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
-                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level, value_of(fresh), value_of(exact),
-                            over(exact), value_of(rebuilt), over(rebuilt)});
+                            seed_value(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion), level,
+                            value_of(fresh), value_of(exact), over(exact), value_of(rebuilt), over(rebuilt)});
     }
   }
   return table;
@@ -151,7 +153,7 @@ void add_mix_tables(const Plan& plan, const Result& result, const Cost& cost, st
   });
   Table by_error{"mixes",
                  "Mixes of rules by looseness: those that leave no surface uncovered first",
-                 "Inner levels + leaves; covering: radii grow to what owned corners need. " + of + ".",
+                 "Inner levels + leaves; covering: radii grow to contain owned corners. " + of + ".",
                  false,
                  {"mix", error_label(plan.unit), "worst uncovered area, %", "points per vertex"},
                  {}};
@@ -173,14 +175,15 @@ void add_mix_tables(const Plan& plan, const Result& result, const Cost& cost, st
 }
 
 Table cost_table(const Plan& plan, const Cost& cost) {
-  Table table{"cost",
-              "Times of an update of all levels",
-              fmt::format("{}, {} tree, {} vertices; one thread, all rules in turns, median and quartiles: differs from "
-                          "run to run.",
-                          plan.bodies.front().name, plan.sources[cost.source].method, cost.vertices),
-              true,
-              {"what", "ns per vertex", "lower quartile", "upper quartile", "over boxes", "points per vertex"},
-              {}};
+  Table table{
+      "cost",
+      "Times of an update of all levels",
+      fmt::format("{}, {} tree, {} vertices; one thread, all rules in turns, median and quartiles: differs from "
+                  "run to run.",
+                  plan.bodies.front().name, plan.sources[cost.source].method, cost.vertices),
+      true,
+      {"what", "ns per vertex", "lower quartile", "upper quartile", "over boxes", "points per vertex"},
+      {}};
   const UpdateCost* boxes = cost.find("boxes");
   for (const std::vector<UpdateCost>* list : {&cost.boxes, &cost.rules}) {
     for (const UpdateCost& c : *list) {
@@ -217,8 +220,8 @@ Table count_table(const Plan& plan, const Result& result) {
 }
 
 Table trial_table(const std::vector<std::vector<Claim>>& of_trials) {
-  Table table{"trials", "Verdicts trial by trial", "A trial is a body with the trees of one seed.", false,
-              {"body", "seed"}, {}};
+  Table table{"trials", "Verdicts trial by trial", "A trial is a body with the trees of one seed.",
+              false,    {"body", "seed"},          {}};
   for (const Claim& claim : of_trials.front()) table.columns.push_back(claim.id);
   for (const std::vector<Claim>& claims : of_trials) {
     const TrialVerdict& first = claims.front().trials.front();

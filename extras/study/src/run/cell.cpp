@@ -99,8 +99,9 @@ double box_volume(const Mesh& mesh) {
   return extent.x * extent.y * extent.z;
 }
 
-LevelFigures measure_level(const Plan& plan, const Measures& measures, const Mesh& rest, const LoosenessMeter& meter, const Mesh& deformed,
-                           const SphereTree& tree, std::size_t level, const SignedDistance* distance) {
+LevelFigures measure_level(const Plan& plan, const Measures& measures, const Mesh& rest, const LoosenessMeter& meter,
+                           const Mesh& deformed, const SphereTree& tree, std::size_t level,
+                           const SignedDistance* distance) {
   const std::vector<Sphere> spheres = level_set_spheres(tree, std::min(level, tree.level_count() - 1));
   LevelFigures figures;
   figures.level = level;

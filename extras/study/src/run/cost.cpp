@@ -74,7 +74,8 @@ void time_in_turns(std::vector<Timed>& trees, const std::vector<std::vector<Vec3
 
 std::vector<UpdateCost> list_from(const Json& json) {
   std::vector<UpdateCost> list;
-  for (const Json& c : json) list.push_back({c.at("name"), c.at("nanoseconds_per_vertex"), c.at("lower_quartile"), c.at("upper_quartile"),
+  for (const Json& c : json)
+    list.push_back({c.at("name"), c.at("nanoseconds_per_vertex"), c.at("lower_quartile"), c.at("upper_quartile"),
                     c.at("points_per_vertex")});
   return list;
 }

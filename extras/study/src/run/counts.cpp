@@ -7,7 +7,8 @@
 // weights of 8 bytes. Then:
 //
 //   boxes                   each leaf reads its points once; each inner node reads its children's boxes
-//   approach1               each leaf reads its linked vertices twice, with a weight for the center, and a divisor and a
+//   approach1               each leaf reads its linked vertices twice, with a weight for the center, and a divisor and
+//   a
 //                           raise for the ratio of each distance; each inner node reads its children twice, with their
 //                           centers at rest and the same two numbers
 //   approach2               each leaf reads its linked vertices once, each inner node its children; one distance per

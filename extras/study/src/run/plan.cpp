@@ -193,7 +193,8 @@ bool is_random(Method method) {
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods) {
   std::vector<Source> sources;
   for (std::size_t body = 0; body < bodies.size(); ++body)
-    for (const Method method : methods) sources.push_back({.body = body, .method = std::string(name(method)), .generator = method});
+    for (const Method method : methods)
+      sources.push_back({.body = body, .method = std::string(name(method)), .generator = method});
   return sources;
 }
 

@@ -45,8 +45,8 @@ class Counter {
 };
 
 Json tree_settings(const Plan& plan, const Mesh& mesh, const Source& source) {
-  return {{"format", cell_format},     {"morula", version},           {"mesh", hash_text(mesh_hash(mesh))},
-          {"method", source.method},   {"branching", plan.branching}, {"depth", plan.depth},
+  return {{"format", cell_format},       {"morula", version},           {"mesh", hash_text(mesh_hash(mesh))},
+          {"method", source.method},     {"branching", plan.branching}, {"depth", plan.depth},
           {"seed", json_of(source.seed)}};
 }
 
@@ -166,9 +166,11 @@ class BodyRun {
   }
 
   void run() {
-    make_trees();
-    make_poses();
-    run_cells();
+    if (!sources_.empty()) {  // a part may have no tree of this body
+      make_trees();
+      make_poses();
+      run_cells();
+    }
     run_presses();
     if (body_ != 0 && !c_.plan.keep_trees) return;
     for (std::size_t s = 0; s < sources_.size(); ++s) c_.result.model[sources_[s]] = std::move(trees_[s]);
@@ -201,9 +203,8 @@ class BodyRun {
     const Plan& plan = c_.plan;
     for (MovedFrames& motion : move_frames(plan, body_, plan.parameters(), &c_.result.skipped))
       poses_.push_back({std::move(motion), {}});
-    const bool is_needed = std::any_of(sources_.begin(), sources_.end(), [&](std::size_t s) {
-      return plan.measures_of(plan.sources[s]).protrusion;
-    });
+    const bool is_needed = std::any_of(sources_.begin(), sources_.end(),
+                                       [&](std::size_t s) { return plan.measures_of(plan.sources[s]).protrusion; });
     if (!is_needed || !inspect(body().mesh).has_volume()) return;
     for (Poses& poses : poses_) poses.distances.resize(plan.samples);
     c_.workers.run(poses_.size() * plan.samples, [&](std::size_t i) {
@@ -258,8 +259,7 @@ class BodyRun {
     c_.counter.next(fmt::format("{} {} {} {}", body().name, of.method, poses.motion.name, task.rule->name));
     *task.result = c_.cached(
         fmt::format("{}-{}-{}", stem_of(c_.plan, body().name, of), poses.motion.name, task.rule->name),
-        cell_settings(c_.plan, of, model, poses, *task.rule,
-                      task.with_protrusion && !poses.distances.empty()),
+        cell_settings(c_.plan, of, model, poses, *task.rule, task.with_protrusion && !poses.distances.empty()),
         cell_from_json,
         [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, meter_, task.with_protrusion, c_.stop); },
         stored_json);
@@ -290,9 +290,8 @@ class BodyRun {
     if (!scene) return;
     const std::size_t rules = plan.press_rules.size();
     std::vector<PressCell> cells(pressed.size() * rules);
-    c_.workers.run(cells.size(), [&](std::size_t i) {
-      cells[i] = press(*scene, pressed[i / rules], i % rules, tree_of(i / rules));
-    });
+    c_.workers.run(cells.size(),
+                   [&](std::size_t i) { cells[i] = press(*scene, pressed[i / rules], i % rules, tree_of(i / rules)); });
     for (PressCell& cell : cells) c_.result.presses.push_back(std::move(cell));
     c_.result.scenes.push_back(std::move(*scene));
   }
@@ -314,8 +313,7 @@ class BodyRun {
     const FollowRule& follow = c_.plan.press_rules[rule];
     c_.counter.next(fmt::format("{} pressed, {}", stem, follow.name));
     return c_.cached(
-        fmt::format("{}-press-{}", stem, follow.name),
-        press_settings(c_.plan, c_.plan.pressed(source), model, follow),
+        fmt::format("{}-press-{}", stem, follow.name), press_settings(c_.plan, c_.plan.pressed(source), model, follow),
         [&](const Json& json) {
           return PressCell{source, rule, figures_from_json(json)};
         },

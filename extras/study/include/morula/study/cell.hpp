@@ -25,8 +25,8 @@ struct MotionRunKey {
 struct LevelFigures {
   std::size_t level = 0;
   std::size_t spheres = 0;
-  double diagonal = 0;               ///< diagonal of the body's box at rest, mesh units
-  double box_volume = 0;             ///< volume of that box, mesh units³
+  double diagonal = 0;                 ///< diagonal of the body's box at rest, mesh units
+  double box_volume = 0;               ///< volume of that box, mesh units³
   std::optional<Looseness> grid;       ///< looseness on the paper's grid
   std::optional<Looseness> half_grid;  ///< looseness on a grid of half its resolution
   std::optional<Looseness> lattice;    ///< looseness on one lattice for all samples

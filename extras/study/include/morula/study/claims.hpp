@@ -56,7 +56,7 @@ struct Interval {
 /// The size of an effect, from all cases of all trials.
 struct Effect {
   std::size_t cases_true = 0, cases = 0;
-  double cliffs_delta = 0;                ///< share of cases in which the claim is true, minus the share of the others
+  double cliffs_delta = 0;               ///< share of cases in which the claim is true, minus the share of the others
   std::optional<double> median_ratio{};  ///< median over trials of a ratio
 };
 
@@ -95,8 +95,8 @@ std::string_view word(const Claim& claim);
 
 /// The claims in one trial: each has one entry in Claim::trials. cost: of the first body, or nullptr.
 std::vector<Claim> make_claims(const Plan& plan, const Result& result, const Trial& trial, const Cost* cost);
-/// Claims over trials. A claim holds if it holds in at least nine tenths of the trials that decide it, fails if it fails
-/// in at least nine tenths, and holds partly otherwise; a guarantee holds only if it holds in all.
+/// Claims over trials. A claim holds if it holds in at least nine tenths of the trials that decide it, fails if it
+/// fails in at least nine tenths, and holds partly otherwise; a guarantee holds only if it holds in all.
 std::vector<Claim> join_claims(const std::vector<std::vector<Claim>>& of_trials);
 /// The claim with this id; nullptr if there is none.
 const Claim* find_claim(std::span<const Claim> claims, std::string_view id);

@@ -12,7 +12,7 @@ struct UpdateCost {
   std::string name;
   double nanoseconds_per_vertex = 0;  ///< one thread; median over repeats of all samples of all motions
   double lower_quartile = 0, upper_quartile = 0;
-  double points_per_vertex = 0;       ///< number of points read; 0 if boxes are updated
+  double points_per_vertex = 0;  ///< number of points read; 0 if boxes are updated
 };
 
 struct Cost {

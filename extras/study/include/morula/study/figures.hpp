@@ -43,7 +43,8 @@ struct Figure {
   std::vector<std::string> x_names{};  ///< names of the queries x = 0, 1, …; empty: x is a sample of the motion
 };
 
-/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on every tree.
+/// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on
+/// every tree.
 std::vector<Figure> make_figures(const Plan& plan, const Result& result);
 /// Figures of the first body's presses at the middle one of Plan::press_amounts, for each axis: all trees with the rule
 /// `exact`, then all rules on the medial tree, or on the first tree if there is no medial one.

@@ -152,11 +152,12 @@ struct Plan {
   std::vector<Deformations> motions{};
   std::vector<RecordedMotion> recorded{};  ///< further motions, numbered after `motions`
   std::vector<FollowRule> rules{};
-  std::vector<FollowRule> mixes{};       ///< rules on the first source and all motions
-  std::size_t samples = 13;              ///< samples of each motion, from rest to the full amount
-  bool and_back = false;                 ///< samples also lead back to rest: frame_parameters()
-  std::vector<std::size_t> measured{};   ///< samples to measure; empty: all
-  /// Samples that decide claims, each in `measured`; trials of later seeds measure only these. Empty: all measured ones.
+  std::vector<FollowRule> mixes{};      ///< rules on the first source and all motions
+  std::size_t samples = 13;             ///< samples of each motion, from rest to the full amount
+  bool and_back = false;                ///< samples also lead back to rest: frame_parameters()
+  std::vector<std::size_t> measured{};  ///< samples to measure; empty: all
+  /// Samples that decide claims, each in `measured`; trials of later seeds measure only these. Empty: all measured
+  /// ones.
   std::vector<std::size_t> decisive{};
   std::vector<std::size_t> of_levels{};  ///< levels to measure; empty: the last two, as in the paper
   Measures measures{};

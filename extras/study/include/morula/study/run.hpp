@@ -69,7 +69,8 @@ class Stopped : public std::runtime_error {
 /// Called with the completed share and the present step, one call at a time, on any thread.
 using Progress = std::function<void(double share, std::string what)>;
 
-/// The part of a run that one of several machines takes: every `count`-th tree, from `number` - 1 on, with all its cells.
+/// The part of a run that one of several machines takes: every `count`-th tree, from `number` - 1 on, with all its
+/// cells.
 struct RunShard {
   std::size_t number = 1, count = 1;
 
