@@ -15,7 +15,7 @@ constexpr double right = 24;
 constexpr double title_size = 14;
 constexpr double title_line = 22;
 constexpr double legend_line = 19;
-constexpr double swatch = 34;   // a piece of a line in the legend
+constexpr double swatch = 34;   // length of a line in the legend
 constexpr double wider = 1.17;  // other fonts than Helvetica
 constexpr double first_height = 250;
 constexpr double other_height = 92;
@@ -104,7 +104,7 @@ void add_line(const PlotLine& line, const Frame& frame, bool at_all_points, Draw
   add_markers(line, frame, at_all_points, drawing);
 }
 
-/// The names of lines next to pieces of them, in rows that fit the page. Returns the height.
+/// The names of lines next to short samples, in rows that fit the page. Returns the height.
 double add_legend(const Plot& plot, double top, Drawing& drawing) {
   double x = 12, y = top;
   const auto next = [&](std::string_view text) {
