@@ -34,7 +34,7 @@ def find_reader():
 
 
 def main():
-    command, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+    command, folder = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2])
     read = find_reader()
     if read is None:
         print("skipped: neither pypdf nor pdfminer nor pdftotext is installed")
