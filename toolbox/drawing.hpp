@@ -53,7 +53,7 @@ struct DrawnPath {
 enum class Anchor : std::uint8_t { start, middle, end };
 
 struct DrawnText {
-  double x = 0, y = 0;  ///< of the baseline
+  double x = 0, y = 0;  ///< left, middle or right end of the baseline
   std::string text{};
   Shade color = shades::ink;
   double size = 12;

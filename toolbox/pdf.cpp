@@ -20,7 +20,7 @@ std::string color(std::uint32_t rgb) {
   return fmt::format("{} {} {}", part(16), part(8), part(0));
 }
 
-/// (text) with what is special in it marked, and bytes above ASCII as octal numbers.
+/// (text), with a backslash before parentheses and backslashes, and bytes above ASCII as octal numbers.
 std::string pdf_string(std::string_view bytes) {
   std::string text = "(";
   for (const char c : bytes) {

@@ -15,11 +15,11 @@ constexpr double right = 24;
 constexpr double title_size = 14;
 constexpr double title_line = 22;
 constexpr double legend_line = 19;
-constexpr double swatch = 34;   // a piece of a line in the legend
+constexpr double swatch = 34;   // length of a line in the legend
 constexpr double wider = 1.17;  // other fonts than Helvetica
 constexpr double first_height = 250;
 constexpr double other_height = 92;
-constexpr double between = 26;
+constexpr double between = 34;
 constexpr double bottom = 46;
 constexpr double marker_size = 4.2;
 
@@ -104,7 +104,7 @@ void add_line(const PlotLine& line, const Frame& frame, bool at_all_points, Draw
   add_markers(line, frame, at_all_points, drawing);
 }
 
-/// The names of lines next to pieces of them, in rows that fit the page. Returns the height.
+/// The names of lines next to short samples, in rows that fit the page. Returns the height.
 double add_legend(const Plot& plot, double top, Drawing& drawing) {
   double x = 12, y = top;
   const auto next = [&](std::string_view text) {
@@ -273,7 +273,7 @@ Drawing plot_drawing(const Plot& plot) {
   drawing.items.push_back(
       DrawnText{10, title_line, shortened(plot.title, size, room, true), shades::ink, size, Anchor::start, true});
   double y = title_line + 20;
-  y += add_legend(plot, y, drawing) - 4;
+  y += add_legend(plot, y, drawing) - 10;
   for (std::size_t i = 0; i < plot.panels.size(); ++i) {
     const PlotPanel& panel = plot.panels[i];
     y += between;

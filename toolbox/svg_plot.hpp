@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Line plots: panels above each other over one axis and one legend, readable on light and dark pages and by the color
-// blind. As SVG, as PDF and for LaTeX.
+// blind. The files are SVG, PDF and pgfplots for LaTeX.
 #pragma once
 
 #include <array>

@@ -44,13 +44,13 @@ export const study = {
     fig2('d', 'fig2d-bend'),
     { id: 'fig3', title: 'Uncovered area while bending', x: { label: 'frame', unit: '' }, y: { label: 'uncovered', unit: '%' }, frame_axis: true, motion: 'bend', body: 'limb',
       series: [
-        { name: 'approach 2', x: frames, y: arch(0, 13.4), role: 'uncovered' },
-        { name: 'exact', x: frames, y: frames.map((frame) => (frame === 4 ? null : 0)), role: 'method' },
+        { name: 'approach 2', x: frames, y: arch(0, 13.4), role: 'uncovered', style: approach2 },
+        { name: 'exact', x: frames, y: frames.map((frame) => (frame === 4 ? null : 0)), role: 'method', style: exact },
       ] },
     { id: 'fig4', title: 'Time of an update', x: { label: 'vertices', unit: '' }, y: { label: 'time', unit: 'µs', log: true }, frame_axis: false,
       series: [
-        { name: 'exact', x: [1000, 10000, 40000, 176000], y: [9, 80, 290, 940], role: 'method' },
-        { name: 'approach 2', x: [1000, 10000, 40000, 176000], y: [5, 40, 160, 640], role: 'method' },
+        { name: 'exact', x: [1000, 10000, 40000, 176000], y: [9, 80, 290, 940], role: 'method', style: exact },
+        { name: 'approach 2', x: [1000, 10000, 40000, 176000], y: [5, 40, 160, 640], role: 'method', style: approach2 },
       ] },
   ],
   tables: [{ id: 'worst', title: 'Worst frames', note: 'Looseness in object volumes.', columns: ['rule', 'looseness', 'uncovered', 'frame'], rows: [['traditional', 0.43, 0.004, 6], ['approach 2', 0.224, 0.134, 6], ['exact', 0.0824, 0, null]] }],

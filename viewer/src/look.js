@@ -47,7 +47,7 @@ export function looks(series) {
   });
 }
 
-/** A piece of a line with its marker, for legends. */
+/** A short line with its marker, for legends. */
 export function swatch(look, hatched = false) {
   const svg = drawn('svg', { viewBox: '0 0 30 12', width: 30, height: 12, 'aria-hidden': 'true', class: 'swatch' });
   if (hatched) for (let x = 4; x < 28; x += 5) svg.append(drawn('path', { d: `M${x} 4l-3 7`, stroke: look.color, fill: 'none' }));

@@ -90,15 +90,15 @@ export class Report {
     requestAnimationFrame(() => wanted.scrollIntoView({ block: 'start' }));
   }
 
-  /** Curves of a figure in an element of that height. bare: without names of axes. */
-  plot(spec, height, bare = false) {
+  /** Curves of a figure in an element of that height. plain: without names of axes. */
+  plot(spec, height, plain = false) {
     const place = element('div', { class: 'plot', style: `min-height:${height}px` });
     const curves = new Curves(place, height, (frame) => this.go(spec, frame));
     const content = () => {
       const its = looks(list(spec.series));
       return {
         series: list(spec.series).map((s, k) => ({ name: s.name, x: list(s.x), y: list(s.y), ...its[k] })),
-        xLabel: bare ? undefined : labeled(spec.x), yLabel: bare ? undefined : labeled(spec.y),
+        xLabel: plain ? undefined : labeled(spec.x), yLabel: plain ? undefined : labeled(spec.y),
         log: Boolean(spec.y?.log), frames: Boolean(spec.frame_axis), names: spec.x?.names,
       };
     };

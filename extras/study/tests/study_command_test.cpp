@@ -81,6 +81,10 @@ TEST_F(LongStudyCommand, writes_the_figures_of_the_paper_in_the_agreed_form) {
     EXPECT_NE(in_one_line(text()).find(claim["claim"].get<std::string>()), std::string::npos) << claim["claim"];
     EXPECT_NE(in_one_line(text()).find(claim["numbers"].get<std::string>()), std::string::npos) << claim["numbers"];
     for (const Json& figure : claim["figures"]) EXPECT_EQ(figures.count(figure), 1u) << figure;
+    if (claim.contains("why")) {
+      const std::string why = claim["why"];
+      EXPECT_LE(std::count(why.begin(), why.end(), '.'), 4) << "two sentences, and 0.98: " << why;
+    }
   }
   for (const Json& table : data["tables"]) {
     for (const Json& row : table["rows"]) EXPECT_EQ(row.size(), table["columns"].size()) << table["id"];
@@ -110,6 +114,25 @@ TEST_F(LongStudyCommand, ends_with_a_page_that_holds_the_study_or_says_why_not) 
   EXPECT_EQ(manifest["study"], study());
   EXPECT_EQ(manifest["motions"].size(), 3u) << "stretch, twist, bend";
   EXPECT_EQ(manifest["scenes"].size(), 6u) << "each by approach2 and by exact";
+}
+
+TEST_F(LongStudyCommand, writes_figures_in_the_formats_that_were_named) {
+  bench().require(small + " -o formats --formats pdf,pgf");
+  std::map<std::string, std::set<std::string>> stems;
+  for (const auto& entry : std::filesystem::directory_iterator(bench() / "formats"))
+    stems[entry.path().extension()].insert(entry.path().stem());
+  std::map<std::string, std::set<std::string>> usual;
+  for (const auto& entry : std::filesystem::directory_iterator(bench() / "study"))
+    usual[entry.path().extension()].insert(entry.path().stem());
+  EXPECT_EQ(stems.count(".svg"), 0u);
+  EXPECT_EQ(stems[".pdf"], usual[".svg"]);
+  EXPECT_TRUE(usual[".pdf"].empty() && usual[".pgf"].empty());
+  usual[".svg"].erase("fig1");  // a picture has no curves
+  EXPECT_EQ(stems[".pgf"], usual[".svg"]);
+  EXPECT_EQ(stems[".csv"].count("rules"), 1u) << "tables are always CSV";
+  EXPECT_EQ(stems[".csv"].count("fig2a"), 0u);
+  bench().expect_refused("study --quick -o none --formats svg,png", "png");
+  EXPECT_FALSE(std::filesystem::exists(bench() / "none"));
 }
 
 TEST_F(LongStudyCommand, has_the_same_figures_for_any_number_of_threads) {

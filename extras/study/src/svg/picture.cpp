@@ -83,7 +83,7 @@ void draw_mesh(const MeshView& mesh, const PictureView& view, toolbox::Drawing& 
   }
   for (auto& [key, path] : paths) {
     path.fill = path.stroke = shade_color(key.second);
-    path.width = 0.4;
+    path.width = 0.6;
     drawing.items.emplace_back(std::move(path));
   }
 }
