@@ -251,7 +251,7 @@ Mesh cell_surface(const std::vector<std::array<int, 3>>& cells, int n) {
         std::array<int, 3> next = cell;
         next[static_cast<std::size_t>(axis)] += 2 * side - 1;
         if (filled.count(next) > 0) continue;
-        ask_to_go_on();
+        check_interrupt();
         // u, v and the axis are a right-handed frame; the other side is seen from behind.
         const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
         for (int i = 0; i < n; ++i) {
@@ -280,7 +280,7 @@ Mesh cell_surface(const std::vector<std::array<int, 3>>& cells, int n) {
 void smooth(Mesh& mesh, int rounds) {
   std::vector<Vec3> sums(mesh.vertex_count());
   for (int round = 0; round < rounds; ++round) {
-    ask_to_go_on();
+    check_interrupt();
     std::vector<double> counts(mesh.vertex_count(), 0);
     std::fill(sums.begin(), sums.end(), Vec3{});
     for (const Facet& f : mesh.facets) {
