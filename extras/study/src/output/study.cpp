@@ -6,6 +6,7 @@
 #include <array>
 #include <morula/io/whole_output.hpp>
 #include <morula/study/study.hpp>
+#include <toolbox/numbers.hpp>
 
 #include "output/pictures.hpp"
 

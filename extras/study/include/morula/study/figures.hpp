@@ -14,7 +14,13 @@
 
 namespace morula::study {
 
-enum class SeriesRole : std::uint8_t { method, reference, uncovered };
+/// The part that a curve plays in its figure.
+enum class SeriesRole : std::uint8_t {
+  method,     ///< a method or rule that the figure compares
+  reference,  ///< another method or rule, drawn thin for orientation
+  uncovered   ///< a curve of `method` whose measure is uncovered surface or lost crossings
+};
+/// The name of the enumerator.
 std::string_view name(SeriesRole role);
 
 struct Series {
@@ -22,10 +28,10 @@ struct Series {
   SeriesRole role = SeriesRole::method;
   std::vector<double> x;                 ///< samples of the motion, or queries of the press
   std::vector<std::optional<double>> y;  ///< one per x, in Figure::y_unit; no value: not measured
-  std::string rule{};             ///< name of its rule; curves of one rule look alike in all figures
-  std::string method{};           ///< name of its generator, in figures that compare generators
-  bool faint = false;             ///< a companion in the background, such as the values of spheres
-  std::vector<bool> uncovered{};  ///< samples at which the rule leaves surface uncovered; empty: not known
+  std::string rule{};                    ///< name of its rule; curves of one rule look alike in all figures
+  std::string method{};                  ///< name of its generator, in figures that compare generators
+  bool faint = false;                    ///< a companion in the background, such as the values of spheres
+  std::vector<bool> uncovered{};         ///< samples at which the rule leaves surface uncovered; empty: not known
 };
 
 /// One measure with several curves.

@@ -26,15 +26,45 @@ namespace morula::study {
 /// thread, one call at a time.
 using Progress = std::function<void(double share, std::string what)>;
 
+/// The part of a run that one of several machines takes: every `count`-th tree, from `number` - 1 on, with all its
+/// cells.
+struct RunShard {
+  std::size_t number = 1, count = 1;
+
+  bool has(std::size_t source) const { return source % count == number - 1; }
+};
+
 struct RunOptions {
   const Cache* cache = nullptr;  ///< cache from which to take cells, and in which to keep new ones; nullptr: none
   std::stop_token stop{};        ///< a stop request makes run() throw Stopped
   Progress progress{};           ///< may be empty
+  RunShard shard{};              ///< a part needs a cache, from which a whole run joins all parts
+};
+
+struct Result;
+
+/// Runs a study. The figures are the same for any number of workers, and if the run was stopped and run again with its
+/// cache; times differ. Throws std::invalid_argument for a plan that refers to missing entries, and for a shard without
+/// a cache; FileError or std::invalid_argument for a tree file that does not belong to its mesh; and Stopped on a stop
+/// request. The result of a shard has only its cells.
+Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
+
+/// The exception of run() after a stop request. The cache, if there is one, keeps the finished cells.
+class Stopped : public std::runtime_error {
+ public:
+  Stopped() : std::runtime_error("study: stopped on request") {}
+};
+
+/// Counts of one level of one tree at rest.
+struct TreeLevel {
+  std::size_t nodes = 0;
+  std::size_t void_spheres = 0;  ///< number of spheres that enclose no vertex of the mesh
+  std::size_t grown = 0;         ///< for trees from files: number of spheres that had to grow so that the tree covers
 };
 
 /// The work of one update of all levels, counted: the same on every machine. Formulas: src/run/counts.cpp.
 struct UpdateCounts {
-  std::string name;               ///< the rule's, or "boxes"
+  std::string name;               ///< name of the rule, or "boxes"
   std::size_t points_read = 0;    ///< vertices and corners, once for each time that a node reads one
   std::size_t children_read = 0;  ///< spheres or boxes of children, counted alike
   std::size_t distances = 0;      ///< distances and squared distances to points, to children and to corners of boxes
@@ -45,49 +75,17 @@ struct UpdateCounts {
 /// The work of boxes and of `traditional`, `weighted`, `approach1` and `approach2` over a tree.
 std::vector<UpdateCounts> count_updates(const Mesh& mesh, const CoveredTree& model);
 
+/// Counts of one tree.
 struct TreeFigures {
-  std::size_t source = 0;
+  std::size_t source = 0;  ///< index in Plan::sources
   std::vector<TreeLevel> levels;
-  double build_seconds = 0;            ///< seconds of the build, if the plan requests times
+  /// Time of the build, seconds; 0 for a tree from a file or from the cache, and if the plan requests no times.
+  double build_seconds = 0;
   std::vector<UpdateCounts> counts{};  ///< work of updates; empty for prisms
 
-  /// nullptr if it was not counted.
+  /// The counts of a rule or of boxes; nullptr if they were not counted.
   const UpdateCounts* find_counts(std::string_view name) const;
 };
-
-/// Runs a study. The figures are the same for any number of workers, and if the run was stopped and run again with its
-/// cache; times differ. Throws std::invalid_argument for a plan that refers to missing entries, FileError or
-/// std::invalid_argument for a tree file that does not belong to its mesh, and Stopped on a stop request.
-Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
-
-/// The exception of run() after a stop request. The cache, if there is one, keeps the finished cells.
-class Stopped : public std::runtime_error {
- public:
-  Stopped() : std::runtime_error("study: stopped on request") {}
-};
-
-/// Called with the completed share and the present step, one call at a time, on any thread.
-using Progress = std::function<void(double share, std::string what)>;
-
-/// The part of a run that one of several machines takes: every `count`-th tree, from `number` - 1 on, with all its
-/// cells.
-struct RunShard {
-  std::size_t number = 1, count = 1;
-
-  bool has(std::size_t source) const { return source % count == number - 1; }
-};
-
-struct RunOptions {
-  const Cache* cache = nullptr;  ///< nullptr: no cache
-  std::stop_token stop{};
-  Progress progress{};  ///< may be empty
-  RunShard shard{};     ///< a part needs a cache, from which a whole run joins all parts
-};
-
-/// Runs a study. The figures are the same for any number of workers and interruptions; times differ. Throws Stopped;
-/// std::invalid_argument and FileError for trees that do not fit their mesh; std::invalid_argument for a plan that
-/// refers to missing entries, and for a shard without a cache. The result of a shard has only its cells.
-Result run(const Plan& plan, Workers& workers = serial_workers(), const RunOptions& options = {});
 
 /// A motion or press that is impossible for a body.
 struct Skipped {
