@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 8> palette{"#0072b2", "#d55e00", "#009e73
 
 /// The range of a panel; it begins at 0, since areas and volumes do.
 double highest(const PlotPanel& panel) {
-  double high = 0;
+  double high = panel.y_end;
   for (const PlotLine& line : panel.lines)
     for (const std::optional<double>& y : line.y) high = std::max(high, y.value_or(0));
   return high > 0 ? high : 1;

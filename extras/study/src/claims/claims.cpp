@@ -27,6 +27,7 @@ std::vector<Claim> make_claims(const Plan& plan, const Result& result, std::size
   const Evidence evidence(plan, result, body);
   std::vector<Claim> claims = paper_claims(evidence, cost);
   for (Claim& claim : new_claims(evidence)) claims.push_back(std::move(claim));
+  for (Claim& claim : own_claims(evidence)) claims.push_back(std::move(claim));
   for (Claim& claim : press_claims(evidence)) claims.push_back(std::move(claim));
   return claims;
 }

@@ -39,7 +39,7 @@ Bare bare_of(const Evidence& evidence, const RuleKey& rule) {
 
 std::vector<Claim> cover_claims(const Evidence& evidence) {
   std::vector<Claim> claims;
-  for (const RuleKey rule :
+  for (const RuleKey& rule :
        {RuleKey(Rule::traditional), RuleKey(Rule::weighted), RuleKey(Rule::approach1), RuleKey(Rule::approach2)}) {
     const Bare found = bare_of(evidence, rule);
     Claim claim{name(rule) + "-bare",
@@ -57,7 +57,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
     }
     claims.push_back(std::move(claim));
   }
-  for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
+  for (const RuleKey& rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
     const Bare found = bare_of(evidence, rule);
     Claim claim{name(rule) + "-covers",
                 ClaimOrigin::ours,

@@ -50,6 +50,33 @@ UpdateCost time_updates(const std::string& name, Updated&& body, const std::vect
   return cost;
 }
 
+/// The time of follow(); it also makes a tree in every frame.
+UpdateCost time_own(const OwnRule& rule, const Mesh& mesh, const CoveredTree& model,
+                    const std::vector<std::vector<Vec3>>& poses, int repeats) {
+  const std::unique_ptr<OwnFollower> object = rule.make(mesh, model);
+  std::vector<double> times;
+  for (const std::vector<Vec3>& positions : poses) {
+    object->follow(positions);
+    for (int i = 0; i < repeats; ++i) {
+      Stopwatch watch;
+      object->follow(positions);
+      times.push_back(1e9 * watch.lap() / static_cast<double>(positions.size()));
+    }
+  }
+  return {rule.name, times.empty() ? 0 : median(times), 0};
+}
+
+/// Names and versions of one's own rules; no value if one has no version.
+std::optional<Json> own_versions(const Plan& plan) {
+  Json json = Json::array();
+  for (const FollowRule& rule : plan.rules) {
+    if (!rule.own) continue;
+    if (rule.own->version.empty()) return std::nullopt;
+    json.push_back({rule.own->name, rule.own->version});
+  }
+  return json;
+}
+
 std::vector<UpdateCost> list_from(const Json& json) {
   std::vector<UpdateCost> list;
   for (const Json& c : json) list.push_back({c.at("name"), c.at("nanoseconds_per_vertex"), c.at("points_per_vertex")});
@@ -76,6 +103,8 @@ const UpdateCost* Cost::find(std::string_view name) const {
 }
 
 Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
+  const std::optional<Json> own = own_versions(plan);
+  if (!own) cache = nullptr;
   const NamedMesh& body = plan.bodies.front();
   const std::size_t chosen = shown_tree(plan);
   const CoveredTree& model = result.model[chosen];
@@ -85,6 +114,7 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
                 {"tree", hash_text(tree_hash(model.tree))},
                 {"repeats", plan.cost_repeats},
                 {"mixes", plan.mixes.size()}};
+  if (own && !own->empty()) settings["own"] = *own;
   const std::string stem = fmt::format("{}-{}-cost", body.name, plan.sources[chosen].method);
   if (const std::optional<Json> stored = find(cache, stem, settings)) {
     try {
@@ -100,6 +130,8 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
     const FollowRule rule(r);
     cost.rules.push_back(time_updates(rule.name, Body(body.mesh, model, rule.options), poses, plan.cost_repeats));
   }
+  for (const FollowRule& rule : plan.rules)
+    if (rule.own) cost.rules.push_back(time_own(*rule.own, body.mesh, model, poses, plan.cost_repeats));
   cost.boxes.push_back(time_updates("boxes", KDopTree(body.mesh, model, 6), poses, plan.cost_repeats));
   cost.boxes.push_back(time_updates("18-DOPs", KDopTree(body.mesh, model, 18), poses, plan.cost_repeats));
   const CoveredTree& first = result.model.front();  // the model for the mixes

@@ -17,6 +17,8 @@ std::string name(const RuleKey& key) {
       return "rebuilt";
     case fresh:
       return "fresh";
+    case RuleKey::Kind::own:
+      return key.own;
     case RuleKey::Kind::update:
       break;
   }
@@ -49,6 +51,7 @@ FollowRule::FollowRule(RuleKey key) : name(study::name(key)), kind(key.kind) {
 }
 
 std::optional<RuleKey> FollowRule::key() const {
+  if (own) return RuleKey(*own);
   if (kind != RuleKey::Kind::update) return kind;
   if (options.rules.size() != 1 || options.conservative) return std::nullopt;
   return options.rules.front();
@@ -123,6 +126,11 @@ std::vector<Method> paper_methods() {
 
 std::vector<Deformations> paper_motions() {
   return {{Stretch{}}, {Twist{}}, {Bend{}}};
+}
+
+Source own_source(std::size_t body, std::shared_ptr<const OwnGenerator> generator) {
+  std::string name = generator->name;
+  return {.body = body, .method = std::move(name), .generator = {}, .file = {}, .own = std::move(generator)};
 }
 
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods) {

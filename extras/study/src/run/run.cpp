@@ -13,6 +13,7 @@
 
 #include "run/cell.hpp"
 #include "run/cell_store.hpp"
+#include "run/own.hpp"
 #include "run/press.hpp"
 
 namespace morula::study {
@@ -53,7 +54,9 @@ Json tree_settings(const Plan& plan, const Mesh& mesh, const std::string& method
 Json rule_json(const FollowRule& rule) {
   Json levels = Json::array();
   for (const Rule r : rule.options.rules) levels.push_back(name(r));
-  return {{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
+  Json json{{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
+  if (rule.own) json["own"] = rule.own->version;
+  return json;
 }
 
 Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& model, const std::string& motion,
@@ -69,6 +72,8 @@ Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& mo
   json["grids"] = {plan.measures.paper_grid, plan.measures.lattice};
   json["certificate"] = plan.measures.certificate;
   json["protrusion"] = with_protrusion ? Json(plan.protrusion_tolerance) : Json(nullptr);
+  if (source.own) json["own"] = source.own->version;
+  if (!plan.metrics.empty()) json["metrics"] = metrics_json(plan);
   return json;
 }
 
@@ -94,8 +99,9 @@ struct Context {
   /// The cached result for these settings, read by `parse`; otherwise the result of `measure`, which is then stored.
   template <class Parse, class Measure, class Write>
   auto cached(const std::string& stem, const Json& settings, const Parse& parse, const Measure& measure,
-              const Write& write) const {
-    if (const std::optional<Json> stored = find(cache, stem, settings)) {
+              const Write& write, bool has_version = true) const {
+    const Cache* const kept = has_version ? cache : nullptr;
+    if (const std::optional<Json> stored = find(kept, stem, settings)) {
       try {
         auto value = parse(*stored);
         counter.reused();
@@ -104,13 +110,14 @@ struct Context {
       }
     }
     auto value = measure();
-    store(cache, stem, settings, write(value));
+    store(kept, stem, settings, write(value));
     return value;
   }
 };
 
 CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& source, Workers& workers) {
   const Plan& plan = c.plan;
+  if (source.own) return make_own_tree(*source.own, body.mesh);
   if (!source.generator)
     return read_covered_tree(source.file, body.mesh, {.sph_origin = plan.sph_origin.of(body.mesh)}, workers);
   const std::string stem = fmt::format("{}-{}", body.name, source.method);
@@ -200,7 +207,7 @@ class BodyRun {
       for (std::size_t m = 0; m < poses_.size(); ++m) {
         for (std::size_t r = 0; r < plan.rules.size(); ++r) {
           MotionRun* cell = &cells[next++];
-          if (plan.rules[r].kind == fresh && !source(s).generator) continue;  // cannot be built again
+          if (plan.rules[r].kind == fresh && !source(s).can_build()) continue;  // cannot be built again
           tasks.push_back({{sources_[s], poses_[m].motion.motion, r}, s, m, &plan.rules[r], true, cell});
         }
       }
@@ -236,7 +243,7 @@ class BodyRun {
                       task.with_protrusion && !poses.distances.empty()),
         cell_from_json,
         [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, task.with_protrusion, c_.stop); },
-        stored_json);
+        stored_json, has_version(c_.plan, of, *task.rule));
     task.result->key = task.key;
   }
 
@@ -289,7 +296,7 @@ void run_needles(const Context& c) {
   const NamedMesh prism{"prism", needle_prism(c.plan.needle_sides)};
   std::vector<std::size_t> sources;
   for (std::size_t s = 0; s < c.plan.sources.size(); ++s)
-    if (c.plan.sources[s].body == 0 && c.plan.sources[s].generator) sources.push_back(s);
+    if (c.plan.sources[s].body == 0 && c.plan.sources[s].can_build()) sources.push_back(s);
   c.result.needles.resize(sources.size());
   c.workers.run(sources.size(), [&](std::size_t i) {
     const Source& source = c.plan.sources[sources[i]];
@@ -317,6 +324,7 @@ void check(const Plan& plan) {
     if (plan.measured[i] >= plan.samples) refuse("a measured sample is not there");
     if (i > 0 && plan.measured[i] <= plan.measured[i - 1]) refuse("measured samples must ascend");
   }
+  check_own(plan);
 }
 
 std::size_t count_steps(const Plan& plan) {
@@ -325,7 +333,7 @@ std::size_t count_steps(const Plan& plan) {
   total += (plan.sources.size() + plan.press_sources.size()) * plan.press_rules.size();
   if (plan.needle_sides > 0)
     total += static_cast<std::size_t>(std::count_if(plan.sources.begin(), plan.sources.end(),
-                                                    [](const Source& s) { return s.body == 0 && s.generator; }));
+                                                    [](const Source& s) { return s.body == 0 && s.can_build(); }));
   return total;
 }
 

@@ -36,6 +36,7 @@ struct Figure {
   bool y_log = false;
   std::vector<Series> series;
   std::vector<std::string> x_names{};  ///< names of x = 0, 1, …; empty: x is the sample of the motion
+  double y_end = 0;                    ///< the y axis ends there, or beyond it where a curve does
 };
 
 /// Figures of the first body: Fig. 2 of the paper, and every rule on every tree.

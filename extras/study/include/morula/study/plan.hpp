@@ -5,9 +5,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
+#include <morula/study/own.hpp>
 #include <morula/update/rules.hpp>
 #include <optional>
 #include <string>
@@ -21,16 +23,19 @@ struct NamedMesh {
   Mesh mesh;
 };
 
-/// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates.
+/// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates; or one's
+/// own.
 struct RuleKey {
-  enum class Kind : std::uint8_t { update, rebuilt, fresh };
+  enum class Kind : std::uint8_t { update, rebuilt, fresh, own };
   Kind kind = Kind::update;
   Rule rule = Rule::exact;  ///< rule of `update`
+  std::string own{};        ///< name of `own`
 
   RuleKey(Rule update_rule) : rule(update_rule) {}
   RuleKey(Kind other) : kind(other) {}
+  RuleKey(const OwnRule& rule_of_ones_own) : kind(Kind::own), own(rule_of_ones_own.name) {}
   bool operator==(const RuleKey& other) const {
-    return kind == other.kind && (kind != Kind::update || rule == other.rule);
+    return kind == other.kind && (kind != Kind::update || rule == other.rule) && own == other.own;
   }
 };
 inline constexpr RuleKey::Kind rebuilt = RuleKey::Kind::rebuilt;
@@ -49,8 +54,10 @@ struct FollowRule {
   std::string name;
   RuleKey::Kind kind = RuleKey::Kind::update;
   UpdateOptions options{};  ///< options of `update`
+  std::shared_ptr<const OwnRule> own{};
 
   FollowRule() = default;
+  FollowRule(std::shared_ptr<const OwnRule> rule) : name(rule->name), kind(RuleKey::Kind::own), own(std::move(rule)) {}
   FollowRule(RuleKey key);
   FollowRule(Rule rule) : FollowRule(RuleKey(rule)) {}
   FollowRule(RuleKey::Kind other) : FollowRule(RuleKey(other)) {}
@@ -65,8 +72,11 @@ struct Source {
   std::size_t body = 0;
   std::string method;  ///< the generator's name, or the declared method of a file
   std::optional<Method> generator;
-  std::filesystem::path file;
+  std::filesystem::path file{};
+  std::shared_ptr<const OwnGenerator> own{};
 
+  /// False for a tree from a file.
+  bool can_build() const { return generator.has_value() || own != nullptr; }
   /// The generator with this name, also for a file.
   std::optional<Method> named() const { return method_from_name(method); }
 };
@@ -126,7 +136,10 @@ struct Plan {
   std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< pair tests
   Deformations press_pose{Bend{45.0, Axis::automatic}};
   SphOrigin sph_origin{};
-  bool keep_trees = false;  ///< true: keep the trees of all bodies, not only of the first
+  bool keep_trees = false;           ///< true: keep the trees of all bodies, not only of the first
+  std::vector<OwnMetric> metrics{};  ///< measured in addition to `measures`
+  bool variants = false;             ///< true: also every reading of the paper's ambiguous sentences (variants.hpp)
+  bool paper_amounts = false;        ///< true: also the amounts of the paper's axes (amounts.hpp)
 
   /// Parameters of the samples: 0 at rest, 1 at the full amount; one per sample.
   std::vector<double> parameters() const;
@@ -153,6 +166,8 @@ std::vector<Method> paper_methods();
 std::vector<Deformations> paper_motions();
 /// Every method on every body.
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods);
+/// The tree of a generator of one's own.
+Source own_source(std::size_t body, std::shared_ptr<const OwnGenerator> generator);
 /// Every rule on the inner levels with every rule on the leaves, plain and conservative.
 std::vector<FollowRule> rule_mixes(int depth);
 
