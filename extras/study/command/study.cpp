@@ -50,7 +50,7 @@ std::string asked_tables(const study::Study& study) {
     };
     Table shown(kept(table.columns, [](const std::string& column) { return column; }), 3);
     for (const std::vector<study::TableValue>& row : table.rows) shown.add(kept(row, text_of));
-    text += fmt::format("\n{}\n{}\n\n{}", table.title, wrapped(table.note), shown.text());
+    text += fmt::format("\n{}\n{}\n{}", table.title, wrapped(table.note), shown.text());
   }
   return text;
 }

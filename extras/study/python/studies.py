@@ -94,12 +94,17 @@ def _part(bodies: dict[str, _morula.Mesh], options: dict[str, Any], part: tuple[
     return _morula.study_part(bodies, options, part, cells)
 
 
+def _named(function: Any) -> tuple[str, str, Any]:
+    """Name and version of a rule or metric of one's own, and itself."""
+    return str(getattr(function, "name", None) or function.__name__), str(getattr(function, "version", "")), function
+
+
 def study(
     meshes: Bodies = None,
     *,
     output: str | os.PathLike[str] | None = None,
     methods: Sequence[str] = (),
-    rules: Sequence[str] = (),
+    rules: Sequence[str | Callable[..., Any]] = (),
     mixes: bool = False,
     trees: str | os.PathLike[str] = "",
     sph_origin: str = "bbox-center",
@@ -110,6 +115,9 @@ def study(
     seed: int = 1,
     unit: str = "volume",
     quick: bool = False,
+    metrics: Mapping[str, tuple[str, Callable[..., float]]] | None = None,
+    variants: bool = False,
+    paper_amounts: bool = False,
     executor: concurrent.futures.Executor | None = None,
     progress: Callable[[float, str], object] | None = None,
     workers: _morula.Workers | None = None,
@@ -118,6 +126,12 @@ def study(
 
     Args:
         meshes: None for the limb; a mesh; meshes by name; paths of files. Options are those of the command, with its defaults.
+        rules: names, and one's own: classes or functions of (mesh, model), whose result has `follow(positions)`, which returns
+            the spheres of all nodes as an array (nodes, 4). Own rules alone leave the default ones in place. The name is that
+            of the class or its attribute `name`; an attribute `version` lets the study keep its cells.
+        metrics: by name a unit and a function of (deformed mesh, spheres, level) that returns a number; its attribute `version`
+            does the same. Without one, cells are measured in every run.
+        variants, paper_amounts: tables of the command's options of these names.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
         executor: an object like those of concurrent.futures, including Dask's and mpi4py's. It computes trees and cells, and
@@ -131,7 +145,10 @@ def study(
         raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/reference/python.md)")
     bodies, files = _given(meshes)
     options: dict[str, Any] = {
-        "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
+        "meshes": files, "methods": list(methods), "rules": [rule for rule in rules if isinstance(rule, str)],
+        "own_rules": [_named(rule) for rule in rules if not isinstance(rule, str)],
+        "metrics": [(name, of, str(getattr(value, "version", "")), value) for name, (of, value) in (metrics or {}).items()],
+        "variants": variants, "paper_amounts": paper_amounts, "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
         "seed": seed, "unit": unit, "quick": quick,
     }
