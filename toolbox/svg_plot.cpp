@@ -25,7 +25,7 @@ constexpr double marker_size = 4.2;
 
 /// The range of a panel; it begins at 0, since areas and volumes do.
 double highest(const PlotPanel& panel) {
-  double high = 0;
+  double high = panel.y_end;
   for (const PlotLine& line : panel.lines)
     for (const std::optional<double>& y : line.y) high = std::max(high, y.value_or(0));
   return high > 0 ? high : 1;

@@ -44,6 +44,7 @@ struct PlotLine {
 struct PlotPanel {
   std::string label;  // of the y axis, with its unit
   std::vector<PlotLine> lines;
+  double y_end = 0;  // the y axis ends there, or beyond it where a line does
 };
 
 struct Plot {

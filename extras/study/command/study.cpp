@@ -55,6 +55,31 @@ int study_shard(const StudyArguments& o, const study::Plan& plan, const Shard& s
   return exit_done;
 }
 
+std::string text_of(const study::TableValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* number = std::get_if<double>(&value)) return toolbox::figure(*number);
+  if (const auto* count = std::get_if<std::size_t>(&value)) return std::to_string(*count);
+  return "-";
+}
+
+/// The tables of --variants and --paper-amounts as text, except for long descriptions.
+std::string asked_tables(const study::Study& study) {
+  std::string text;
+  for (const study::Table& table : study.tables) {
+    if (table.id != "variants" && table.id != "paper-amounts") continue;
+    const auto kept = [&](const auto& cells, const auto& as_text) {
+      std::vector<std::string> texts;
+      for (std::size_t i = 0; i < cells.size(); ++i)
+        if (table.columns[i] != "reading") texts.push_back(as_text(cells[i]));
+      return texts;
+    };
+    Table shown(kept(table.columns, [](const std::string& column) { return column; }), 3);
+    for (const std::vector<study::TableValue>& row : table.rows) shown.add(kept(row, text_of));
+    text += fmt::format("\n{}\n{}\n{}", table.title, wrapped(table.note), shown.text());
+  }
+  return text;
+}
+
 int study_command(const StudyArguments& o) {
   const fs::path folder = o.output;
   // Folders on the way are made, if there are none.
@@ -87,9 +112,9 @@ int study_command(const StudyArguments& o) {
     if (o.json) {
       print_json(Json::parse(study::study_json(study)));
     } else {
-      fmt::print("{}\n{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
-                 wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), o.output,
-                 seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
+      fmt::print("{}\n{}{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
+                 wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), asked_tables(study),
+                 o.output, seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
                  study::contents_text(study, formats));
       if (with_page) {
         fmt::print("- index.html: the claims, the figures and the body in motion: open it in a browser\n");
@@ -179,6 +204,10 @@ void add_study(CLI::App& app, Run& run) {
              "Only the cells of a part: 2/8 is the second of eight; a run without it joins all parts")
       ->type_name("I/N")
       ->capture_default_str();
+  add_flag(*command, "--variants", o->variants,
+           "Also every reading of the paper's ambiguous sentences on approach1 and approach2, as a table");
+  add_flag(*command, "--paper-amounts", o->paper_amounts,
+           "Also the amounts and units at which Fig. 2 ends where the paper's printed axes do");
   add_flag(*command, "--quick", o->quick, "Small bodies, few samples and voxels: a minute instead of several");
   add_threads(*command, o->threads);
   add_json(*command, o->json);

@@ -264,6 +264,10 @@ study::Plan make_study_plan(const StudyOptions& o) {
   plan.motions = study::paper_motions();
   if (o.mixes) plan.mixes = study::rule_mixes(plan.depth);
   plan.press_rules = press_rules(plan, !o.rules.empty());
+  plan.rules.insert(plan.rules.end(), o.own_rules.begin(), o.own_rules.end());
+  plan.metrics = o.metrics;
+  plan.variants = o.variants;
+  plan.paper_amounts = o.paper_amounts;
   add_bodies(o, plan);
   add_motions(o, plan);
   if (!o.trees.empty()) {
@@ -275,6 +279,10 @@ study::Plan make_study_plan(const StudyOptions& o) {
     plan.sources = study::sources_of(plan.bodies, generators, plan.seeds);
     if (o.methods.empty() && !o.quick) plan.press_sources = study::sources_of(plan.bodies, {Method::octree});
   }
+  for (std::size_t body = 0; body < plan.bodies.size(); ++body)
+    for (const auto& generator : o.own_generators) plan.sources.push_back(study::own_source(body, generator));
+  std::stable_sort(plan.sources.begin(), plan.sources.end(),
+                   [](const study::Source& a, const study::Source& b) { return a.body < b.body; });
   require_sound_inputs(plan);
   return plan;
 }

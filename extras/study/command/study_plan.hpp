@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <morula/study/study.hpp>
 #include <string>
 #include <vector>
@@ -34,6 +35,11 @@ struct StudyOptions {
   std::string unit = "volume";
   std::vector<std::string> formats{"svg", "csv"};
   bool quick = false;
+  bool variants = false;
+  bool paper_amounts = false;
+  std::vector<study::FollowRule> own_rules{};  ///< rules in memory, after those of `rules`
+  std::vector<std::shared_ptr<const study::OwnGenerator>> own_generators{};
+  std::vector<study::OwnMetric> metrics{};
 };
 
 std::vector<std::string> study_rule_names();

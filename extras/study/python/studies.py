@@ -100,6 +100,11 @@ def _shard(bodies: dict[str, _morula.Mesh], options: dict[str, Any], number: int
     return _morula.study_shard(bodies, options, number, count, cells)
 
 
+def _named(function: Any) -> tuple[str, str, Any]:
+    """Name and version of a rule or metric of one's own, and itself."""
+    return str(getattr(function, "name", None) or function.__name__), str(getattr(function, "version", "")), function
+
+
 def study(
     meshes: Bodies = None,
     *,
@@ -107,7 +112,7 @@ def study(
     samples: Sequence[str] = (),
     motions: Sequence[str | os.PathLike[str]] = (),
     methods: Sequence[str] = (),
-    rules: Sequence[str] = (),
+    rules: Sequence[str | Callable[..., Any]] = (),
     mixes: bool = False,
     trees: str | os.PathLike[str] = "",
     sph_origin: str = "bbox-center",
@@ -120,6 +125,9 @@ def study(
     unit: str = "volume",
     quick: bool = False,
     formats: Sequence[str] = ("svg", "csv"),
+    metrics: Mapping[str, tuple[str, Callable[..., float]]] | None = None,
+    variants: bool = False,
+    paper_amounts: bool = False,
     executor: concurrent.futures.Executor | None = None,
     shards: int = 32,
     progress: Callable[[float, str], object] | None = None,
@@ -132,6 +140,12 @@ def study(
             with its defaults.
         samples: names of sample bodies. motions: files of frames, each of the first body that they fit.
         seeds: number of seeds from `seed` on, 0 for the default of 3, or 2 of a quick study: each body has a trial with each.
+        rules: names, and one's own: classes or functions of (mesh, model), whose result has `follow(positions)`, which returns
+            the spheres of all nodes as an array (nodes, 4). Own rules alone leave the default ones in place. The name is that
+            of the class or its attribute `name`; an attribute `version` lets the study keep its cells.
+        metrics: by name a unit and a function of (deformed mesh, spheres, level) that returns a number; its attribute `version`
+            does the same. Without one, cells are measured in every run.
+        variants, paper_amounts: tables of the command's options of these names.
         output: a folder for figures, tables, pictures and finished cells: the same files as the command's. A study that was
             interrupted continues from it. None: no files.
         formats: files of figures in the folder, of svg, csv, pdf and pgf.
@@ -146,7 +160,10 @@ def study(
         raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/reference/python.md)")
     bodies, files = _given(meshes)
     options: dict[str, Any] = {
-        "meshes": files, "methods": list(methods), "rules": list(rules), "mixes": mixes, "trees": os.fspath(trees),
+        "meshes": files, "methods": list(methods), "rules": [rule for rule in rules if isinstance(rule, str)],
+        "own_rules": [_named(rule) for rule in rules if not isinstance(rule, str)],
+        "metrics": [(name, of, str(getattr(value, "version", "")), value) for name, (of, value) in (metrics or {}).items()],
+        "variants": variants, "paper_amounts": paper_amounts, "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
         "seed": seed, "seeds": seeds, "unit": unit, "quick": quick, "formats": list(formats),
         "samples": list(samples), "motions": [os.fspath(path) for path in motions],

@@ -15,6 +15,67 @@ namespace morula::python {
 
 namespace {
 
+/// An object of Python's that functions keep and threads without the GIL give up.
+std::shared_ptr<nb::object> kept_object(nb::handle given) {
+  return {new nb::object(nb::borrow(given)), [](nb::object* object) {
+            const nb::gil_scoped_acquire gil;
+            delete object;
+          }};
+}
+
+/// The object of a rule in Python: it has follow(positions), which returns the spheres of all nodes.
+class PythonFollower {
+ public:
+  PythonFollower(const nb::object& make, const Mesh& mesh, const CoveredTree& model) : tree_(model.tree) {
+    const nb::gil_scoped_acquire gil;
+    object_ = kept_object(make(nb::cast(Mesh(mesh)), nb::cast(CoveredTree(model))));
+  }
+  SphereTree follow(const std::vector<Vec3>& positions) {
+    const nb::gil_scoped_acquire gil;
+    tree_.spheres = spheres_of(object_->attr("follow")(own_points(std::vector<Vec3>(positions))), "follow()");
+    tree_.nested = false;
+    return tree_;
+  }
+
+ private:
+  SphereTree tree_;
+  std::shared_ptr<nb::object> object_;
+};
+
+/// A list of (name, version, callable).
+std::vector<study::FollowRule> own_rules(nb::handle given) {
+  std::vector<study::FollowRule> rules;
+  for (const nb::handle item : given) {
+    const auto [name, version, make] = nb::cast<std::tuple<std::string, std::string, nb::object>>(item);
+    rules.emplace_back(study::own_rule(
+        name,
+        [make = kept_object(make)](const Mesh& mesh, const CoveredTree& model) {
+          return PythonFollower(*make, mesh, model);
+        },
+        version));
+  }
+  return rules;
+}
+
+/// A list of (name, unit, version, callable).
+std::vector<study::OwnMetric> own_metrics(nb::handle given) {
+  std::vector<study::OwnMetric> metrics;
+  for (const nb::handle item : given) {
+    const auto [name, unit, version, value] =
+        nb::cast<std::tuple<std::string, std::string, std::string, nb::object>>(item);
+    metrics.push_back(
+        {name, unit,
+         [value = kept_object(value)](const Mesh& mesh, std::span<const Sphere> spheres, std::size_t level) {
+           const nb::gil_scoped_acquire gil;
+           const nb::object result =
+               (*value)(nb::cast(Mesh(mesh)), own_spheres({spheres.begin(), spheres.end()}), level);
+           return returned<double>(result, "metric", "a number");
+         },
+         version});
+  }
+  return metrics;
+}
+
 /// A dict of the options of the command, by their names.
 cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
   cli::StudyOptions options;
@@ -25,6 +86,14 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
   for (const auto& item : given) {
     const auto name = value_of<std::string>(item.first, "options", "a dict of options by name");
     const nb::handle value = item.second;
+    if (name == "own_rules") {
+      options.own_rules = own_rules(value);
+      continue;
+    }
+    if (name == "metrics") {
+      options.metrics = own_metrics(value);
+      continue;
+    }
     const auto read = [&](auto& member) {
       if (!nb::try_cast(value, member))
         throw nb::type_error((name + ": " + nb::cast<std::string>(nb::repr(value)) + " is of another type").c_str());
@@ -39,7 +108,8 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
                        (name == "branching" && read(options.branching)) || (name == "depth" && read(options.depth)) ||
                        (name == "seed" && read(options.seed)) || (name == "seeds" && read(options.seeds)) ||
                        (name == "unit" && read(options.unit)) || (name == "quick" && read(options.quick)) ||
-                       (name == "formats" && read(options.formats));
+                       (name == "formats" && read(options.formats)) || (name == "variants" && read(options.variants)) ||
+                       (name == "paper_amounts" && read(options.paper_amounts));
     if (!known) throw nb::type_error(("there is no option '" + name + "'").c_str());
   }
   return options;

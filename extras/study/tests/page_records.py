@@ -67,8 +67,20 @@ def study_claims(study):
     return rows
 
 
-STUDY = ["--quick", "--seeds", "3", "--rules", "traditional,weighted,approach1,approach2,exact,rebuilt,fresh"]
-TABLES = {"demo": {"demo_rules": demo_rules, "demo_budgets": demo_budgets}, "study": {"study_claims": study_claims}}
+
+def table_of(study, name):
+    """The rows of a table of study.json as text: numbers with three digits."""
+    table = next(table for table in study["tables"] if table["id"] == name)
+    return [["" if cell is None else cell if isinstance(cell, str) else f"{cell:.3g}" for cell in row] for row in table["rows"]]
+
+
+TABLES = {"demo": {"demo_rules": demo_rules, "demo_budgets": demo_budgets}, "study": {"study_claims": study_claims},
+          "variants": {"study_variants": lambda study: table_of(study, "variants"),
+                       "study_amounts": lambda study: table_of(study, "paper-amounts")}}
+# Commands that are not named as their tables.
+COMMANDS = {"study": ["study", "--quick", "--seeds", "3", "--rules", "traditional,weighted,approach1,approach2,exact,rebuilt,fresh"],
+            "variants": ["study", "--quick", "--depth", "3", "--variants", "--paper-amounts", "--methods", "medial,grid,hubbard,spawn",
+                         "--bodies", "limb", "--seeds", "1", "--rules", "traditional,approach1,approach2,exact"]}
 
 
 def recorded(path):
@@ -84,7 +96,7 @@ def main():
         return 2
     what, command = arguments[0], pathlib.Path(arguments[1]).resolve()
     with tempfile.TemporaryDirectory() as folder:
-        run = subprocess.run([command, what, *(STUDY if what == "study" else []), "-o", "out", "--json"], cwd=folder, capture_output=True, text=True, check=False)
+        run = subprocess.run([command, *COMMANDS.get(what, [what]), "-o", "out", "--json"], cwd=folder, capture_output=True, text=True, check=False)
     if run.returncode != 0:
         print(run.stderr, file=sys.stderr)
         return 1
@@ -96,7 +108,7 @@ def main():
         path, now = DATA / f"{name}.tsv", make(found)
         if "--write" in sys.argv:
             path.write_text("# SPDX-FileCopyrightText: 2026 The Morula authors\n# SPDX-License-Identifier: Apache-2.0\n"
-                            f"# What `morula {what}` found, as extras/study/tests/page_records.py wrote it.\n" +
+                            f"# What `morula {' '.join(COMMANDS.get(what, [what]))}` found, as extras/study/tests/page_records.py wrote it.\n" +
                             "".join("\t".join(row) + "\n" for row in now))
             continue
         before = recorded(path)

@@ -15,6 +15,7 @@ namespace {
 std::vector<Claim> all_claims(const Evidence& evidence, const Cost* cost) {
   std::vector<Claim> claims = paper_claims(evidence, cost);
   for (Claim& claim : new_claims(evidence)) claims.push_back(std::move(claim));
+  for (Claim& claim : own_claims(evidence)) claims.push_back(std::move(claim));
   for (Claim& claim : press_claims(evidence)) claims.push_back(std::move(claim));
   return claims;
 }

@@ -44,7 +44,7 @@ const std::vector<std::string>& cover_figures() {
 
 std::vector<Claim> cover_claims(const Evidence& evidence) {
   std::vector<Claim> claims;
-  for (const RuleKey rule :
+  for (const RuleKey& rule :
        {RuleKey(Rule::traditional), RuleKey(Rule::weighted), RuleKey(Rule::approach1), RuleKey(Rule::approach2)}) {
     const Uncovered found = uncovered_by(evidence, rule);
     Claim claim = make_claim(name(rule) + "-uncovered", ClaimOrigin::ours,
@@ -58,7 +58,7 @@ std::vector<Claim> cover_claims(const Evidence& evidence) {
                                 percent(found.worst_distance)));
     claims.push_back(std::move(claim));
   }
-  for (const RuleKey rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
+  for (const RuleKey& rule : {RuleKey(Rule::exact), RuleKey(rebuilt)}) {
     const Uncovered found = uncovered_by(evidence, rule);
     Claim claim = make_claim(name(rule) + "-covers", ClaimOrigin::ours,
                              fmt::format("{} leaves no surface uncovered", title(rule)), cover_figures());

@@ -166,6 +166,8 @@ inline std::optional<double> median_of(const std::vector<double>& values) {
 std::vector<Claim> paper_claims(const Evidence& evidence, const Cost* cost);
 /// Claims on figures that the paper did not measure.
 std::vector<Claim> new_claims(const Evidence& evidence);
+/// Claims on one's own rules and generators; none without them.
+std::vector<Claim> own_claims(const Evidence& evidence);
 /// Claims on contacts.
 std::vector<Claim> press_claims(const Evidence& evidence);
 

@@ -60,20 +60,25 @@ std::string cells_csv(const Plan& plan, const Result& result) {
   std::string text =
       "body,method,motion,rule,sample,parameter,level,spheres,looseness,looseness_box,looseness_fixed,missed_volume,"
       "uncovered_area,uncovered_distance,protrusion_worst,protrusion_mean,returns_to_rest,seed,"
-      "looseness_half_grid\n";
+      "looseness_half_grid";
+  for (const OwnMetric& metric : plan.metrics) text += "," + csv_cell(metric.name);
+  text += '\n';
   for (const std::vector<MotionRun>* list : {&result.cells, &result.mixes}) {
     const std::vector<FollowRule>& rules = list == &result.cells ? plan.rules : plan.mixes;
     for (const MotionRun& c : *list) {
       for (const Sample& s : c.samples) {
         for (const LevelFigures& l : s.levels) {
           text += fmt::format(
-              "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(plan.body_of(c.key.source).name),
+              "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(plan.body_of(c.key.source).name),
               csv_cell(plan.sources[c.key.source].method), csv_cell(plan.motion_name(c.key.motion)),
               csv_cell(rules[c.key.rule].name), s.sample, exact_digits(s.parameter), l.level, l.spheres,
               digits(l.looseness()), digits(l.looseness_box()), digits(l.looseness_fixed()), digits(l.missed_volume()),
               exact_digits(l.uncovered_area()), exact_digits(l.uncovered_distance()), digits(l.protrusion_worst()),
               digits(l.protrusion_mean()), c.returns_to_rest ? (*c.returns_to_rest ? "yes" : "no") : "",
               seed_text(plan.sources[c.key.source]), digits(l.error_on_half_grid(ErrorUnit::volume)));
+          for (std::size_t i = 0; i < plan.metrics.size(); ++i)
+            text += "," + (i < l.metrics.size() ? digits(l.metrics[i]) : std::string());
+          text += '\n';
         }
       }
     }

@@ -24,8 +24,9 @@ struct MeasureKind {
   Measure value;
 };
 
-std::vector<MeasureKind> measures(ErrorUnit unit) {
-  return {
+std::vector<MeasureKind> measures(const Plan& plan) {
+  const ErrorUnit unit = plan.unit;
+  std::vector<MeasureKind> list{
       {"", "looseness", error_label(unit), error_unit(unit), false,
        [unit](const LevelFigures& l) { return l.error(unit); }},
       {"-uncovered", "uncovered area", "uncovered area", "% of the surface", true,
@@ -34,6 +35,12 @@ std::vector<MeasureKind> measures(ErrorUnit unit) {
        [](const LevelFigures& l) { return std::optional(100 * l.uncovered_distance()); }},
       {"-protrusion", "protrusion", "mean protrusion", "% of the diagonal at rest", false,
        [](const LevelFigures& l) { return l.protrusion ? std::optional(100 * *l.protrusion_mean()) : std::nullopt; }}};
+  for (std::size_t i = 0; i < plan.metrics.size(); ++i) {
+    const OwnMetric& metric = plan.metrics[i];
+    list.push_back({"-" + metric.name, metric.name, metric.name, metric.unit, false,
+                    [i](const LevelFigures& l) { return i < l.metrics.size() ? l.metrics[i] : std::nullopt; }});
+  }
+  return list;
 }
 
 /// One curve of a figure: its source, its name and its part.
@@ -57,7 +64,7 @@ std::string figure_title(const std::string& head, const std::string& measure, co
 void add_group(const Plan& plan, const Result& result, const std::string& group, const std::string& head,
                const std::string& about, std::size_t motion, std::size_t level, const std::vector<Curve>& curves,
                std::vector<Figure>& figures) {
-  for (const MeasureKind& kind : measures(plan.unit)) {
+  for (const MeasureKind& kind : measures(plan)) {
     Figure figure;
     figure.id = group + kind.suffix;
     figure.group = group;
@@ -95,7 +102,8 @@ std::vector<Curve> rule_curves(const Plan& plan, std::size_t source) {
     if (rule) curves.push_back({source, rule, plan.rules[*rule].title(), SeriesRole::method});
   for (std::size_t rule = 0; rule < plan.rules.size(); ++rule) {
     if (std::find(paper.begin(), paper.end(), rule) != paper.end()) continue;
-    curves.push_back({source, rule, plan.rules[rule].title(), SeriesRole::reference});
+    const SeriesRole role = plan.rules[rule].own ? SeriesRole::method : SeriesRole::reference;
+    curves.push_back({source, rule, plan.rules[rule].title(), role});
   }
   return curves;
 }

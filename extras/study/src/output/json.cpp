@@ -52,6 +52,10 @@ Json settings_json(const Plan& plan) {
           {"unit", plan.unit == ErrorUnit::volume ? "volume" : "box"},
           {"motions", motion_names(plan)},
           {"rules", array_of(plan.rules, rule_name)},
+          {"metrics", array_of(plan.metrics,
+                               [](const OwnMetric& m) -> Json {
+                                 return {{"name", m.name}, {"unit", m.unit}};
+                               })},
           {"press",
            {{"pose", describe_all(plan.press_pose)},
             {"rules", array_of(plan.press_rules, rule_name)},
@@ -151,6 +155,7 @@ Json figure_json(const Plan& plan, const Figure& figure) {
   }
   json["y"] = {{"label", figure.y_label}, {"unit", figure.y_unit}};
   if (figure.y_log) json["y"]["log"] = true;
+  if (figure.y_end > 0) json["y"]["end"] = figure.y_end;
   json["frame_axis"] = figure.x_names.empty();
   json["motion"] = figure.motion;
   json["body"] = plan.bodies[figure.body].name;
@@ -174,19 +179,21 @@ Json table_json(const Table& table) {
 }
 
 Json cell_json(const Plan& plan, const std::vector<FollowRule>& rules, const MotionRun& cell) {
-  Json samples = array_of(cell.samples, [](const Sample& s) -> Json {
-    Json levels = array_of(s.levels, [](const LevelFigures& l) -> Json {
-      return {{"level", l.level},
-              {"spheres", l.spheres},
-              {"looseness", json_of(l.looseness())},
-              {"looseness_box", json_of(l.looseness_box())},
-              {"looseness_half_grid", json_of(l.error_on_half_grid(ErrorUnit::volume))},
-              {"looseness_fixed", json_of(l.looseness_fixed())},
-              {"missed_volume", json_of(l.missed_volume())},
-              {"uncovered_area", l.uncovered_area()},
-              {"uncovered_distance", l.uncovered_distance()},
-              {"protrusion_worst", json_of(l.protrusion_worst())},
-              {"protrusion_mean", json_of(l.protrusion_mean())}};
+  Json samples = array_of(cell.samples, [&](const Sample& s) -> Json {
+    Json levels = array_of(s.levels, [&](const LevelFigures& l) -> Json {
+      Json json{{"level", l.level},
+                {"spheres", l.spheres},
+                {"looseness", json_of(l.looseness())},
+                {"looseness_box", json_of(l.looseness_box())},
+                {"looseness_half_grid", json_of(l.error_on_half_grid(ErrorUnit::volume))},
+                {"looseness_fixed", json_of(l.looseness_fixed())},
+                {"missed_volume", json_of(l.missed_volume())},
+                {"uncovered_area", l.uncovered_area()},
+                {"uncovered_distance", l.uncovered_distance()},
+                {"protrusion_worst", json_of(l.protrusion_worst())},
+                {"protrusion_mean", json_of(l.protrusion_mean())}};
+      for (std::size_t i = 0; i < l.metrics.size(); ++i) json["metrics"][plan.metrics[i].name] = json_of(l.metrics[i]);
+      return json;
     });
     return {{"sample", s.sample}, {"parameter", s.parameter}, {"levels", levels}};
   });

@@ -145,7 +145,7 @@ Plot plot_of(std::span<const Figure> group) {
     plot.x_names = first.x_names;
   }
   for (const Figure& figure : group) {
-    PlotPanel panel{fmt::format("{}, {}", figure.y_label, figure.y_unit), {}};
+    PlotPanel panel{fmt::format("{}, {}", figure.y_label, figure.y_unit), {}, figure.y_end};
     for (const Series& s : figure.series) {
       PlotLine line = style_of(s);
       line.x = s.x;

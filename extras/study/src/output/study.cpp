@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <morula/io/whole_output.hpp>
+#include <morula/study/amounts.hpp>
 #include <morula/study/study.hpp>
+#include <morula/study/variants.hpp>
 #include <toolbox/numbers.hpp>
 
 #include "output/pictures.hpp"
@@ -31,6 +33,16 @@ Study make_study(Plan plan, Workers& workers, const RunOptions& options) {
   study.figures = make_figures(study.plan, study.result);
   for (Figure& figure : make_press_figures(study.plan, study.result)) study.figures.push_back(std::move(figure));
   study.tables = make_tables(study.plan, study.result, study.cost, of_trials);
+  if (study.plan.variants) {
+    tell("variants");
+    study.tables.push_back(variants_table(study.plan, run_variants(study.plan, workers, options)));
+  }
+  if (study.plan.paper_amounts) {
+    tell("the paper's amounts");
+    PaperAmounts amounts = find_paper_amounts(study.plan, workers, options);
+    study.tables.push_back(amounts_table(study.plan, amounts));
+    for (Figure& figure : amounts.figures) study.figures.push_back(std::move(figure));
+  }
   tell("drawing");
   study.pictures = make_pictures(study.plan, study.result);
   return study;
@@ -120,6 +132,7 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
   std::vector<std::string> list;
   for (const MotionRun& cell : result.cells) {
     const FollowRule& rule = plan.rules[cell.key.rule];
+    if (rule.own) continue;  // promises nothing
     const std::string where =
         fmt::format("{}, {} tree{}, {}", plan.body_of(cell.key.source).name, plan.sources[cell.key.source].method,
                     seed_text(plan.sources[cell.key.source]), plan.motion_name(cell.key.motion));
@@ -178,8 +191,9 @@ std::string contents_text(const Study& study, const std::vector<FigureFormat>& f
   for (std::size_t i = 0; i < formats.size(); ++i)
     extensions += fmt::format("{}.{}", i == 0 ? "" : i + 1 == formats.size() ? " and " : ", ", name(formats[i]));
   std::string text = "- study.json: everything; cells.csv: every measurement with all digits\n";
-  text += fmt::format("- {} figures as {}: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*, press-*\n",
-                      groups_of(study.figures).size() + study.pictures.size(), extensions);
+  text += fmt::format("- {} figures as {}: fig1, fig2a, fig2b, fig2c-*, fig2d-*, rules-*, press-*{}\n",
+                      groups_of(study.figures).size() + study.pictures.size(), extensions,
+                      study.plan.paper_amounts ? ", paper-axes-*" : "");
   text += "- tables as .csv:";
   for (const Table& table : study.tables) text += ' ' + table.id;
   return text + '\n';

@@ -14,6 +14,7 @@ struct Summary {
   double error_sum = 0, error_worst = 0, count = 0;
   double uncovered_worst = 0, distance_worst = 0, protrusion_worst = 0;
   bool known = true;
+  std::vector<std::optional<double>> metric_sums{};
 
   void add(const Plan& plan, const MotionRun& cell, std::size_t level) {
     const ErrorUnit unit = plan.unit;
@@ -27,12 +28,22 @@ struct Summary {
       protrusion_worst = std::max(protrusion_worst, l->protrusion_worst().value_or(0));
       if (s.sample == 0) continue;
       known = known && l->error(unit).has_value();
+      metric_sums.resize(l->metrics.size(), 0.0);
+      for (std::size_t i = 0; i < metric_sums.size(); ++i) {
+        if (l->metrics[i] && metric_sums[i])
+          *metric_sums[i] += *l->metrics[i];
+        else
+          metric_sums[i].reset();
+      }
       error_sum += l->error(unit).value_or(0);
       error_worst = std::max(error_worst, l->error(unit).value_or(0));
       count += 1;
     }
   }
   std::optional<double> mean() const { return known && count > 0 ? std::optional(error_sum / count) : std::nullopt; }
+  std::optional<double> metric_mean(std::size_t i) const {
+    return i < metric_sums.size() && metric_sums[i] ? std::optional(*metric_sums[i] / count) : std::nullopt;
+  }
 };
 
 Table tree_table(const Plan& plan, const Result& result) {
@@ -70,6 +81,7 @@ Table rule_table(const Plan& plan, const Result& result) {
       {"body", "method", "seed", "motion", "level", "rule", "at rest", "mean", "worst", "uncovered, %",
        "uncovered distance, %", "protrusion, %"},
       {}};
+  for (const OwnMetric& metric : plan.metrics) table.columns.push_back(metric.name + ", mean");
   for (const MotionRun& cell : result.cells) {
     for (const std::size_t level : plan.levels()) {
       Summary s;
@@ -81,6 +93,7 @@ Table rule_table(const Plan& plan, const Result& result) {
                             rest == nullptr ? TableValue() : value_of(rest->error(plan.unit)), value_of(s.mean()),
                             s.mean() ? TableValue(s.error_worst) : TableValue(), 100 * s.uncovered_worst,
                             100 * s.distance_worst, 100 * s.protrusion_worst});
+      for (std::size_t i = 0; i < plan.metrics.size(); ++i) table.rows.back().push_back(value_of(s.metric_mean(i)));
     }
   }
   return table;

@@ -3,11 +3,14 @@
 #include "run/cell.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <morula/update/body.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <stdexcept>
 #include <toolbox/numbers.hpp>
 #include <toolbox/stopwatch.hpp>
+
+#include "run/own.hpp"
 
 namespace morula::study {
 
@@ -73,13 +76,52 @@ class FreshTree final : public Follower {
   BuildOptions options_;
 };
 
+class OwnTree final : public Follower {
+ public:
+  OwnTree(const Mesh& mesh, const CoveredTree& model, const OwnRule& rule)
+      : rule_(rule), nodes_(model.tree.node_count()), object_(rule.make(mesh, model)) {}
+  SphereTree follow(const std::vector<Vec3>& positions) override {
+    SphereTree tree = object_->follow(positions);
+    require_sound(rule_, tree, nodes_);
+    hash_ = tree_hash(tree);
+    return tree;
+  }
+  std::optional<std::uint64_t> hash() const override { return hash_; }
+
+ private:
+  const OwnRule& rule_;
+  std::size_t nodes_;
+  std::unique_ptr<OwnFollower> object_;
+  std::uint64_t hash_ = 0;
+};
+
+/// Builds the tree of a generator of one's own at each pose.
+class FreshOwnTree final : public Follower {
+ public:
+  FreshOwnTree(const Mesh& mesh, const CoveredTree& model, const OwnGenerator& generator)
+      : mesh_(mesh), rest_(model.tree), generator_(generator) {}
+  SphereTree follow(const std::vector<Vec3>& positions) override {
+    if (positions == mesh_.positions) return rest_;
+    return make_own_tree(generator_, {positions, mesh_.facets}).tree;
+  }
+  std::optional<std::uint64_t> hash() const override { return std::nullopt; }
+
+ private:
+  const Mesh& mesh_;
+  const SphereTree& rest_;
+  const OwnGenerator& generator_;
+};
+
 std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& model,
                                         const FollowRule& rule, const std::stop_token& stop) {
   const Mesh& mesh = plan.bodies[source.body].mesh;
   switch (rule.kind) {
     case rebuilt:
       return std::make_unique<RebuiltTree>(mesh, model);
+    case RuleKey::Kind::own:
+      return std::make_unique<OwnTree>(mesh, model, *rule.own);
     case fresh: {
+      if (source.own) return std::make_unique<FreshOwnTree>(mesh, model, *source.own);
       BuildOptions options{.method = source.generator.value(),
                            .branching = plan.branching,
                            .depth = plan.depth,
@@ -121,6 +163,10 @@ LevelFigures measure_level(const Plan& plan, const Measures& measures, const Mes
   figures.coverage = coverage(deformed, spheres, serial_workers());
   if (distance != nullptr && distance->has_volume())
     figures.protrusion = protrusion(*distance, spheres, plan.protrusion_tolerance, serial_workers());
+  for (const OwnMetric& metric : plan.metrics) {
+    const double value = metric.value(deformed, spheres, level);
+    figures.metrics.push_back(std::isfinite(value) ? std::optional(value) : std::nullopt);
+  }
   return figures;
 }
 
@@ -225,6 +271,7 @@ Json stored_json(const MotionRun& cell) {
                          {c.covered, c.uncovered_area, c.uncovered_distance, c.uncovered_distance_upper, c.tolerance,
                           c.worst_facet}},
                         {"protrusion", stick_out}});
+      for (const std::optional<double>& m : l.metrics) levels.back()["metrics"].push_back(json_of(m));
     }
     samples.push_back({{"sample", s.sample}, {"parameter", s.parameter}, {"levels", levels}});
   }
@@ -252,6 +299,7 @@ MotionRun cell_from_json(const Json& json) {
                            {c.at(0), c.at(1), c.at(2), c.at(3), c.at(4), c.at(5)},
                            std::nullopt};
       if (const Json& p = l.at("protrusion"); !p.is_null()) figures.protrusion = Protrusion{p.at(0), p.at(1)};
+      for (const Json& m : l.value("metrics", Json::array())) figures.metrics.push_back(value_from(m));
       sample.levels.push_back(figures);
     }
     cell.samples.push_back(std::move(sample));

@@ -72,6 +72,38 @@ void time_in_turns(std::vector<Timed>& trees, const std::vector<std::vector<Vec3
   }
 }
 
+/// The time of follow(); it also makes a tree in every frame.
+UpdateCost time_own(const OwnRule& rule, const Mesh& mesh, const CoveredTree& model,
+                    const std::vector<std::vector<Vec3>>& poses, int repeats) {
+  const std::unique_ptr<OwnFollower> object = rule.make(mesh, model);
+  std::vector<double> times;
+  for (const std::vector<Vec3>& positions : poses) {
+    object->follow(positions);
+    for (int i = 0; i < repeats; ++i) {
+      Stopwatch watch;
+      object->follow(positions);
+      times.push_back(1e9 * watch.lap() / static_cast<double>(positions.size()));
+    }
+  }
+  if (times.empty()) return {.name = rule.name};
+  std::sort(times.begin(), times.end());
+  return {.name = rule.name,
+          .nanoseconds_per_vertex = median(times),
+          .lower_quartile = times[times.size() / 4],
+          .upper_quartile = times[times.size() - 1 - times.size() / 4]};
+}
+
+/// Names and versions of one's own rules; no value if one has no version.
+std::optional<Json> own_versions(const Plan& plan) {
+  Json json = Json::array();
+  for (const FollowRule& rule : plan.rules) {
+    if (!rule.own) continue;
+    if (rule.own->version.empty()) return std::nullopt;
+    json.push_back({rule.own->name, rule.own->version});
+  }
+  return json;
+}
+
 std::vector<UpdateCost> list_from(const Json& json) {
   std::vector<UpdateCost> list;
   for (const Json& c : json)
@@ -102,6 +134,8 @@ const UpdateCost* Cost::find(std::string_view name) const {
 }
 
 Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
+  const std::optional<Json> own = own_versions(plan);
+  if (!own) cache = nullptr;
   const NamedMesh& body = plan.bodies.front();
   const std::size_t chosen = shown_tree(plan);
   const CoveredTree& model = result.model[chosen];
@@ -112,6 +146,7 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
                 {"tree", hash_text(tree_hash(model.tree))},
                 {"repeats", plan.cost_repeats},
                 {"mixes", plan.mixes.size()}};
+  if (own && !own->empty()) settings["own"] = *own;
   const std::string stem = fmt::format("{}-{}-cost", body.name, plan.sources[chosen].method);
   if (const std::optional<Json> stored = find(cache, stem, settings)) {
     try {

@@ -17,6 +17,8 @@ std::string name(const RuleKey& key) {
       return "rebuilt";
     case fresh:
       return "fresh";
+    case RuleKey::Kind::own:
+      return key.own;
     case RuleKey::Kind::update:
       break;
   }
@@ -49,6 +51,7 @@ FollowRule::FollowRule(RuleKey key) : name(study::name(key)), kind(key.kind) {
 }
 
 std::optional<RuleKey> FollowRule::key() const {
+  if (own) return RuleKey(*own);
   if (kind != RuleKey::Kind::update) return kind;
   if (options.rules.size() != 1 || options.conservative) return std::nullopt;
   return options.rules.front();
@@ -118,7 +121,7 @@ std::vector<std::size_t> Plan::decisive_samples() const {
 }
 
 bool Plan::has_cells(const Source& source, const FollowRule& rule) const {
-  if (rule.kind == fresh && !source.generator) return false;  // cannot be built again
+  if (rule.kind == fresh && !source.can_build()) return false;  // cannot be built again
   if (is_first_seed(source)) return true;
   return rule.kind == fresh ? later.fresh : rule.kind == rebuilt ? later.rebuilt : true;
 }
@@ -188,6 +191,11 @@ std::vector<Deformations> paper_motions() {
 
 bool is_random(Method method) {
   return method != Method::octree;
+}
+
+Source own_source(std::size_t body, std::shared_ptr<const OwnGenerator> generator) {
+  std::string name = generator->name;
+  return {.body = body, .method = std::move(name), .generator = {}, .file = {}, .own = std::move(generator)};
 }
 
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods) {

@@ -13,6 +13,7 @@
 
 #include "run/cell.hpp"
 #include "run/cell_store.hpp"
+#include "run/own.hpp"
 #include "run/press.hpp"
 
 namespace morula::study {
@@ -59,7 +60,9 @@ std::string stem_of(const Plan& plan, const std::string& body, const Source& sou
 Json rule_json(const FollowRule& rule) {
   Json levels = Json::array();
   for (const Rule r : rule.options.rules) levels.push_back(name(r));
-  return {{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
+  Json json{{"name", rule.name}, {"levels", levels}, {"conservative", rule.options.conservative}};
+  if (rule.own) json["own"] = rule.own->version;
+  return json;
 }
 
 /// A hash of all positions of a recorded motion, which no words describe.
@@ -84,6 +87,8 @@ Json cell_settings(const Plan& plan, const Source& source, const CoveredTree& mo
   json["grids"] = {measures.paper_grid, measures.half_grid, measures.lattice};
   json["certificate"] = plan.measures.certificate;
   json["protrusion"] = with_protrusion ? Json(plan.protrusion_tolerance) : Json(nullptr);
+  if (source.own) json["own"] = source.own->version;
+  if (!plan.metrics.empty()) json["metrics"] = metrics_json(plan);
   return json;
 }
 
@@ -110,8 +115,9 @@ struct Context {
   /// The cached result for these settings, read by `parse`; otherwise the result of `measure`, which is then stored.
   template <class Parse, class Measure, class Write>
   auto cached(const std::string& stem, const Json& settings, const Parse& parse, const Measure& measure,
-              const Write& write) const {
-    if (const std::optional<Json> stored = find(cache, stem, settings)) {
+              const Write& write, bool has_version = true) const {
+    const Cache* const kept = has_version ? cache : nullptr;
+    if (const std::optional<Json> stored = find(kept, stem, settings)) {
       try {
         auto value = parse(*stored);
         counter.reused();
@@ -120,7 +126,7 @@ struct Context {
       }
     }
     auto value = measure();
-    store(cache, stem, settings, write(value));
+    store(kept, stem, settings, write(value));
     return value;
   }
 };
@@ -129,6 +135,7 @@ struct Context {
 CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& source, Workers& workers,
                       double* build_seconds = nullptr) {
   const Plan& plan = c.plan;
+  if (source.own) return make_own_tree(*source.own, body.mesh);
   if (!source.generator)
     return read_covered_tree(source.file, body.mesh, {.sph_origin = plan.sph_origin.of(body.mesh)}, workers);
   const std::string stem = stem_of(plan, body.name, source);
@@ -262,7 +269,7 @@ class BodyRun {
         cell_settings(c_.plan, of, model, poses, *task.rule, task.with_protrusion && !poses.distances.empty()),
         cell_from_json,
         [&] { return run_cell(c_.plan, task.key, model, poses, *task.rule, meter_, task.with_protrusion, c_.stop); },
-        stored_json);
+        stored_json, has_version(c_.plan, of, *task.rule));
     task.result->key = task.key;
   }
 
@@ -331,7 +338,7 @@ class BodyRun {
 /// True for the generated trees of the first body, each method once.
 bool has_needle(const Plan& plan, std::size_t source) {
   const Source& s = plan.sources[source];
-  return s.body == 0 && s.generator && plan.is_first_seed(s);
+  return s.body == 0 && s.can_build() && plan.is_first_seed(s);
 }
 
 void run_needles(const Context& c) {
@@ -380,6 +387,7 @@ void check(const Plan& plan) {
       refuse("a deciding sample is not measured");
     if (i > 0 && plan.decisive[i] <= plan.decisive[i - 1]) refuse("deciding samples must ascend");
   }
+  check_own(plan);
 }
 
 std::size_t count_steps(const Plan& plan, const RunShard& shard) {

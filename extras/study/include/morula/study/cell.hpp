@@ -32,6 +32,7 @@ struct LevelFigures {
   std::optional<Looseness> lattice;    ///< looseness on one lattice for all samples
   Coverage coverage;
   std::optional<Protrusion> protrusion;
+  std::vector<std::optional<double>> metrics{};  ///< one per metric of the plan
 
   /// Looseness on the paper's grid, relative to the object's volume; relative to the volume of the box at rest.
   std::optional<double> looseness() const;

@@ -47,6 +47,7 @@ struct Figure {
   bool y_log = false;  ///< true: logarithmic y axis
   std::vector<Series> series;
   std::vector<std::string> x_names{};  ///< names of the queries x = 0, 1, …; empty: x is a sample of the motion
+  double y_end = 0;                    ///< the y axis ends there, or beyond it where a curve does
 };
 
 /// Figures of the first trial, which is of the first body and the first seed: Fig. 2 of the paper, and every rule on

@@ -13,9 +13,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
+#include <morula/study/own.hpp>
 #include <morula/update/rules.hpp>
 #include <optional>
 #include <string>
@@ -44,20 +46,24 @@ struct Trial {
   auto operator<=>(const Trial&) const = default;
 };
 
-/// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates.
+/// A rule on all levels; or `exact` with rebuilds; or a new tree at sampled poses, as a bound for updates; or one's
+/// own rule.
 struct RuleKey {
   enum class Kind : std::uint8_t {
     update,   ///< all levels follow one rule
     rebuilt,  ///< all levels follow `exact`, and the tree is rebuilt while the body moves
-    fresh     ///< a new tree is built at some samples, to compare updates with
+    fresh,    ///< a new tree is built at some samples, to compare updates with
+    own       ///< an OwnRule
   };
   Kind kind = Kind::update;
   Rule rule = Rule::exact;  ///< rule of the kind `update`
+  std::string own{};        ///< name of the kind `own`
 
   RuleKey(Rule update_rule) : rule(update_rule) {}
   RuleKey(Kind other) : kind(other) {}
+  RuleKey(const OwnRule& rule_of_ones_own) : kind(Kind::own), own(rule_of_ones_own.name) {}
   bool operator==(const RuleKey& other) const {
-    return kind == other.kind && (kind != Kind::update || rule == other.rule);
+    return kind == other.kind && (kind != Kind::update || rule == other.rule) && own == other.own;
   }
 };
 inline constexpr RuleKey::Kind rebuilt = RuleKey::Kind::rebuilt;
@@ -77,9 +83,11 @@ std::optional<RuleKey> rule_key_from_name(std::string_view name);
 struct FollowRule {
   std::string name;  ///< name in tables and files
   RuleKey::Kind kind = RuleKey::Kind::update;
-  UpdateOptions options{};  ///< options of the kind `update`
+  UpdateOptions options{};               ///< options of the kind `update`
+  std::shared_ptr<const OwnRule> own{};  ///< rule of the kind `own`
 
   FollowRule() = default;
+  FollowRule(std::shared_ptr<const OwnRule> rule) : name(rule->name), kind(RuleKey::Kind::own), own(std::move(rule)) {}
   FollowRule(RuleKey key);
   FollowRule(Rule rule) : FollowRule(RuleKey(rule)) {}
   FollowRule(RuleKey::Kind other) : FollowRule(RuleKey(other)) {}
@@ -95,8 +103,11 @@ struct Source {
   std::string method;  ///< the generator's name, or the declared method of a file
   std::optional<Method> generator{};
   std::filesystem::path file{};
-  std::optional<std::uint64_t> seed{};  ///< no value: all seeds give this tree, and all trials share it
+  std::optional<std::uint64_t> seed{};        ///< no value: all seeds give this tree, and all trials share it
+  std::shared_ptr<const OwnGenerator> own{};  ///< generator of one's own, in place of `generator`
 
+  /// False for a tree from a file.
+  bool can_build() const { return generator.has_value() || own != nullptr; }
   /// The generator with the name `method`, also for a file; no value if there is none.
   std::optional<Method> named() const { return method_from_name(method); }
 };
@@ -179,7 +190,10 @@ struct Plan {
   std::vector<std::size_t> press_budgets{100, 500, 2000, 10000};  ///< pair tests
   Deformations press_pose{Bend{45.0, Axis::automatic}};
   SphOrigin sph_origin{};
-  bool keep_trees = false;  ///< true: keep the trees of all bodies, not only of the first
+  bool keep_trees = false;           ///< true: keep the trees of all bodies, not only of the first
+  std::vector<OwnMetric> metrics{};  ///< measured in addition to `measures`
+  bool variants = false;             ///< true: also every reading of the paper's ambiguous sentences (variants.hpp)
+  bool paper_amounts = false;        ///< true: also the amounts of the paper's axes (amounts.hpp)
 
   /// The parameter of each sample: 0 at rest, 1 at the full amount.
   std::vector<double> parameters() const;
@@ -234,6 +248,8 @@ std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::
 /// Every method on every body with every seed; methods that are not random once.
 std::vector<Source> sources_of(const std::vector<NamedMesh>& bodies, const std::vector<Method>& methods,
                                const std::vector<std::uint64_t>& seeds);
+/// The tree of a generator of one's own.
+Source own_source(std::size_t body, std::shared_ptr<const OwnGenerator> generator);
 /// Every rule on the inner levels with every rule on the leaves, plain and conservative.
 std::vector<FollowRule> rule_mixes(int depth);
 
