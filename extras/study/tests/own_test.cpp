@@ -82,8 +82,8 @@ TEST(StudyOwn, a_rule_that_does_what_approach2_does_has_its_figures_and_verdicts
     return claim == nullptr ? throw std::out_of_range(id) : claim->verdict;
   };
   EXPECT_EQ(verdict("twin-below-traditional"), verdict("approach2-below-traditional"));
-  EXPECT_EQ(verdict("twin-bare"), verdict("approach2-bare"));
-  EXPECT_EQ(verdict("twin-bare"), Verdict::holds);
+  EXPECT_EQ(verdict("twin-uncovered"), verdict("approach2-uncovered"));
+  EXPECT_EQ(verdict("twin-uncovered"), Verdict::holds);
   EXPECT_EQ(verdict("twin-returns-to-rest"), Verdict::holds);
   EXPECT_TRUE(find_claim(study.claims, "twin-tighter-than-exact") != nullptr);
 }
@@ -114,7 +114,7 @@ TEST(StudyOwn, a_rule_is_in_every_table_figure_and_file_of_rules) {
     for (const auto& row : table.rows)
       for (const TableValue& value : row) rows += value == TableValue(std::string("drift")) ? 1 : 0;
   EXPECT_EQ(rows, 2u * 2 + 1) << "rules.csv for motions and levels, cost.csv";
-  EXPECT_EQ(find_claim(study.claims, "drift-bare")->verdict, Verdict::holds) << "it does not follow a stretch";
+  EXPECT_EQ(find_claim(study.claims, "drift-uncovered")->verdict, Verdict::holds) << "it does not follow a stretch";
   EXPECT_TRUE(faults(study.plan, study.result).empty()) << "a rule of one's own promises nothing";
 }
 
@@ -250,9 +250,9 @@ TEST(StudyOwn, names_that_are_taken_or_no_names_of_files_are_rejected) {
   EXPECT_EQ(refusal([&](Plan& plan) { plan.sources.push_back(cubes("medial")); }),
             "study: generator 'medial': the name is taken");
   EXPECT_EQ(refusal([&](Plan& plan) {
-              plan.metrics.push_back({"bare", "", nullptr});
+              plan.metrics.push_back({"uncovered", "", nullptr});
             }),
-            "study: metric 'bare' has no function");
+            "study: metric 'uncovered' has no function");
   EXPECT_EQ(refusal([&](Plan& plan) {
               plan.rules.emplace_back(own_rule("short", [](const Mesh& rest, const CoveredTree&) {
                 return Drift{rest, tree_from_spheres(std::vector<Sphere>{{{0, 0, 0}, 1}})};

@@ -165,7 +165,7 @@ TEST(StudyVariants, the_library_s_reading_gets_the_verdicts_of_the_study) {
   plan.depth = 2;
   plan.needle_sides = 0;
   plan.cost_repeats = 1;
-  const std::vector<Claim> claims = make_claims(plan, run(plan), 0, nullptr);
+  const std::vector<Claim> claims = make_claims(plan, run(plan), plan.trials().front(), nullptr);
   const std::vector<VariantResult> results = run_variants(plan);
   ASSERT_EQ(results.size(), paper_variants().size());
   const auto expect = [&](const VariantResult& result, std::size_t place, const std::string& id) {
@@ -183,7 +183,7 @@ TEST(StudyVariants, the_library_s_reading_gets_the_verdicts_of_the_study) {
     if (first) expect(result, 1, "approach1-exponential");
     expect(result, 2, "approach2-largely-better");
     expect(result, 3, "returns-to-rest");
-    expect(result, 4, rule + "-bare");
+    expect(result, 4, rule + "-uncovered");
   }
   const Table table = variants_table(plan, results);
   ASSERT_EQ(table.rows.size(), results.size());

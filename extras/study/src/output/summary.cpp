@@ -161,15 +161,13 @@ std::string why_of(std::string_view claim_id) {
       {"cost-like-boxes", "Similar means between half and twice the cost of boxes over the same tree, for both rules."},
       {"exact-cost",
        "A case counts if the mean looseness of exact is at most twice that of Approach 2. Cover costs most under "
-       "stretch, "
-       "where patches drift apart."},
+       "stretch, where patches drift apart."},
       {"exact-below-approach1", "A case counts if the mean looseness of exact is below that of Approach 1."},
       {"rebuilt-near-floor",
        "A case counts if the looseness at the full amount is at most twice that of a tree built for that pose."}};
   const auto found = known.find(claim_id);
   if (found != known.end()) return found->second;
-  for (const std::string_view end : {"-bare", "-uncovered"})
-    if (claim_id.ends_with(end) && !claim_id.ends_with("-gain-is" + std::string(end))) return std::string(uncovered);
+  if (claim_id.ends_with("-uncovered") && !claim_id.ends_with("-gain-is-uncovered")) return std::string(uncovered);
   return claim_id.ends_with("-covers") ? std::string(covers) : std::string();
 }
 

@@ -45,7 +45,7 @@ void check_own(const Plan& plan) {
     if (source.named() || !generators.insert({source.body, source.method}).second)
       refuse_taken("generator", source.method);
   }
-  std::set<std::string> metrics{"bare", "gap", "uncovered", "uncovered-distance", "protrusion"};
+  std::set<std::string> metrics{"uncovered", "uncovered-distance", "protrusion"};
   for (const OwnMetric& metric : plan.metrics) {
     check_name("metric", metric.name);
     if (!metric.value) throw std::invalid_argument("study: metric '" + metric.name + "' has no function");
