@@ -68,7 +68,7 @@ def update_rules():
         balls(page, view, circles, "sphere", "")
         outline(page, view, loops, circles)
         loose = morula.looseness(mesh, spheres, pose, resolution=160).looseness
-        bare = "covers" if cover.covered else f"bare {two_digits(100 * cover.uncovered_area)} %"
+        bare = "covers" if cover.covered else f"uncovered {two_digits(100 * cover.uncovered_area)} %"
         page.text(x + 180, y + 216, rule)
         page.text(x + 180, y + 244, f"looseness {two_digits(loose)}, {bare}", "ink" if cover.covered else "bare", size=22)
     return page
@@ -143,7 +143,7 @@ def skinned():
     balls(page, view, circles, "sphere", "")
     outline(page, view, loops, circles)
     bare = morula.coverage(mesh, spheres, pose).uncovered_area
-    page.text(360, 586, f"skinned leaves: {two_digits(100 * bare)} % of the surface is bare", "bare")
+    page.text(360, 586, f"skinned leaves: {two_digits(100 * bare)} % of the surface is uncovered", "bare")
     return page
 
 
@@ -272,5 +272,5 @@ def uncovered():
     outline(page, view, loops, circles)
     page.line(view(np.array([point, point + towards * (1 - nearest[3] / np.linalg.norm(towards))])), "ink", "bold")
     page.add("</svg>")
-    page.text(360, 434, f"bare: {two_digits(100 * cover.uncovered_area)} % of the area, at most {two_digits(cover.uncovered_distance)} away", "bare", size=22)
+    page.text(360, 434, f"uncovered: {two_digits(100 * cover.uncovered_area)} % of the area, at most {two_digits(cover.uncovered_distance)} away", "bare", size=22)
     return page
