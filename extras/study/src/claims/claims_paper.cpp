@@ -112,9 +112,8 @@ Claim largely_better_claim(const Evidence& evidence) {
     const MotionRun& cell = *evidence.cell(*c, Rule::approach2);
     for (const Sample* s : evidence.samples(cell))
       uncovered = std::max(uncovered, cell.at(s->sample, level)->uncovered_area());
-    text +=
-        fmt::format("{}level {}: {} as loose on average, while Approach 2 leaves up to {} of the surface uncovered",
-                    text.empty() ? "" : "; ", level, times(ratio), percent(uncovered));
+    text += fmt::format("{}level {}: {} as loose on average, while Approach 2 leaves up to {} of the surface uncovered",
+                        text.empty() ? "" : "; ", level, times(ratio), percent(uncovered));
   }
   const Verdict verdict = total == 0       ? Verdict::undecided
                           : twice == total ? Verdict::holds

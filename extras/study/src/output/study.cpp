@@ -110,8 +110,7 @@ std::vector<std::string> faults(const Plan& plan, const Result& result) {
 std::string claims_text(std::span<const Claim> claims) {
   std::string text;
   for (const ClaimOrigin origin : {ClaimOrigin::paper, ClaimOrigin::ours}) {
-    text += origin == ClaimOrigin::paper ? "Claims of the paper\n"
-                                         : "\nFurther claims\n";
+    text += origin == ClaimOrigin::paper ? "Claims of the paper\n" : "\nFurther claims\n";
     for (const Claim& claim : claims) {
       if (claim.origin != origin) continue;
       text += fmt::format("  {:<11} {}\n", word(claim), claim.claim);
