@@ -184,7 +184,7 @@ TEST_F(LongStudyCommand, its_verdicts_follow_from_its_csv) {
       {"rebuilt-covers", judge.covers("rebuilt", true)},
       {"exact-cost", judge.ratio("exact", "approach2", 2, false)},
       {"exact-below-approach1", judge.ratio("exact", "approach1", 1, false)},
-      {"rebuilt-near-floor", judge.ratio("rebuilt", "fresh", 2, true)}};
+      {"rebuilt-near-floor", "not decided"}};
   std::size_t compared = 0;
   const Json data = study();
   for (const Json& claim : data["claims"]) {
