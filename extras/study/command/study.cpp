@@ -174,7 +174,7 @@ void add_study(CLI::App& app, Run& run) {
              "Number of samples of each motion, including rest and the full amount; default: 13")
       ->type_name("N")
       ->transform(whole_number(3, 1000));
-  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 128")
+  add_option(*command, "--resolution", o->resolution, "Voxels along the longest side of the level's box; default: 192")
       ->type_name("N")
       ->transform(whole_number(8, 4096));
   add_option(*command, "--unit", o->unit, "Looseness over: volume (of the object) or box (of the object, at rest)")

@@ -250,7 +250,7 @@ study::Plan make_study_plan(const StudyOptions& o) {
   // Every other sample decides, rest and the full amount among them.
   if (!o.quick && plan.samples % 2 == 1 && plan.samples >= 9)
     for (std::size_t i = 0; i < plan.samples; i += 2) plan.decisive.push_back(i);
-  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 128;
+  plan.resolution = o.resolution > 0 ? o.resolution : o.quick ? 64 : 192;
   plan.measures.half_grid = true;
   plan.fresh_poses = o.quick ? 1 : 2;
   plan.branching = o.branching;

@@ -171,6 +171,8 @@ Cost measure_cost(const Plan& plan, const Result& result, const Cache* cache) {
   time_in_turns(trees, timed_poses(plan), plan.cost_repeats);
   for (std::size_t i = 0; i < trees.size(); ++i)
     (i < rules ? cost.rules : i < boxes ? cost.boxes : cost.mixes).push_back(trees[i].cost);
+  for (const FollowRule& rule : plan.rules)
+    if (rule.own) cost.rules.push_back(time_own(*rule.own, body.mesh, model, timed_poses(plan), plan.cost_repeats));
   store(cache, stem, settings, costs_json(cost));
   return cost;
 }
