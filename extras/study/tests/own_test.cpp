@@ -12,7 +12,7 @@
 namespace morula::study {
 namespace {
 
-Plan small_plan() {
+Plan own_plan() {
   Plan plan;
   plan.bodies = {{"limb", sample_body("limb", 8)}};
   plan.sources = sources_of(plan.bodies, {Method::grid});
@@ -71,7 +71,7 @@ void expect_same_figures(const MotionRun& a, const MotionRun& b) {
 }
 
 TEST(StudyOwn, a_rule_that_does_what_approach2_does_has_its_figures_and_verdicts) {
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.rules.emplace_back(twin());
   const Study study = make_study(plan);
   ASSERT_EQ(study.result.cells.size(), 2u * 4);
@@ -89,7 +89,7 @@ TEST(StudyOwn, a_rule_that_does_what_approach2_does_has_its_figures_and_verdicts
 }
 
 TEST(StudyOwn, a_rule_is_in_every_table_figure_and_file_of_rules) {
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.rules.emplace_back(own_rule(
       "drift",
       [](const Mesh& rest, const CoveredTree& model) {
@@ -119,7 +119,7 @@ TEST(StudyOwn, a_rule_is_in_every_table_figure_and_file_of_rules) {
 }
 
 TEST(StudyOwn, a_generator_that_builds_as_grid_does_has_its_figures) {
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.rules.emplace_back(fresh);
   plan.sources.push_back(own_source(0, own_generator("lattice", [](const Mesh& mesh) {
                                       return build(mesh, {.method = Method::grid, .branching = 4, .depth = 2});
@@ -137,7 +137,7 @@ TEST(StudyOwn, a_generator_that_builds_as_grid_does_has_its_figures) {
 }
 
 TEST(StudyOwn, balls_of_a_generator_are_made_to_cover) {
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.rules = {Rule::exact};
   plan.sources.push_back(own_source(0, own_generator("vertices", [](const Mesh& mesh) {
                                       std::vector<Sphere> balls;
@@ -151,7 +151,7 @@ TEST(StudyOwn, balls_of_a_generator_are_made_to_cover) {
 }
 
 TEST(StudyOwn, a_metric_is_measured_as_by_hand_and_is_in_every_file) {
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.metrics.push_back({"total-radius", "mesh units", [](const Mesh&, std::span<const Sphere> spheres, std::size_t) {
                             double sum = 0;
                             for (const Sphere& sphere : spheres) sum += sphere.radius;
@@ -197,7 +197,7 @@ TEST(StudyOwn, cells_of_entries_with_a_version_are_cached_and_no_others) {
   };
   const test::ScratchFolder folder;
   const Cache cache(folder.path());
-  Plan plan = small_plan();
+  Plan plan = own_plan();
   plan.rules = {Rule::exact, FollowRule(counted(""))};
   const std::string expected = cells_csv(plan, run(plan, serial_workers(), {.cache = &cache}));
   EXPECT_EQ(run(plan, serial_workers(), {.cache = &cache}).taken_from_cache, 2u) << "those of exact";
@@ -223,7 +223,7 @@ TEST(StudyOwn, cells_of_entries_with_a_version_are_cached_and_no_others) {
 
 TEST(StudyOwn, names_that_are_taken_or_no_names_of_files_are_rejected) {
   const auto refusal = [](const auto& change) -> std::string {
-    Plan plan = small_plan();
+    Plan plan = own_plan();
     change(plan);
     try {
       run(plan);
