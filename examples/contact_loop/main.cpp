@@ -3,7 +3,7 @@
 // Two bodies collide under a budget in every frame; examples/python/contacts.py does the same. The loop stands in
 // docs/tutorials/contact_loop.md. In every frame a test of all pairs of facets finds the points where the surfaces
 // cross; each of them has to lie within the error bound of a contact.
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <morula/morula.hpp>
@@ -13,14 +13,6 @@
 using morula::Vec3;
 
 namespace {
-
-/// A response that sums over contacts; a solver would distribute its forces over on_a and on_b.
-struct Push {
-  Vec3 sum;
-  void add(const morula::ContactSurface& surface) {
-    if (surface.depth > 0) sum += surface.depth * surface.normal;
-  }
-};
 
 /// Appends the point where each edge of one triangle passes through the other triangle.
 void add_crossings(const morula::Triangle& edges, const morula::Triangle& facet, std::vector<Vec3>& points) {
@@ -63,14 +55,8 @@ std::size_t missed(const std::vector<Vec3>& points, const std::vector<morula::Co
 }  // namespace
 
 int main() {
-  const morula::Mesh limb = morula::sample_body("limb", 24), tool = morula::sample_body("tool", 24);
-  const morula::BuildOptions fast{.quality = morula::Quality::fast};
-  morula::Body limb_body(limb, morula::build(limb, fast));
-  const morula::Body tool_body(tool, morula::build(tool, fast));
-  morula::Collider a(limb, limb_body), b(tool, tool_body);
-  const std::vector<double> frames = morula::frame_parameters(7);
   std::size_t crossings = 0, faults = 0;
-  const auto check = [&](const morula::Contacts& found) {
+  const auto check = [&](const morula::Collider& a, const morula::Collider& b, const morula::Contacts& found) {
     const std::vector<Vec3> points = crossing_points(a, b);
     crossings += points.size();
     faults += missed(points, found.contacts);
@@ -78,21 +64,23 @@ int main() {
   };
 
   // [contact_loop]
+  const morula::Mesh limb = morula::sample_body("limb", 24), tool = morula::sample_body("tool", 24);
+  morula::Body limb_body(limb, morula::build(limb)), tool_body(tool, morula::build(tool));
+  morula::Collider a(limb, limb_body), b(tool, tool_body);
   morula::ContactQuery query({.budget = std::chrono::microseconds(300), .surfaces = true});
   query.add(a, b);
-  for (std::size_t frame = 0; frame < frames.size(); ++frame) {
-    const std::vector<Vec3> positions = deform(limb, {morula::Bend{60}}, frames[frame]);  // a solver's
+  for (int frame = 0; frame < 7; ++frame) {
+    const std::vector<Vec3> positions = deform(limb, {morula::Bend{60}}, frame / 6.0);  // a solver's
     if (const morula::Status status = limb_body.update(positions); !status) throw std::runtime_error(message(status));
-    const double step = static_cast<double>(frame);
-    b.set_transform(morula::RigidTransform::from_axis({1, 0, 0}, 0.1 * step, {0, 0.8 - 0.05 * step, 0}));
+    b.set_transform(morula::RigidTransform::from_axis({1, 0, 0}, 0.1 * frame, {0, 0.8 - 0.05 * frame, 0}));
     const morula::ContactStatus status = frame > 0 ? query.carry() : query.start();
     if (!status) throw std::runtime_error(message(status));
     const morula::Contacts& found = query.contacts();
-    Push push;
-    for (const morula::ContactSurface& surface : found.surfaces) push.add(surface);
-    std::printf("frame %zu: %zu contacts, %s; push %.3f %.3f %.3f\n", frame, found.contacts.size(),
-                found.finished ? "all of them" : "as far as the budget reaches", push.sum.x, push.sum.y, push.sum.z);
-    check(found);  // against a test of all pairs of facets
+    Vec3 push;  // a response sums over contacts
+    for (const morula::Contact& contact : found.contacts) push += std::max(0.0, contact.depth) * contact.normal;
+    std::printf("frame %d: %zu contacts, %s; push %.3f %.3f %.3f\n", frame, found.contacts.size(),
+                found.finished ? "all of them" : "as far as the budget reaches", push.x, push.y, push.z);
+    check(a, b, found);  // not shown
   }
   // [end]
   std::printf("%zu points where an edge crosses a facet, %zu faults\n", crossings, faults);

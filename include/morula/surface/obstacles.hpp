@@ -68,7 +68,8 @@ struct ObstacleOptions {
   ObstacleFeatures features = ObstacleFeatures::facets;
   /// Filter: returns true to keep a vertex or a facet. Workers call it concurrently.
   std::function<bool(std::uint32_t feature)> accepts{};
-  Budget budget{};  ///< limit in tests: one per box of the tree, and eight per block of eight facets or vertices
+  /// Limit in time, or in tests: one per box of the tree, and eight per block of eight facets or vertices.
+  Budget budget{};
   Clock clock{};
 };
 
