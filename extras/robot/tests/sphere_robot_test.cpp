@@ -146,5 +146,36 @@ TEST(SphereRobot, ignored_pairs_are_never_asked_and_copies_move_apart) {
   EXPECT_THROW(one.set_link_poses({}), std::invalid_argument);
 }
 
+TEST(SphereRobot, rejects_numbers_that_are_none_and_keeps_its_pose) {
+  const robot::Robot robot = robot::read_robot(moving_arm);
+  const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = 4});
+  robot::SphereRobot moving(robot, spheres);
+  std::vector<double> values = robot::rest_values(robot);
+  values.front() = 0.25;
+  moving.set_joint_values(values);
+  const std::vector<Sphere> before = moving.spheres();
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      std::vector<double> wrong = values;
+      wrong[i] = bad;
+      EXPECT_THROW(moving.set_joint_values(wrong), std::invalid_argument);
+      EXPECT_THROW(static_cast<void>(robot::link_poses(robot, wrong)), std::invalid_argument);
+    }
+    std::vector<RigidTransform> poses = robot::link_poses(robot, values);
+    poses.back().translation.y = bad;
+    EXPECT_THROW(moving.set_link_poses(poses), std::invalid_argument);
+    EXPECT_THROW(moving.collides(Sphere{{bad, 0, 0}, 1}), std::invalid_argument);
+    EXPECT_THROW(moving.collides(Sphere{{0, 0, 0}, bad}), std::invalid_argument);
+    EXPECT_THROW(moving.collides(robot::ObstacleBox{{}, {1, bad, 1}}), std::invalid_argument);
+    EXPECT_THROW(moving.collides(robot::ObstacleBox{{.translation = {0, 0, bad}}, {1, 1, 1}}), std::invalid_argument);
+    const PosedSpheres ball(tree_from_spheres(std::vector<Sphere>{{{0, 0, 0}, 100}}));
+    EXPECT_THROW(moving.collides(ball.sphere_state(), {.translation = {bad, 0, 0}}), std::invalid_argument);
+  }
+  EXPECT_THROW(moving.collides(Sphere{{0, 0, 0}, -1}), std::invalid_argument);
+  EXPECT_THROW(moving.collides(robot::ObstacleBox{{}, {1, 1, -1}}), std::invalid_argument);
+  EXPECT_EQ(moving.spheres(), before);
+  EXPECT_TRUE(moving.collides(robot::ObstacleBox{{}, {100, 100, 100}}));
+}
+
 }  // namespace
 }  // namespace morula::test

@@ -68,6 +68,11 @@ void SphereRobot::set_link_poses(std::span<const RigidTransform> link_poses) {
   if (link_poses.size() != robot_.links.size()) {
     throw std::invalid_argument("SphereRobot::set_link_poses: one pose per link of the robot");
   }
+  for (std::size_t i = 0; i < link_poses.size(); ++i) {
+    if (!std::isfinite(deviation_from_rigid(link_poses[i])))
+      throw std::invalid_argument("SphereRobot::set_link_poses: the pose of " + robot_.links[i].name +
+                                  " is not finite, or a reflection");
+  }
   for (std::size_t i = 0; i < links_.size(); ++i) {
     LinkTree& link = trees_[i];
     link.at = link_poses[links_[i]];
@@ -157,25 +162,37 @@ bool SphereRobot::any_leaf(const Inner& inner, const Leaf& leaf) {
 }
 
 bool SphereRobot::collides(const Sphere& obstacle) {
+  if (!std::isfinite(max_norm(obstacle.center) + obstacle.radius) || obstacle.radius < 0)
+    throw std::invalid_argument("SphereRobot::collides: a ball needs a finite center and a radius of 0 or more");
+  return meets_ball(obstacle);
+}
+
+bool SphereRobot::meets_ball(const Sphere& obstacle) {
   const double own = rounding(obstacle);
   return any_leaf([&](const Sphere& s) { return spheres_meet(s, obstacle, own + rounding(s)); },
                   [&](const Sphere& s) { return spheres_meet(s, obstacle, 0); });
 }
 
 bool SphereRobot::collides(const ObstacleBox& obstacle) {
+  const Vec3& half = obstacle.half;
+  if (!std::isfinite(deviation_from_rigid(obstacle.pose)) || !std::isfinite(max_norm(half)) ||
+      !(half.x >= 0 && half.y >= 0 && half.z >= 0))
+    throw std::invalid_argument("SphereRobot::collides: a box needs a finite pose and half lengths of 0 or more");
   const double own = 1e-12 * (max_norm(obstacle.pose.translation) + max_norm(obstacle.half));
   return any_leaf([&](const Sphere& s) { return meets_box(s, obstacle, own + rounding(s)); },
                   [&](const Sphere& s) { return meets_box(s, obstacle, 0); });
 }
 
 bool SphereRobot::collides(const SphereState& other, const RigidTransform& transform) {
+  if (!std::isfinite(deviation_from_rigid(transform)))
+    throw std::invalid_argument("SphereRobot::collides: the transform of the tree is not finite, or a reflection");
   const SphereTree& tree = *other.tree;
   other_.resize(tree.node_count());
   for (std::uint32_t i = 0; i < tree.node_count(); ++i) other_[i] = moved_by(transform, other.sphere(i));
   std::vector<std::uint32_t> waiting;
   if (!other.nested) {
     for (std::uint32_t i = 0; i < tree.node_count(); ++i) {
-      if (tree.is_leaf(i) && collides(other_[i])) return true;
+      if (tree.is_leaf(i) && meets_ball(other_[i])) return true;
     }
     return false;
   }
@@ -186,7 +203,7 @@ bool SphereRobot::collides(const SphereState& other, const RigidTransform& trans
     waiting.pop_back();
     Sphere grown = other_[node];
     if (!tree.is_leaf(node)) grown.radius += 2 * rounding(grown);
-    if (!collides(grown)) continue;
+    if (!meets_ball(grown)) continue;
     if (tree.is_leaf(node)) return true;
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) waiting.push_back(tree.first_child[node] + k);
   }

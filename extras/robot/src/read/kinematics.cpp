@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <morula/robot/robot.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "read/xml.hpp"
 
@@ -28,7 +30,14 @@ std::vector<double> rest_values(const Robot& robot) {
 
 std::vector<RigidTransform> link_poses(const Robot& robot, std::span<const double> values) {
   if (values.size() != robot.independent_joints.size()) {
-    throw std::invalid_argument("link_poses: one value per joint that moves by itself (robot.independent_joints)");
+    throw std::invalid_argument("joint values: " + std::to_string(values.size()) + " for a robot with " +
+                                std::to_string(robot.independent_joints.size()) +
+                                " joints that move by themselves; independent_joints lists them");
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i]))
+      throw std::invalid_argument("joint values: that of " + robot.joints[robot.independent_joints[i]].name + " is " +
+                                  std::to_string(values[i]) + "; a finite number is needed");
   }
   std::vector<double> own(robot.joints.size(), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) own[robot.independent_joints[i]] = values[i];

@@ -30,10 +30,11 @@ class SphereRobot {
   SphereRobot(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
 
   /// Poses the robot by a configuration. values: one per joint of robot.independent_joints, in that order, radians or
-  /// mesh units. Throws std::invalid_argument for another number of values.
+  /// mesh units. Throws std::invalid_argument for another number of values, and for values that are not finite; the
+  /// pose then stays.
   void set_joint_values(std::span<const double> values);
   /// Poses the robot by the poses of all its links, such as those of a simulator, in the order of Robot::links. Throws
-  /// std::invalid_argument for another number of poses.
+  /// std::invalid_argument for another number of poses, and for poses that are not finite or reflections.
   void set_link_poses(std::span<const RigidTransform> link_poses);
 
   /// The links with spheres, ascending, as indices in Robot::links.
@@ -46,7 +47,8 @@ class SphereRobot {
   /// The first pair of links whose spheres collide, among the pairs that are not ignored, as indices in links(), not in
   /// Robot::links; no value if there is none.
   std::optional<std::pair<std::size_t, std::size_t>> self_collision();
-  /// True if a sphere of the robot touches or overlaps the obstacle.
+  /// True if a sphere of the robot touches or overlaps the obstacle, which is in the axes of the root link. Throws
+  /// std::invalid_argument for an obstacle that is not finite, or of negative radius or half length.
   bool collides(const Sphere& obstacle);
   bool collides(const ObstacleBox& obstacle);
   /// True if a sphere of the robot touches or overlaps the sphere of a leaf of another tree: that of a Body, or
@@ -69,6 +71,7 @@ class SphereRobot {
   };
 
   const std::vector<Sphere>& moved(LinkTree& link);
+  bool meets_ball(const Sphere& obstacle);
   template <class Inner, class Leaf>
   bool any_leaf(const Inner& inner, const Leaf& leaf);
   bool meet(LinkTree& a, LinkTree& b);
