@@ -66,7 +66,7 @@ TEST(Stranger, in_graphics_research) {
            {"studdy", 2, {"studdy"}},
            {"study --quick --mesh limb.obj --methods grid --rules approach2,exact --frames 3 --resolution 32 -o study",
             0,
-            {"exact leaves nothing bare"},
+            {"exact leaves no surface uncovered"},
             {"study/cells.csv", bench.has_page() ? "study/index.html" : "study/study.json"}},
        });
 }
