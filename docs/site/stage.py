@@ -15,6 +15,7 @@ import shutil
 import sys
 import textwrap
 
+import command_reference
 import cpp_reference
 import python_reference
 
@@ -95,6 +96,7 @@ def main():
         (folder / name).write_text(f"# {target}\n\n````{language}\n{text}````\n")
 
     stub = ROOT / "build/release/python/morula/_morula/__init__.pyi"
+    (folder / "command_reference.md").write_text(command_reference.reference(ROOT / "build/release/bin/morula"))
     (folder / "python_reference.md").write_text(python_reference.reference(ROOT, stub))
 
     for name, text in reference.texts.items():
