@@ -8,7 +8,7 @@ import pytest
 import morula
 
 pytestmark = pytest.mark.skipif(not hasattr(morula, "study"), reason="this package was built without the study")
-small = {"quick": True, "frames": 3, "resolution": 24, "branching": 4, "methods": ["grid"]}
+small = {"quick": True, "seeds": 1, "frames": 3, "resolution": 24, "branching": 4, "methods": ["grid"]}
 
 
 class Twin:

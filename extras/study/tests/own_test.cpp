@@ -174,7 +174,7 @@ TEST(StudyOwn, a_metric_is_measured_as_by_hand_and_is_in_every_file) {
   EXPECT_TRUE(json["cells"][0]["samples"][0]["levels"][0]["metrics"]["no-number"].is_null());
   EXPECT_GT(json["cells"][0]["samples"][0]["levels"][0]["metrics"]["total-radius"].get<double>(), 0);
   const std::string csv = cells_csv(study.plan, study.result);
-  EXPECT_NE(csv.find(",returns_to_rest,total-radius,no-number\n"), std::string::npos);
+  EXPECT_NE(csv.find(",returns_to_rest,seed,looseness_half_grid,total-radius,no-number\n"), std::string::npos);
   EXPECT_TRUE(std::any_of(study.figures.begin(), study.figures.end(), [](const Figure& figure) {
     return figure.id.ends_with("-stretch-2-total-radius") || figure.id == "fig2b-total-radius";
   }));
