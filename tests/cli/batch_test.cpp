@@ -176,8 +176,7 @@ TEST(Batch, of_a_shard_without_meshes_is_done) {
   bench.require("sample bar -o bar.obj --resolution 3");
   bench.write("list.txt", "bar.obj\n");
   EXPECT_EQ(bench.require("batch list.txt -o out --method octree --shard 1/2").out.rfind("1 mesh, 1 built", 0), 0u);
-  EXPECT_EQ(bench.require("batch list.txt -o out --method octree --shard 2/2").out.rfind("0 meshes, 0 built", 0),
-            0u);
+  EXPECT_EQ(bench.require("batch list.txt -o out --method octree --shard 2/2").out.rfind("0 meshes, 0 built", 0), 0u);
   EXPECT_TRUE(rows_of(bench, "out/table-2-of-2.jsonl").empty());
 }
 

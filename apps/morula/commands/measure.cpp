@@ -157,7 +157,8 @@ void print_text(const MeasureArguments& o, const Mesh& rest, const std::vector<M
   if (o.curobo) {
     fmt::print(
         "\ncuRobo's figures, from samples\n{}Covered: share of the interior; outside: share of the spheres' surfaces, "
-        "and how far that is\nfrom the object; uncovered: distance of the surface from the spheres; volumes: the spheres' over the "
+        "and how far that is\nfrom the object; uncovered: distance of the surface from the spheres; volumes: the "
+        "spheres' over the "
         "object's.\n",
         sampled_table(frames));
   }

@@ -170,10 +170,12 @@ std::string cover_sentence(const std::vector<LevelMeasure>& worst) {
   std::string uncovered;
   for (const LevelMeasure& level : worst) {
     if (level.coverage.covered) continue;
-    uncovered += fmt::format("{}level {} leaves {} uncovered, up to {} away", uncovered.empty() ? "" : "; ", level.level,
-                        percent(level.coverage.uncovered_area), figure(level.coverage.uncovered_distance));
+    uncovered +=
+        fmt::format("{}level {} leaves {} uncovered, up to {} away", uncovered.empty() ? "" : "; ", level.level,
+                    percent(level.coverage.uncovered_area), figure(level.coverage.uncovered_distance));
   }
-  return uncovered.empty() ? "Covers: every level covers the whole surface." : fmt::format("Does not cover: {}.", uncovered);
+  return uncovered.empty() ? "Covers: every level covers the whole surface."
+                           : fmt::format("Does not cover: {}.", uncovered);
 }
 
 Json frames_json(const std::vector<MeasuredFrame>& frames) {

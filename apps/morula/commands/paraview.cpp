@@ -287,8 +287,8 @@ int paraview_command(const ParaviewArguments& o) {
   if (frames.any()) {
     fmt::print("spheres    {} a frame\n", spheres);
     fmt::print("uncovered  {}\n", uncovered_facets == 0 ? "nothing: every facet is covered in every frame"
-                                                      : fmt::format("{} in {}", counted(uncovered_facets, "facet"),
-                                                                    counted(uncovered_frames, "frame")));
+                                                        : fmt::format("{} in {}", counted(uncovered_facets, "facet"),
+                                                                      counted(uncovered_frames, "frame")));
   }
   for (const std::string& file : written) fmt::print("written    {}\n", (fs::path(o.output) / file).string());
   return exit_done;

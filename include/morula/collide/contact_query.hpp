@@ -83,8 +83,8 @@ class ContactQuery {
 
   /// The front of the last call; empty if there is none.
   const Front& front() const;
-  /// Replaces the front of the query, such as by an earlier front(). resume(), carry() and cut() check that it belongs to
-  /// the pairs and that its indices are in range; they take its verdicts as they are.
+  /// Replaces the front of the query, such as by an earlier front(). resume(), carry() and cut() check that it belongs
+  /// to the pairs and that its indices are in range; they take its verdicts as they are.
   void set_front(Front front);
   /// Writes the cut of the last call to `pairs`: the pairs of nodes at which the search has ended or waits, which are
   /// apart, finished or waiting. Each final pair is in the cut, or below exactly one pair of it. Empty without a front.
