@@ -168,7 +168,7 @@ struct Runner {
 /// rule beside approach 2 in the same layout, the file's order of vertices beside the leaves', one hundredth moved
 /// beside all, and one body by all threads beside one (wall time), with what reading its vertices alone gains by them.
 Result side_by_side(const Input& input, const CoveredTree& model, const Settings& settings) {
-  Result result{.scenario = "update", .item = "exact beside others", .mesh = input.name};
+  Result result{.scenario = "update", .item = "exact between others", .mesh = input.name};
   const auto order = leaf_order(model);
   const Mesh in_order = renumbered(input.mesh, order);
   const CoveredTree built_in_order = renumbered(model, in_order, order);

@@ -7,6 +7,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/io/modal_file.hpp>
 #include <stdexcept>
+#include <support/error_text.hpp>
 #include <support/npy.hpp>
 
 #include "files.hpp"
@@ -127,25 +128,20 @@ TEST(ModalFile, writers_reject_what_readers_reject_and_the_rest_is_read_back) {
 TEST(ModalFile, writers_name_what_they_reject) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / "none.npy";
-  const auto text = [&](const auto& write) -> std::string {
-    try {
-      write();
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return {};
-  };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(text([&] { write_modes(path, {3, 0, {}}); }), "there is no mode to write: a file of modes has one or more");
-  EXPECT_EQ(text([&] {
+  EXPECT_EQ(error_text([&] {
+              write_modes(path, {3, 0, {}});
+            }),
+            "there is no mode to write: a file of modes has one or more");
+  EXPECT_EQ(error_text([&] {
               write_modes(path, {1, 2, {{1, 2, 3}, {0, nan, 0}}});
             }),
             "mode 1: the displacement of vertex 0 is not finite; repair it where the modes are made");
-  EXPECT_EQ(text([&] {
+  EXPECT_EQ(error_text([&] {
               write_coordinates(path, {2, {}});
             }),
             "there is no frame to write: a file of coordinates has one or more, of one mode or more");
-  EXPECT_EQ(text([&] {
+  EXPECT_EQ(error_text([&] {
               write_coordinates(path, {2, {1, 2, 3, nan}});
             }),
             "frame 1: coordinate 1 is not finite; repair it where the coordinates are made");

@@ -5,6 +5,7 @@
 #include <limits>
 #include <morula/io/skin_file.hpp>
 #include <stdexcept>
+#include <support/error_text.hpp>
 #include <support/npy.hpp>
 
 #include "files.hpp"
@@ -63,18 +64,10 @@ TEST(SkinFile, what_is_written_is_read_back_to_the_bit) {
 TEST(SkinFile, writers_name_what_readers_would_reject) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / "none.npy";
-  const auto text = [&](const auto& write) -> std::string {
-    try {
-      write();
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return {};
-  };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto skin = [&](std::size_t bones, std::vector<std::uint32_t> begin, std::vector<double> weights) {
     const std::vector<std::uint32_t> first(weights.size(), 0);
-    return text([&] { write_skin(path, {bones, std::move(begin), first, std::move(weights)}); });
+    return error_text([&] { write_skin(path, {bones, std::move(begin), first, std::move(weights)}); });
   };
   EXPECT_EQ(skin(1, {0, 1, 2}, {1, 0.5}),
             "the weights of vertex 1 add up to 0.500000, not to 1; repair them where the skin is made");
@@ -87,11 +80,11 @@ TEST(SkinFile, writers_name_what_readers_would_reject) {
   EXPECT_EQ(skin(1, {1, 1}, {1}), "the skin's influences do not fit its vertices");
   AffineTransform bad;
   bad.translation.y = nan;
-  EXPECT_EQ(text([&] {
+  EXPECT_EQ(error_text([&] {
               write_bone_frames(path, {1, {AffineTransform(), bad}});
             }),
             "frame 1: the transform of bone 0 is not finite; repair it where the transforms are made");
-  EXPECT_EQ(text([&] {
+  EXPECT_EQ(error_text([&] {
               write_bone_frames(path, {1, {}});
             }),
             "there is no frame to write: a file of transforms has one or more, of one bone or more");

@@ -148,7 +148,7 @@ void print_text(const Demo& demo, const study::Touch& touch, const std::string& 
       "in\n"
       "diagonals; crossings are pairs of facets, by brute force. Times: median, one thread.\n\n{}\n{}",
       touch.crossings.size(), touch_table(touch), wrapped(touch_finding(touch)));
-  fmt::print("\nWhat to look at, in {} ({})\n", folder, seconds(elapsed));
+  fmt::print("\nFiles to look at, in {} ({})\n", folder, seconds(elapsed));
   const std::string body = demo.body(trees.front()).name;
   fmt::print("- demo.csv, contacts.csv and demo.json: every figure with all digits\n");
   fmt::print("- {0}-touching-a.obj and {0}-touching-b.obj: the two limbs in the middle of their motion\n", body);

@@ -112,7 +112,7 @@ int study_command(const StudyArguments& o) {
     if (o.json) {
       print_json(Json::parse(study::study_json(study)));
     } else {
-      fmt::print("{}\n{}{}\nWhat to look at, in {} ({}; {} of {} cells were there already)\n{}",
+      fmt::print("{}\n{}{}\nFiles to look at, in {} ({}; {} of {} cells were there already)\n{}",
                  wrapped(study::trials_text(study)), wrapped(study::claims_text(study.claims)), asked_tables(study),
                  o.output, seconds(watch.lap()), study.result.taken_from_cache, study.result.cell_count(),
                  study::contents_text(study, formats));

@@ -9,22 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <support/scratch_folder.hpp>
 
+#include "small_plan.hpp"
+
 namespace morula::study {
 namespace {
 
 Plan own_plan() {
-  Plan plan;
-  plan.bodies = {{"limb", sample_body("limb", 8)}};
-  plan.sources = sources_of(plan.bodies, {Method::grid});
-  plan.motions = {{Stretch{}}, {Bend{60}}};
-  plan.rules = {Rule::traditional, Rule::approach2, Rule::exact};
-  plan.samples = 4;
-  plan.resolution = 24;
-  plan.branching = 4;
-  plan.depth = 2;
-  plan.needle_sides = 0;
-  plan.cost_repeats = 1;
-  return plan;
+  return coarse_plan({Method::grid}, {Rule::traditional, Rule::approach2, Rule::exact});
 }
 
 /// A rule of ten lines: spheres keep their radii and move with the mean of all vertices.

@@ -13,20 +13,15 @@
 #include <set>
 #include <support/scratch_folder.hpp>
 
+#include "small_plan.hpp"
+
 namespace morula::study {
 namespace {
 
 Plan small_plan() {
-  Plan plan;
-  plan.bodies = {{"limb", sample_body("limb", 8)}, {"prism", needle_prism(6)}};
+  Plan plan = coarse_plan({}, {Rule::approach2, Rule::exact});
+  plan.bodies.push_back({"prism", needle_prism(6)});
   plan.sources = sources_of(plan.bodies, {Method::octree, Method::grid});
-  plan.motions = {{Stretch{}}, {Bend{60}}};
-  plan.rules = {Rule::approach2, Rule::exact};
-  plan.samples = 4;
-  plan.resolution = 24;
-  plan.branching = 4;
-  plan.depth = 2;
-  plan.needle_sides = 0;
   return plan;
 }
 

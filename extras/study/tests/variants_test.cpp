@@ -7,6 +7,7 @@
 #include <morula/update/body.hpp>
 
 #include "reference.hpp"
+#include "small_plan.hpp"
 
 namespace morula::study {
 namespace {
@@ -154,17 +155,9 @@ TEST(StudyVariants, inner_centers_move_with_their_children_weighted_by_inverse_d
 }
 
 TEST(StudyVariants, the_library_s_reading_gets_the_verdicts_of_the_study) {
-  Plan plan;
-  plan.bodies = {{"limb", sample_body("limb", 8)}};
-  plan.sources = sources_of(plan.bodies, {Method::medial});
-  plan.motions = paper_motions();
-  plan.rules = {Rule::traditional, Rule::approach1, Rule::approach2};
+  Plan plan = coarse_plan({Method::medial}, {Rule::traditional, Rule::approach1, Rule::approach2}, paper_motions());
   plan.samples = 5;
   plan.resolution = 32;
-  plan.branching = 4;
-  plan.depth = 2;
-  plan.needle_sides = 0;
-  plan.cost_repeats = 1;
   const std::vector<Claim> claims = make_claims(plan, run(plan), plan.trials().front(), nullptr);
   const std::vector<VariantResult> results = run_variants(plan);
   ASSERT_EQ(results.size(), paper_variants().size());

@@ -11,7 +11,7 @@
 
 namespace morula {
 
-/// The action that a visit returns: how the walk goes on after a pair of nodes.
+/// The next action of the walk after a visited pair of nodes.
 enum class Step : std::uint8_t {
   open,  ///< visit the pairs below this pair
   skip,  ///< go on without the pairs below this pair
