@@ -64,6 +64,8 @@ await claim('the_first_screen_has_the_study_in_three_sentences_and_its_figures',
     check(high <= 15, `the column has ${high} screens`);
     check(!(await page.isVisible('#claim-approach2-below-approach1 table')), 'statistics are folded');
     equal(await words(page, '#claim-approach2-below-approach1 .spread'), 'holds in 1 of 2, partly in 1 of 2', 'spread');
+    equal(await words(page, '#claim-approach2-below-approach1 .place'), 'results, Fig. 2 a', 'the place in the paper');
+    check((await page.locator('#claim-approach2-below-approach1 table').textContent()).includes('3 of 6'), 'cases of a trial');
     equal(await words(page, '.tally'), 'holds 2\nbetter 1\npartly 1\nfails 1\nnot decided 1', 'tally, in the words of the study');
   }));
 

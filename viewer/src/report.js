@@ -17,8 +17,9 @@ const sentences = (text, most) => String(text ?? '').split(/(?<=[.!?])\s+(?=[A-Z
 
 /** "in 14 of 18": the verdicts of single bodies and seeds, where the study has them. */
 function spread({ counts, trials }) {
-  const count = counts && typeof counts === 'object' ? counts : list(trials).reduce((sum, { verdict }) => ({ ...sum, [verdict]: (sum[verdict] ?? 0) + 1 }), {});
-  const known = Object.entries(count).filter(([, n]) => Number.isFinite(n) && n > 0);
+  const told = list(trials).reduce((sum, { verdict }) => ({ ...sum, [verdict]: (sum[verdict] ?? 0) + 1 }), {});
+  const count = list(trials).length > 0 ? told : counts && typeof counts === 'object' ? counts : {};
+  const known = Object.entries(count).filter(([word, n]) => word !== 'trials' && Number.isFinite(n) && n > 0);
   const total = known.reduce((sum, [, n]) => sum + n, 0);
   return total > 1 ? known.map(([verdict, n]) => `${verdict} in ${n} of ${total}`).join(', ') : null;
 }
@@ -162,7 +163,7 @@ export class Report {
     ].filter(Boolean);
     const text = [
       element('h3', {}, claim.claim),
-      claim.quote || claim.section ? element('p', { class: 'quote' }, [claim.quote ? `“${claim.quote}”` : null, claim.section ? `section ${claim.section}` : null].filter(Boolean).join(', ')) : null,
+      claim.place ? element('p', { class: 'place' }, claim.place) : null,
       spread(claim) ? element('p', { class: 'spread' }, spread(claim)) : null,
       why ? element('p', { class: 'why' }, why) : null,
       more.length ? element('details', { class: 'more' }, element('summary', {}, 'Numbers'), ...more) : null,
@@ -173,7 +174,7 @@ export class Report {
   }
   trials(trials) {
     const row = (trial) => element('tr', {},
-      ...[trial.body, trial.seed, trial.verdict, Number.isFinite(trial.cases) ? `${trial.cases_true ?? '–'} of ${trial.cases}` : '–', Number.isFinite(trial.value) ? figure(trial.value) : '–']
+      ...[trial.body, trial.seed, trial.verdict, Number.isFinite(trial.cases) ? `${trial.true ?? '–'} of ${trial.cases}` : '–', Number.isFinite(trial.value) ? figure(trial.value) : '–']
         .map((value) => element('td', {}, String(value ?? '–'))));
     return element('div', { class: 'wide' }, element('table', { class: 'figures' },
       element('thead', {}, element('tr', {}, ...['body', 'seed', 'verdict', 'cases', 'value'].map((name) => element('th', { scope: 'col' }, name)))),

@@ -62,37 +62,55 @@ void add_bodies(const StudyOptions& o, study::Plan& plan) {
   }
 }
 
-/// All frames but the first ones at rest: a plan's samples begin there.
-std::vector<std::vector<Vec3>> frames_after_rest(const Motion& motion, const Mesh& mesh) {
+/// A plan's samples begin at rest: a first frame at rest is dropped, unless it is the only one.
+void drop_rest(std::vector<std::vector<Vec3>>& frames, const Mesh& mesh) {
+  if (frames.size() > 1 && frames.front() == mesh.positions) frames.erase(frames.begin());
+}
+
+std::vector<std::vector<Vec3>> frames_of(const Motion& motion) {
   std::vector<std::vector<Vec3>> frames;
-  for (std::size_t i = 0; i < motion.frame_count(); ++i) {
-    frames.push_back(motion.frame(i));
-    if (frames.size() == 1 && frames.front() == mesh.positions && motion.frame_count() > 1) frames.clear();
-  }
+  for (std::size_t i = 0; i < motion.frame_count(); ++i) frames.push_back(motion.frame(i));
   return frames;
+}
+
+/// The name, or with a number if another motion of the plan begins with it.
+std::string free_motion_name(const study::Plan& plan, std::string name) {
+  std::replace(name.begin(), name.end(), ' ', '-');
+  std::string free = name;
+  for (std::size_t m = 0, same = 1; m < plan.motion_count(); ++m) {
+    const std::string known = plan.motion_name(m);
+    if (known.substr(0, known.find(' ')) != free) continue;
+    free = fmt::format("{}-{}", name, ++same);
+    m = 0;
+  }
+  return free;
 }
 
 /// A motion belongs to the first body that its frames fit.
 void add_motions(const StudyOptions& o, study::Plan& plan) {
   for (const std::string& path : o.motions) {
-    study::RecordedMotion recorded;
-    recorded.name = fs::path(path).stem().string();
-    std::replace(recorded.name.begin(), recorded.name.end(), ' ', '-');
-    for (std::size_t m = 0, same = 1; m < plan.motion_count(); ++m) {
-      const std::string known = plan.motion_name(m);
-      if (known.substr(0, known.find(' ')) != recorded.name) continue;
-      recorded.name = fmt::format("{}-{}", fs::path(path).stem().string(), ++same);
-      m = 0;
-    }
-    for (; recorded.body < plan.bodies.size() && recorded.frames.empty(); ++recorded.body) {
+    study::RecordedMotion recorded{.name = free_motion_name(plan, fs::path(path).stem().string()), .frames = {}};
+    for (; recorded.body < plan.bodies.size(); ++recorded.body) {
       const Mesh& mesh = plan.bodies[recorded.body].mesh;
       try {
-        recorded.frames = frames_after_rest(Motion(path, mesh), mesh);
+        recorded.frames = frames_of(Motion(path, mesh));
+        drop_rest(recorded.frames, mesh);
         break;
       } catch (const FileError&) {
         if (recorded.body + 1 == plan.bodies.size()) throw;
       }
     }
+    plan.recorded.push_back(std::move(recorded));
+  }
+  for (study::RecordedMotion recorded : o.own_motions) {
+    const std::size_t vertices = recorded.frames.empty() ? 0 : recorded.frames.front().size();
+    const auto body = std::find_if(plan.bodies.begin(), plan.bodies.end(),
+                                   [&](const study::NamedMesh& b) { return b.mesh.vertex_count() == vertices; });
+    if (body == plan.bodies.end())
+      throw UsageError(fmt::format("motion {}: no body has {} vertices", recorded.name, vertices));
+    recorded.body = static_cast<std::size_t>(body - plan.bodies.begin());
+    recorded.name = free_motion_name(plan, recorded.name);
+    drop_rest(recorded.frames, body->mesh);
     plan.recorded.push_back(std::move(recorded));
   }
 }

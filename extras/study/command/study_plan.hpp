@@ -39,6 +39,8 @@ struct StudyOptions {
   bool paper_amounts = false;
   std::vector<study::FollowRule> own_rules{};  ///< rules in memory, after those of `rules`
   std::vector<std::shared_ptr<const study::OwnGenerator>> own_generators{};
+  /// Motions in memory, after those of the files: each of the first body with as many vertices; `body` is not read.
+  std::vector<study::RecordedMotion> own_motions{};
   std::vector<study::OwnMetric> metrics{};
 };
 

@@ -15,7 +15,7 @@ from . import _morula
 if TYPE_CHECKING:
     import concurrent.futures
 
-    from .typing import MeshLike
+    from .typing import FloatArray, MeshLike
 
 __all__ = ["Study", "study"]
 
@@ -101,7 +101,7 @@ def _shard(bodies: dict[str, _morula.Mesh], options: dict[str, Any], number: int
 
 
 def _named(function: Any) -> tuple[str, str, Any]:
-    """Name and version of a rule or metric of one's own, and itself."""
+    """Name and version of a rule or generator of one's own, and itself."""
     return str(getattr(function, "name", None) or function.__name__), str(getattr(function, "version", "")), function
 
 
@@ -110,8 +110,8 @@ def study(
     *,
     output: str | os.PathLike[str] | None = None,
     samples: Sequence[str] = (),
-    motions: Sequence[str | os.PathLike[str]] = (),
-    methods: Sequence[str] = (),
+    motions: Sequence[str | os.PathLike[str]] | Mapping[str, FloatArray] = (),
+    methods: Sequence[str | Callable[..., Any]] = (),
     rules: Sequence[str | Callable[..., Any]] = (),
     mixes: bool = False,
     trees: str | os.PathLike[str] = "",
@@ -138,7 +138,10 @@ def study(
     Args:
         meshes: a mesh; meshes by name; paths of files; None for the sample bodies of the command. Options are those of the command,
             with its defaults.
-        samples: names of sample bodies. motions: files of frames, each of the first body that they fit.
+        samples: names of sample bodies.
+        motions: files of frames; or by name, arrays of shape (frames, vertices, 3). Each is of the first body that it fits.
+        methods: names, and one's own generators: functions of (mesh) that return a CoveredTree, or a SphereTree, which is then
+            made to cover. Own generators alone leave the default methods in place. Names and versions are as for rules.
         seeds: number of seeds from `seed` on, 0 for the default of 3, or 2 of a quick study: each body has a trial with each.
         rules: names, and one's own: classes or functions of (mesh, model), whose result has `follow(positions)`, which returns
             the spheres of all nodes as an array (nodes, 4). Own rules alone leave the default ones in place. The name is that
@@ -160,13 +163,16 @@ def study(
         raise ImportError("morula.study: this package was built without the command: it needs CLI11 and fmt (docs/reference/python.md)")
     bodies, files = _given(meshes)
     options: dict[str, Any] = {
-        "meshes": files, "methods": list(methods), "rules": [rule for rule in rules if isinstance(rule, str)],
+        "meshes": files, "methods": [method for method in methods if isinstance(method, str)],
+        "own_generators": [_named(method) for method in methods if not isinstance(method, str)],
+        "rules": [rule for rule in rules if isinstance(rule, str)],
         "own_rules": [_named(rule) for rule in rules if not isinstance(rule, str)],
         "metrics": [(name, of, str(getattr(value, "version", "")), value) for name, (of, value) in (metrics or {}).items()],
         "variants": variants, "paper_amounts": paper_amounts, "mixes": mixes, "trees": os.fspath(trees),
         "sph_origin": sph_origin, "frames": frames, "resolution": resolution, "branching": branching, "depth": depth,
         "seed": seed, "seeds": seeds, "unit": unit, "quick": quick, "formats": list(formats),
-        "samples": list(samples), "motions": [os.fspath(path) for path in motions],
+        "samples": list(samples), "motions": [] if isinstance(motions, Mapping) else [os.fspath(path) for path in motions],
+        "own_motions": list(motions.items()) if isinstance(motions, Mapping) else [],
     }
     if executor is not None:
         if output is None:

@@ -57,6 +57,40 @@ std::vector<study::FollowRule> own_rules(nb::handle given) {
   return rules;
 }
 
+/// A list of (name, version, callable).
+std::vector<std::shared_ptr<const study::OwnGenerator>> own_generators(nb::handle given) {
+  std::vector<std::shared_ptr<const study::OwnGenerator>> generators;
+  for (const nb::handle item : given) {
+    const auto [name, version, build] = nb::cast<std::tuple<std::string, std::string, nb::object>>(item);
+    generators.push_back(study::own_generator(
+        name,
+        [build = kept_object(build)](const Mesh& mesh) -> CoveredTree {
+          const nb::gil_scoped_acquire gil;
+          const nb::object made = (*build)(nb::cast(Mesh(mesh)));
+          if (nb::isinstance<SphereTree>(made))
+            return cover(mesh, nb::cast<const SphereTree&>(made), {}, serial_workers());
+          if (!nb::isinstance<CoveredTree>(made))
+            reject_type(made, "generator() has returned", "a CoveredTree or a SphereTree");
+          return nb::cast<const CoveredTree&>(made);
+        },
+        version));
+  }
+  return generators;
+}
+
+/// A list of (name, frames).
+std::vector<study::RecordedMotion> own_motions(nb::handle given) {
+  std::vector<study::RecordedMotion> motions;
+  for (const nb::handle item : given) {
+    const auto [name, array] = nb::cast<std::tuple<std::string, nb::object>>(item);
+    const Positions frames = Positions::frames(array, "motions");
+    study::RecordedMotion& motion = motions.emplace_back(study::RecordedMotion{.name = name, .frames = {}});
+    for (std::size_t i = 0; i < frames.frame_count(); ++i)
+      motion.frames.push_back(Positions(frames, i).view().to_vector());
+  }
+  return motions;
+}
+
 /// A list of (name, unit, version, callable).
 std::vector<study::OwnMetric> own_metrics(nb::handle given) {
   std::vector<study::OwnMetric> metrics;
@@ -88,6 +122,14 @@ cli::StudyOptions study_options(const nb::dict& bodies, const nb::dict& given) {
     const nb::handle value = item.second;
     if (name == "own_rules") {
       options.own_rules = own_rules(value);
+      continue;
+    }
+    if (name == "own_generators") {
+      options.own_generators = own_generators(value);
+      continue;
+    }
+    if (name == "own_motions") {
+      options.own_motions = own_motions(value);
       continue;
     }
     if (name == "metrics") {

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include "../../../examples/study_own/own.hpp"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -18,18 +20,7 @@ Plan own_plan() {
   return coarse_plan({Method::grid}, {Rule::traditional, Rule::approach2, Rule::exact});
 }
 
-/// A rule of ten lines: spheres keep their radii and move with the mean of all vertices.
-struct Drift {
-  const Mesh& rest;
-  SphereTree tree;
-  SphereTree follow(const std::vector<Vec3>& positions) {
-    Vec3 moved{};
-    for (std::size_t v = 0; v < positions.size(); ++v) moved += positions[v] - rest.positions[v];
-    SphereTree now = tree;
-    for (Sphere& sphere : now.spheres) sphere.center += moved / static_cast<double>(positions.size());
-    return now;
-  }
-};
+using example::Drift;
 
 /// approach2 of the library, as if it were one's own.
 struct Twin {

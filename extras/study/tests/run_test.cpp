@@ -299,6 +299,36 @@ TEST(StudyCost, counted_work_follows_from_the_tree) {
   EXPECT_GE(counts["boxes"].points_read, mesh.vertex_count());
 }
 
+/// Cells that rebuild in the same pose share the tree: that must not change them.
+TEST(StudyRun, rebuilt_cells_of_two_trees_are_those_of_each_alone) {
+  const auto planned = [](std::vector<Method> methods) {
+    Plan plan = coarse_plan(methods, {rebuilt, Rule::exact});
+    plan.samples = 6;
+    return plan;
+  };
+  const Plan both = planned({Method::grid, Method::hubbard});
+  Workers two(2);
+  const Result together = run(both, two);
+  std::size_t differing = 0;
+  for (std::size_t source = 0; source < 2; ++source) {
+    const Plan alone = planned({*both.sources[source].generator});
+    const Result one = run(alone);
+    for (std::size_t motion = 0; motion < 2; ++motion) {
+      const MotionRun &a = *together.find({source, motion, 0}), &b = *one.find({0, motion, 0});
+      const MotionRun& exact = *together.find({source, motion, 1});
+      ASSERT_EQ(a.samples.size(), 6u);
+      for (std::size_t s = 0; s < 6; ++s) {
+        for (const std::size_t level : both.levels()) {
+          EXPECT_EQ(a.at(s, level)->looseness(), b.at(s, level)->looseness());
+          EXPECT_EQ(a.at(s, level)->uncovered_area(), 0);
+          differing += a.at(s, level)->looseness() != exact.at(s, level)->looseness() ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(differing, 0u) << "trees were rebuilt";
+}
+
 TEST(StudyCost, rules_take_turns_and_have_quartiles) {
   Plan plan = small_plan();
   plan.cost_repeats = 3;

@@ -63,6 +63,11 @@ struct RebuildOptions {
   /// run, costs tightness, not cover. Called inside update(). It must not throw: after an exception, which
   /// RebuildReport::failed counts, the body is not rebuilt again. The job may outlive the body.
   std::function<void(std::function<void()> job)> executor{};
+
+  /// Builder of the rebuilt trees, on the thread of the rebuild; empty: build(). It returns a tree of the posed mesh
+  /// with these options. An exception, or a tree in which validate(posed, tree) finds a fault, fails the rebuild
+  /// (RebuildReport::failed). Bodies that share a builder may call it at the same time. It must not use the body.
+  std::function<CoveredTree(const MeshView& posed, const BuildOptions& options)> builder{};
 };
 
 /// Counts since construction.

@@ -4,13 +4,12 @@
 
 #include <chrono>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 #ifdef MORULA_THREADS
 #include <condition_variable>
 #include <mutex>
 #include <thread>
-#else
-#include <stdexcept>
 #endif
 
 #include "parallel/float_environment.hpp"
@@ -38,8 +37,14 @@ Vec3 gone_on(const Vec3& a, const Vec3& b, const Vec3& c, int steps) {
 
 }  // namespace
 
-RebuildJob::RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves)
-    : snapshot_(to_mesh(home)), build_(build), estimator_(home), levels_(levels), fits_leaves_(fits_leaves) {
+RebuildJob::RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves,
+                       Builder builder)
+    : snapshot_(to_mesh(home)),
+      build_(build),
+      builder_(std::move(builder)),
+      estimator_(home),
+      levels_(levels),
+      fits_leaves_(fits_leaves) {
   earlier_.fill(snapshot_.positions);
   last_pose_ = snapshot_.positions;
 }
@@ -73,9 +78,20 @@ void RebuildJob::run() noexcept {
   } catch (const BuildStopped&) {
   } catch (const std::exception& error) {
     result_.failure = error.what();
+  } catch (...) {  // of the builder
+    result_.failure = "an exception of another type than std::exception";
   }
   result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   stage_.store(Stage::done, std::memory_order_release);
+}
+
+CoveredTree RebuildJob::built(Workers& workers) const {
+  if (!builder_) return build(snapshot_, build_, workers);
+  CoveredTree model = builder_(snapshot_, build_);
+  // mutant rebuild-tree-of-builder: `!faults.empty()` -> `false`
+  if (const std::vector<std::string> faults = validate(snapshot_, model); !faults.empty())
+    throw std::invalid_argument("rebuild: the builder's tree: " + faults.front());
+  return model;
 }
 
 std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
@@ -84,7 +100,7 @@ std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
   if (steps_ > 0)
     for (std::size_t v = 0; v < snapshot_.positions.size(); ++v)
       snapshot_.positions[v] = gone_on(earlier_[0][v], earlier_[1][v], snapshot_.positions[v], steps_);
-  auto model = std::make_shared<const CoveredTree>(build(snapshot_, build_, one));
+  auto model = std::make_shared<const CoveredTree>(built(one));
   if (build_.stop.stop_requested()) throw BuildStopped();
   // A collider of the new tree then costs nothing on the caller's thread.
   static_cast<void>(model->facet_lists.get(model->tree, model->cover));

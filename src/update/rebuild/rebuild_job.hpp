@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <morula/generators/build.hpp>
 #include <morula/update/body.hpp>
@@ -22,8 +23,11 @@ namespace morula::detail {
 /// owner's while idle or done, the runner's while queued; the side whose turn ends writes it.
 class RebuildJob {
  public:
+  /// Builds a tree of a posed mesh; empty: build().
+  using Builder = std::function<CoveredTree(const MeshView& posed, const BuildOptions& options)>;
   /// levels: number of looseness figures to compute.
-  RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves);
+  RebuildJob(const MeshView& home, const BuildOptions& build, std::size_t levels, bool fits_leaves,
+             Builder builder = {});
 
   enum class Stage : std::uint8_t { idle, queued, done };
   Stage stage() const { return stage_.load(std::memory_order_acquire); }
@@ -52,12 +56,14 @@ class RebuildJob {
 
  private:
   std::unique_ptr<TreeVersion> rebuilt();
+  CoveredTree built(Workers& workers) const;
 
   Mesh snapshot_;                // the last pose, then the one to build for
   std::vector<Vec3> last_pose_;  // the last pose, if the one to build for is another
   std::array<std::vector<Vec3>, pose_count - 1> earlier_;
   int steps_ = 0;
   BuildOptions build_;
+  Builder builder_;
   LoosenessEstimator estimator_;
   std::size_t levels_;
   bool fits_leaves_;

@@ -39,7 +39,7 @@ void require_poses(const MeshView& mesh, const CoveredTree& model) {
 std::shared_ptr<RebuildJob> make_job(const MeshView& mesh, const CoveredTree& home, const RebuildOptions& options) {
   const BuildOptions build{
       .method = options.method, .branching = static_cast<int>(home.tree.branching), .depth = depth_of_rebuilds(home)};
-  return std::make_shared<RebuildJob>(mesh, build, home.tree.level_count(), fits_leaves(options));
+  return std::make_shared<RebuildJob>(mesh, build, home.tree.level_count(), fits_leaves(options), options.builder);
 }
 
 // Rest positions of the vertices that facets use.

@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 
 #include "../bodies.hpp"
@@ -201,6 +202,56 @@ TEST(RebuiltBody, a_rebuild_that_is_no_longer_wanted_is_given_up) {
   ASSERT_TRUE(body.update(stretched_limb(0.1)));
   EXPECT_EQ(body.report().stopped, 1u);
   EXPECT_EQ(body.report().finished, 0u);
+}
+
+RebuildOptions in_every_frame() {
+  return {.rebuild_every = 1, .min_improvement = always, .look_ahead = false, .thread = RebuildThread::caller};
+}
+
+TEST(RebuiltBody, trees_of_a_builder_that_builds_serve_like_its_own) {
+  std::size_t calls = 0;
+  RebuildOptions options = in_every_frame();
+  options.builder = [&](const MeshView& posed, const BuildOptions& how) {
+    ++calls;
+    EXPECT_EQ(how.method, Method::optimized);
+    EXPECT_EQ(how.quality, Quality::draft);
+    return build(posed, how, serial_workers());
+  };
+  RebuiltBody body(limb(), limb_tree(), options), plain(limb(), limb_tree(), in_every_frame());
+  for (int frame = 1; frame <= 5; ++frame) {
+    const std::vector<Vec3> positions = stretched_limb(frame / 5.0);
+    ASSERT_TRUE(body.update(positions));
+    ASSERT_TRUE(plain.update(positions));
+    EXPECT_EQ(body.body().hash(), plain.body().hash());
+  }
+  EXPECT_GT(calls, 0u);
+  EXPECT_EQ(calls, body.report().finished);
+}
+
+// A tree that does not cover its pose would not break cover in other frames, but its figures would be wrong.
+TEST(RebuiltBody, a_builder_that_fails_costs_the_rebuild_alone) {
+  const auto failure_of = [](const auto& builder) {
+    RebuildOptions options = in_every_frame();
+    options.builder = builder;
+    RebuiltBody body(limb(), limb_tree(), options);
+    const std::vector<Vec3> positions = stretched_limb(0.7);
+    EXPECT_TRUE(body.update(positions));
+    expect_cover(body, positions, "after a failed rebuild");
+    EXPECT_TRUE(body.is_home());
+    EXPECT_EQ(body.report().failed, 1u);
+    EXPECT_EQ(body.report().swapped, 0u);
+    return body.report().failure;
+  };
+  EXPECT_EQ(
+      failure_of([](const MeshView&, const BuildOptions&) -> CoveredTree { throw std::runtime_error("no tree"); }),
+      "no tree");
+  EXPECT_EQ(failure_of([](const MeshView&, const BuildOptions&) -> CoveredTree { throw 7; }),
+            "an exception of another type than std::exception");
+  EXPECT_EQ(failure_of([](const MeshView&, const BuildOptions&) {
+              return limb_tree();
+            }).rfind("rebuild: the builder's tree: ", 0),
+            0u)
+      << "it is of the limb at rest";
 }
 
 // To look ahead takes three poses. A motion that is over after one of them leaves nothing behind that the next waits

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The claims of the paper.
 #include <limits>
+#include <map>
+#include <string_view>
 
 #include "claims/evidence.hpp"
 #include "claims/fit.hpp"
@@ -322,6 +324,21 @@ Claim cost_claim(const Evidence& evidence, const Cost* cost) {
   return claim;
 }
 
+/// Sections of the updates, and figures, where the claim is about them; all of these claims are results of the paper.
+std::string place_of(std::string_view claim_id) {
+  const std::map<std::string_view, std::string_view> known{{"approach1-below-traditional", "the update of section 3.1"},
+                                                           {"approach2-below-traditional", "the update of section 3.2"},
+                                                           {"approach1-exponential", "Fig. 2 a and b"},
+                                                           {"approach2-largely-better", "Fig. 2 a and b"},
+                                                           {"returns-to-rest", "the updates of sections 3.1 and 3.2"},
+                                                           {"level2-hubbard-medial", "Fig. 2 c"},
+                                                           {"level3-grid", "Fig. 2 d"},
+                                                           {"level3-grid-rest", "Fig. 2 d"},
+                                                           {"medial-best-average", "Fig. 2 c and d"},
+                                                           {"cost-like-boxes", "the updates of sections 3.1 and 3.2"}};
+  return fmt::format("results, {}", known.at(claim_id));
+}
+
 }  // namespace
 
 std::vector<Claim> paper_claims(const Evidence& evidence, const Cost* cost) {
@@ -330,6 +347,7 @@ std::vector<Claim> paper_claims(const Evidence& evidence, const Cost* cost) {
                             largely_better_claim(evidence), return_claim(evidence)};
   for (Claim& claim : generator_claims(evidence)) claims.push_back(std::move(claim));
   claims.push_back(cost_claim(evidence, cost));
+  for (Claim& claim : claims) claim.place = place_of(claim.id);
   return claims;
 }
 

@@ -97,6 +97,7 @@ Json claim_json(const Claim& claim) {
   Json json{{"id", claim.id},           {"source", name(claim.origin)},
             {"claim", claim.claim},     {"verdict", name(claim.verdict)},
             {"numbers", claim.numbers}, {"figures", claim.figures}};
+  if (!claim.place.empty()) json["place"] = claim.place;
   if (!claim.times.empty()) json["times"] = claim.times;
   if (const std::string why = why_of(claim.id); !why.empty()) json["why"] = why;
   if (claim.adverse) json["adverse"] = true;

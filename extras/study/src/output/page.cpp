@@ -2,19 +2,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <morula/study/study.hpp>
 
 #include "run/poses.hpp"
 
 namespace morula::study {
+namespace {
+
+/// "Study of limb", "Study of 6 bodies: limb, bar, torus, blob, hand, vessel".
+std::string page_title(const Plan& plan) {
+  if (plan.bodies.size() == 1) return "Study of " + plan.bodies.front().name;
+  constexpr std::size_t most_named = 6;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(most_named, plan.bodies.size()); ++i)
+    names += (i == 0 ? "" : ", ") + plan.bodies[i].name;
+  if (plan.bodies.size() > most_named) names += fmt::format(" and {} more", plan.bodies.size() - most_named);
+  return fmt::format("Study of {} bodies: {}", plan.bodies.size(), names);
+}
+
+}  // namespace
 
 PageContent study_page(const Study& study, Workers& workers, const Progress& progress) {
   const Plan& plan = study.plan;
   const NamedMesh& body = plan.bodies.front();
   const std::size_t chosen = shown_tree(plan);
   const std::vector<double> parameters = plan.parameters();
-  PageContent content{.title = fmt::format("Study of {}", body.name), .motions = {}, .scenes = {}, .study = {}};
+  PageContent content{.title = page_title(plan), .motions = {}, .scenes = {}, .study = {}};
   content.study = study_json(study);
   std::vector<MovedFrames> motions = move_frames(plan, 0, parameters, nullptr);
   constexpr std::array rules{Rule::approach2, Rule::exact};

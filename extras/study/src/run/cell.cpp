@@ -48,8 +48,14 @@ class UpdatedTree final : public Follower {
 /// It works on the caller's thread, so that every run gives the same bits.
 class RebuiltTree final : public Follower {
  public:
-  RebuiltTree(const Mesh& mesh, const CoveredTree& model)
-      : body_(mesh, model, {.check_every = 1, .thread = RebuildThread::caller, .executor = {}}) {}
+  RebuiltTree(const Mesh& mesh, const CoveredTree& model, PoseTrees& trees)
+      : body_(mesh, model,
+              {.check_every = 1,
+               .thread = RebuildThread::caller,
+               .executor = {},
+               .builder = [&trees](const MeshView& posed, const BuildOptions& options) {
+                 return trees.build(posed, options);
+               }}) {}
   SphereTree follow(const std::vector<Vec3>& positions) override {
     if (!body_.update(positions)) throw std::logic_error("the study's own motion was rejected by update");
     return body_.body().current_tree();
@@ -113,11 +119,11 @@ class FreshOwnTree final : public Follower {
 };
 
 std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& model,
-                                        const FollowRule& rule, const std::stop_token& stop) {
+                                        const FollowRule& rule, PoseTrees& trees, const std::stop_token& stop) {
   const Mesh& mesh = plan.bodies[source.body].mesh;
   switch (rule.kind) {
     case rebuilt:
-      return std::make_unique<RebuiltTree>(mesh, model);
+      return std::make_unique<RebuiltTree>(mesh, model, trees);
     case RuleKey::Kind::own:
       return std::make_unique<OwnTree>(mesh, model, *rule.own);
     case fresh: {
@@ -208,7 +214,7 @@ MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree&
   const Mesh& rest = plan.bodies[source.body].mesh;
   MotionRun cell;
   cell.key = key;
-  const std::unique_ptr<Follower> follower = make_follower(plan, source, model, rule, stop);
+  const std::unique_ptr<Follower> follower = make_follower(plan, source, model, rule, *poses.trees, stop);
   const Measures measures = plan.measures_of(source);
   const std::vector<double> parameters = plan.parameters();
   const std::vector<std::size_t> wanted = wanted_samples(plan, source, rule);

@@ -8,6 +8,7 @@
 #include <morula/study/run.hpp>
 #include <morula/version.hpp>
 #include <mutex>
+#include <numeric>
 #include <toolbox/numbers.hpp>
 #include <toolbox/stopwatch.hpp>
 
@@ -155,6 +156,24 @@ CoveredTree make_tree(const Context& c, const NamedMesh& body, const Source& sou
   return model;
 }
 
+/// Trees with a higher rank take longer to build (research/notes/study-speed.md); one's own may take any time.
+int build_rank(const Source& source) {
+  if (source.own) return 3;
+  switch (source.named().value_or(Method::octree)) {
+    case Method::combined:
+    case Method::hubbard:
+    case Method::medial:
+    case Method::optimized:
+      return 2;
+    case Method::grid:
+    case Method::spawn:
+      return 1;
+    case Method::octree:
+      break;
+  }
+  return 0;
+}
+
 struct CellTask {
   MotionRunKey key;
   std::size_t source;  // place among the body's sources
@@ -201,7 +220,12 @@ class BodyRun {
     if (c_.plan.measures.timed_updates > 0) {
       for (std::size_t s = 0; s < sources_.size(); ++s) make(s, c_.workers);
     } else {
-      c_.workers.run(sources_.size(), [&](std::size_t s) { make(s, serial_workers()); });
+      // The longest first, so that no thread waits for one at the end.
+      std::vector<std::size_t> order(sources_.size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t a, std::size_t b) { return build_rank(source(a)) > build_rank(source(b)); });
+      c_.workers.run(order.size(), [&](std::size_t i) { make(order[i], serial_workers()); });
     }
     for (TreeFigures& tree : figures) c_.result.trees[tree.source] = std::move(tree);
   }

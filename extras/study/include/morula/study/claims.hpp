@@ -72,6 +72,7 @@ struct Claim {
   std::string id{};  ///< stable identifier, such as "exact-covers"
   ClaimOrigin origin = ClaimOrigin::ours;
   std::string claim{};  ///< one sentence
+  std::string place{};  ///< place of a claim of the paper there, such as "results, Fig. 2 c"; otherwise empty
   Verdict verdict = Verdict::undecided;
   std::string numbers{};               ///< figures behind the verdict, as text
   std::vector<std::string> figures{};  ///< ids of the figures that show it
