@@ -76,10 +76,20 @@ std::string hatch(const PlotLine& line, int color) {
       color, coordinates(part));
 }
 
+/// A label in lines, broken at its commas: low panels have no room for it in one.
+std::string tex_lines(std::string_view text) {
+  std::string lines;
+  for (std::size_t comma = text.find(", "); comma != std::string_view::npos; comma = text.find(", ")) {
+    lines += tex_escaped(text.substr(0, comma + 1)) + "\\\\";
+    text.remove_prefix(comma + 2);
+  }
+  return lines + tex_escaped(text);
+}
+
 std::string axis(const Plot& plot, const PlotPanel& panel, std::size_t number) {
   const bool first = number == 0, last = number + 1 == plot.panels.size();
   std::string text =
-      fmt::format("\\nextgroupplot[ylabel={{{}}},height={}", tex_escaped(panel.label), first ? "6.5cm" : "3.4cm");
+      fmt::format("\\nextgroupplot[ylabel={{{}}},height={}", tex_lines(panel.label), first ? "6.5cm" : "4.3cm");
   if (first) text += fmt::format(",title={{{}}}", tex_escaped(plot.title));
   if (first) text += ",legend columns=3,legend style={at={(0.5,1.14)},anchor=south}";
   if (last) text += fmt::format(",xlabel={{{}}}", tex_escaped(plot.x_label));
@@ -121,7 +131,8 @@ std::string pgf_plot(const Plot& plot) {
       "\\begin{{groupplot}}[group style={{group size=1 by {},vertical sep=1.1cm}},width=13cm,ymin=0,enlarge x "
       "limits=0.03,"
       "unbounded coords=jump,every mark/.append style={{solid}},legend style={{draw=none,font=\\footnotesize}},"
-      "label style={{font=\\footnotesize}},tick label style={{font=\\footnotesize}},title style={{font=\\small}}]\n",
+      "label style={{font=\\footnotesize,align=center}},tick label style={{font=\\footnotesize}},title "
+      "style={{font=\\small}}]\n",
       plot.panels.size());
   for (std::size_t i = 0; i < plot.panels.size(); ++i) text += axis(plot, plot.panels[i], i);
   return text + "\\end{groupplot}\n\\end{tikzpicture}\n";
