@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 16> scenarios{{
+constexpr std::array<NamedScenario, 17> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -34,6 +34,7 @@ constexpr std::array<NamedScenario, 16> scenarios{{
     {"collide", run_collide},
     {"volumes", run_volumes},
     {"distance", run_distance},
+    {"haptic", run_haptic},
     {"peers", run_peers},
     {"crossings", run_crossings},
     {"self", run_self},
@@ -61,7 +62,7 @@ int run(int argc, char** argv) {
   app.add_option("--scenario", wanted,
                  "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
                  "filters, scene, "
-                 "distance, peers; may be repeated "
+                 "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,

@@ -10,6 +10,7 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/geometry/solid_surface.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/paraview_file.hpp>
@@ -57,6 +58,11 @@ TEST(SolidFiles, surface_of_tetrahedra_in_every_format) {
       {"binary4.msh", gmsh_4(solid, true)},   {"text40.msh", gmsh_4_0(solid, false)},
       {"binary40.msh", gmsh_4_0(solid, true)}};
   for (const auto& [name, bytes] : files) expect_surface(read_mesh(folder.file(name, bytes)), solid, 0.75, name);
+  // The same surface from memory.
+  const Mesh read = read_mesh(folder.file("text.vtk", files[0].second));
+  const UsedVertices in_memory = solid_surface(solid.points, solid.tetrahedra);
+  EXPECT_EQ(in_memory.mesh.facets, used_vertices(read).mesh.facets);
+  EXPECT_EQ(in_memory.index, used_vertices(read).index);
 }
 
 TEST(SolidFiles, other_cells_and_their_outsides) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <functional>
-#include <limits>
 
 #include "parallel/interruptible_sort.hpp"
 #include "parallel/interruption.hpp"
@@ -13,40 +12,20 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
-using Face = std::array<std::uint8_t, 4>;  // corners of a solid, outward; a triangle repeats its last
-constexpr std::uint8_t none = 255;
-
-constexpr std::array tetrahedron{Face{0, 2, 1, none}, Face{0, 1, 3, none}, Face{1, 2, 3, none}, Face{0, 3, 2, none}};
-constexpr std::array hexahedron{Face{0, 3, 2, 1}, Face{4, 5, 6, 7}, Face{0, 1, 5, 4},
-                                Face{1, 2, 6, 5}, Face{2, 3, 7, 6}, Face{3, 0, 4, 7}};
-constexpr std::array wedge{Face{0, 1, 2, none}, Face{3, 5, 4, none}, Face{0, 3, 4, 1}, Face{1, 4, 5, 2},
-                           Face{2, 5, 3, 0}};
-constexpr std::array pyramid{Face{0, 3, 2, 1}, Face{0, 1, 4, none}, Face{1, 2, 4, none}, Face{2, 3, 4, none},
-                             Face{3, 0, 4, none}};
-
-std::span<const Face> faces_of(CellShape shape) {
+SolidShape solid_shape(CellShape shape) {
   switch (shape) {
-    case CellShape::tetrahedron:
-      return tetrahedron;
     case CellShape::hexahedron:
-      return hexahedron;
+      return SolidShape::hexahedron;
     case CellShape::wedge:
-      return wedge;
+      return SolidShape::wedge;
     case CellShape::pyramid:
-      return pyramid;
+      return SolidShape::pyramid;
     default:
-      return {};
+      return SolidShape::tetrahedron;
   }
 }
 
 }  // namespace
-
-struct CellSurface::OpenFace {
-  std::array<std::uint32_t, 4> key;       // sorted
-  std::array<std::uint32_t, 4> vertices;  // outward
-  std::size_t place, solid;
-};
 
 bool vtk_cell_type(std::uint64_t number, CellType& type) {
   switch (number) {
@@ -125,11 +104,11 @@ void CellSurface::add(CellType type, std::span<const std::uint32_t> corners) {
       surface_.push_back({corners[0], corners[3], corners[2]});
       return;
     case CellShape::voxel:
-      solids_.push_back({CellShape::hexahedron, corners_.size()});
+      solids_.push_back({SolidShape::hexahedron, corners_.size()});
       for (const std::size_t k : {0, 1, 3, 2, 4, 5, 7, 6}) corners_.push_back(corners[k]);
       return;
     default:
-      solids_.push_back({type.shape, corners_.size()});
+      solids_.push_back({solid_shape(type.shape), corners_.size()});
       corners_.insert(corners_.end(), corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(type.corners));
   }
 }
@@ -145,45 +124,28 @@ std::vector<Facet> CellSurface::cut_surface(std::span<const Vec3> points, Polygo
   return surface_;
 }
 
-std::vector<CellSurface::OpenFace> CellSurface::faces_of_solids(std::span<const Vec3> points) const {
-  std::vector<OpenFace> faces;
+std::vector<SolidFace> CellSurface::faces_of_solids(std::span<const Vec3> points) const {
+  std::vector<SolidFace> faces;
   InterruptPoller poll_interrupt(4096);
   for (std::size_t number = 0; number < solids_.size(); ++number) {
     poll_interrupt();
     const Solid& solid = solids_[number];
-    const std::uint32_t* const c = corners_.data() + solid.first;
-    // A solid whose corners are mirrored has its faces inward: the sign of its volume shows that.
-    const std::span<const Face> table = faces_of(solid.shape);
-    double volume = 0;
-    for (const Face& face : table) {
-      const Vec3 origin = points[c[0]], a = points[c[face[0]]] - origin;
-      for (std::size_t k = 2; k < 4 && face[k] != none; ++k) {
-        volume += dot(a, cross(points[c[face[k - 1]]] - origin, points[c[face[k]]] - origin));
-      }
-    }
-    for (const Face& face : table) {
-      OpenFace open{{no_vertex, no_vertex, no_vertex, no_vertex}, {}, faces.size(), number};
-      const std::size_t count = face[3] == none ? 3 : 4;
-      for (std::size_t k = 0; k < count; ++k) open.key[k] = c[face[k]];
-      open.vertices = open.key;
-      if (volume < 0) std::reverse(open.vertices.begin(), open.vertices.begin() + static_cast<std::ptrdiff_t>(count));
-      std::sort(open.key.begin(), open.key.end());
-      faces.push_back(open);
-    }
+    const std::uint32_t* const corners = corners_.data() + solid.first;
+    add_faces(solid.shape, corners, signed_volume_of(solid.shape, points, corners) < 0, number, faces);
   }
   return faces;
 }
 
 // Files usually list the faces of their solids' surface again, as polygons; polygons that are none of these faces, nor
 // half of one, are separate shells.
-void CellSurface::count_shells(std::span<const OpenFace> faces, MeshReading& reading) const {
+void CellSurface::count_shells(std::span<const SolidFace> faces, MeshReading& reading) const {
   if (surface_.empty()) return;
   std::vector<std::array<std::uint32_t, 3>> parts;
   InterruptPoller poll_interrupt(4096);
-  for (const OpenFace& face : faces) {
+  for (const SolidFace& face : faces) {
     poll_interrupt();
     parts.push_back({face.key[0], face.key[1], face.key[2]});
-    if (face.key[3] == no_vertex) continue;
+    if (face.key[3] == no_corner) continue;
     parts.push_back({face.key[0], face.key[1], face.key[3]});
     parts.push_back({face.key[0], face.key[2], face.key[3]});
     parts.push_back({face.key[1], face.key[2], face.key[3]});
@@ -209,26 +171,24 @@ std::vector<Facet> CellSurface::facets(std::span<const Vec3> points, MeshReading
     polygons.finish("cell");
     return facets;
   }
-  std::vector<OpenFace> faces = faces_of_solids(points);
+  std::vector<SolidFace> faces = faces_of_solids(points);
   count_shells(faces, reading);
-  sort_interruptibly(
-      faces, [](const OpenFace& a, const OpenFace& b) { return a.key != b.key ? a.key < b.key : a.place < b.place; });
-  std::vector<OpenFace> single;
+  sort_by_key(faces);
+  std::vector<SolidFace> single;
   InterruptPoller poll_interrupt(1u << 14);
   for (std::size_t begin = 0; begin < faces.size();) {
     poll_interrupt();
-    std::size_t end = begin + 1;
-    while (end < faces.size() && faces[end].key == faces[begin].key) ++end;
+    const std::size_t end = end_of_run(faces, begin);
     if (end == begin + 1) single.push_back(faces[begin]);
     begin = end;
   }
-  sort_interruptibly(single, [](const OpenFace& a, const OpenFace& b) { return a.place < b.place; });
+  sort_by_place(single);
   std::vector<Facet> facets;
-  for (const OpenFace& face : single) {
+  for (const SolidFace& face : single) {
     poll_interrupt();
     const auto& v = face.vertices;
     facets.push_back({v[0], v[1], v[2]});
-    if (v[3] == no_vertex) continue;
+    if (face.corner_count() == 3) continue;
     facets.push_back({v[0], v[2], v[3]});
     polygons.cut(points, v, facets, facets.size() - 2, {face.solid, 0});
   }

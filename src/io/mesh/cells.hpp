@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/solid_faces.hpp"
 #include "io/mesh/reading.hpp"
 
 namespace morula::detail {
@@ -34,17 +35,16 @@ class CellSurface {
 
  private:
   struct Solid {
-    CellShape shape;
+    SolidShape shape;
     std::size_t first;  // first corner, in corners_
   };
   struct Polygon {
     std::size_t first, corners;  // first facet in surface_, of a fan about the first corner; number of corners
     std::size_t cell;
   };
-  struct OpenFace;
   std::vector<Facet> cut_surface(std::span<const Vec3> points, PolygonReader& polygons);
-  std::vector<OpenFace> faces_of_solids(std::span<const Vec3> points) const;
-  void count_shells(std::span<const OpenFace> faces, MeshReading& reading) const;
+  std::vector<SolidFace> faces_of_solids(std::span<const Vec3> points) const;
+  void count_shells(std::span<const SolidFace> faces, MeshReading& reading) const;
 
   std::size_t cells_ = 0;
   std::vector<Facet> surface_;
