@@ -51,7 +51,7 @@ void expect_overlap(const ContactPatchQuery& query, const Collider& a, const Col
 }
 
 /// Relations that hold for every patch.
-void expect_consistent(const ContactPatchQuery& query, double tolerance) {
+void expect_consistent(const ContactPatchQuery& query, double tolerance, double of_coordinates = 0) {
   for (const ContactPatch& patch : query.patches()) {
     EXPECT_GE(patch.volume, 0);
     EXPECT_LE(length(patch.a.area_vector + patch.b.area_vector), tolerance) << "action equals reaction";
@@ -74,8 +74,8 @@ void expect_consistent(const ContactPatchQuery& query, double tolerance) {
       volume += point.volume;
     }
     EXPECT_LE(length(force + patch.a.area_vector), tolerance);
-    EXPECT_LE(length(moment + patch.a.moment), tolerance);
-    EXPECT_NEAR(volume, patch.volume, tolerance);
+    EXPECT_LE(length(moment + patch.a.moment), tolerance + of_coordinates);
+    EXPECT_NEAR(volume, patch.volume, 20 * tolerance);
   }
 }
 
@@ -154,7 +154,7 @@ TEST(ContactPatches, are_the_same_for_exchanged_bodies_and_after_rigid_motions) 
     b.collider.set_transform({place_b.rows, place_b.translation + far});
     ASSERT_TRUE(query.run());
     EXPECT_NEAR(query.volume(), total.volume, 1e-8);
-    expect_consistent(query, 1e-13);
+    expect_consistent(query, 1e-13, 1e-8);
   }
 }
 
@@ -208,17 +208,27 @@ TEST(ContactPatches, gradients_are_differences_of_volumes) {
   }
 }
 
+/// True if lines along the normal meet each region at most once, because its facets face the other body.
+bool is_facing(const ContactPatch& patch) {
+  for (const PatchFacet& f : patch.a.facets)
+    if (dot(f.area_vector, patch.normal) > 0) return false;
+  for (const PatchFacet& f : patch.b.facets)
+    if (dot(f.area_vector, patch.normal) < 0) return false;
+  return true;
+}
+
 TEST(ContactPatches, part_after_a_translation_by_their_depth) {
   Random random(13);
   std::vector<std::pair<Mesh, Mesh>> pairs;
-  pairs.emplace_back(test::icosphere(2), test::box_mesh({-3, -3, -1}, {3, 3, 0}));
+  pairs.emplace_back(test::icosphere(2), test::box_mesh({-3, -3, -5}, {3, 3, 0}));
   pairs.emplace_back(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2), test::box_mesh({-1, -1, -1}, {1, 1, 1}, 1));
   pairs.emplace_back(test::icosphere(1), test::icosphere(2, 0.7));
+  int facing = 0;
   for (auto& [mesh_a, mesh_b] : pairs) {
     PlacedBody a(mesh_a), b(mesh_b);
     ContactPatchQuery query(a.collider, b.collider);
-    for (int pose = 0; pose < 12; ++pose) {
-      const RigidTransform place = random_place(random, 0.9);
+    for (int pose = 0; pose < 60; ++pose) {
+      const RigidTransform place = random_place(random, 1.4);
       a.collider.set_transform(place);
       b.collider.set_transform(random_place(random, 0.3));
       ASSERT_TRUE(query.run());
@@ -226,18 +236,19 @@ TEST(ContactPatches, part_after_a_translation_by_their_depth) {
       ASSERT_EQ(query.patches().size(), 1u) << "convex bodies";
       const ContactPatch patch = query.patches()[0];
       if (patch.normal == Vec3{}) continue;
-      EXPECT_GE(patch.depth, patch.mean_depth * (1 - 1e-12));
       EXPECT_GT(patch.depth, 0);
-      // Of convex bodies the whole bodies meet as long as the regions do.
-      a.collider.set_transform({place.rows, place.translation + patch.normal * (patch.depth - 1e-6)});
+      a.collider.set_transform({place.rows, place.translation + patch.normal * (patch.depth * (1 - 1e-6))});
       ASSERT_TRUE(query.run());
-      EXPECT_GT(query.volume(), 0);
-      a.collider.set_transform({place.rows, place.translation + patch.normal * (patch.depth + 1e-10)});
+      EXPECT_GT(query.volume(), 0) << "no shorter way parts the regions";
+      if (!is_facing(patch)) continue;
+      ++facing;
+      EXPECT_GE(patch.depth, patch.mean_depth * (1 - 1e-12));
+      a.collider.set_transform({place.rows, place.translation + patch.normal * (patch.depth * (1 + 1e-12))});
       ASSERT_TRUE(query.run());
-      // The translated body may meet b elsewhere, if it is not parted along this normal in a straight line.
-      EXPECT_LT(query.volume(), 1e-12) << pose;
+      EXPECT_LT(query.volume(), 1e-14) << pose;
     }
   }
+  EXPECT_GT(facing, 20);
 }
 
 TEST(ContactPatches, of_a_box_pressed_into_a_plate_are_known) {

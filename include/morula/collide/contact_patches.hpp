@@ -54,8 +54,8 @@ struct PatchSide {
 struct PatchPoint {
   std::uint32_t id;  ///< number of the sector; with ContactPatch::id it stays while the patch exists
   Vec3 point;        ///< world coordinates
-  /// Share of this point in −PatchSide::area_vector of a, mesh units². Over all points, forces and their torques sum up
-  /// to those of the patch.
+  /// Share of this point in −PatchSide::area_vector of a, mesh units²: the area of the sector across the normal, along
+  /// the normal, and the least change of all forces with which they and their torques sum up to those of the patch.
   Vec3 force;
   double volume = 0;  ///< volume of the sector, mesh units³; the sum over all points is ContactPatch::volume
   double depth = 0;   ///< volume of the sector over its area across the normal: its mean depth, mesh units
@@ -76,8 +76,8 @@ struct ContactPatch {
   /// wholly inside the other.
   Vec3 normal;
   /// Least translation of a along the normal that parts both regions, mesh units: the largest distance, along the
-  /// normal, from a point of a's region up to a point of b's region. 0 without a normal or without
-  /// ContactPatchOptions::depths.
+  /// normal, from a point of a's region up to a point of b's region. If all facets of a's region face against the
+  /// normal and all of b's along it, that parts the overlap. 0 without a normal or without ContactPatchOptions::depths.
   double depth = 0;
   double mean_depth = 0;           ///< volume over the length of the area vector, mesh units; 0 without a normal
   std::size_t crossing_count = 0;  ///< number of points where an edge of one body passes through a facet of the other

@@ -67,7 +67,6 @@ void PatchPoints::add_piece(const Vec3& c, const Vec3& p, const Vec3& q, double 
   Sector& sector = sectors_[sector_of((p + q) * 0.5)];
   sector.volume += middle.z * area.z;
   if (!is_a) return;
-  sector.force -= area;
   sector.area -= area.z;
   sector.weighted -= middle * area.z;
 }
@@ -77,7 +76,7 @@ void PatchPoints::collect(const ProjectedRegion& region, bool is_a) {
     const Vec3& n = part.area_vector;
     const double size = length(n), rise = dot(n, part.point);
     // A facet nearly along the normal is not cut: its area across the normal is negligible.
-    const bool steep = !(std::abs(n.z) > 1e-6 * size);
+    const bool steep = !(std::abs(n.z) > 1e-4 * size);
     const Vec3 c = steep ? region.sides[part.begin].from : Vec3{0, 0, rise / n.z};
     for (std::uint32_t i = part.begin; i < part.end; ++i) {
       const ProjectedRegion::Side& side = region.sides[i];
@@ -128,14 +127,15 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
     const Vec3 at = sector.weighted / sector.area;
     const SurfacePoint on_a = surface_point(a, at, true, frame, *bodies[0], origin);
     const SurfacePoint on_b = surface_point(b, at, false, frame, *bodies[1], origin);
-    points.push_back({k, origin + frame.center + world(at), world(sector.force), sector.volume,
+    points.push_back({k, origin + frame.center + world(at), frame.normal * sector.area, sector.volume,
                       sector.volume / sector.area, on_a, on_b});
     arms.push_back(world(at));
     middle += arms.back();
     force -= points.back().force;
   }
   if (arms.empty()) return;
-  // The rest goes to all points, as the least change of their forces.
+  // Each force is along the normal, as the sector's area across it. The rest of force and torque, which comes from
+  // sectors without a point and from parts of the region along the normal, goes to all points as the least change.
   const double share = 1.0 / static_cast<double>(arms.size());
   middle *= share;
   Vec3 moment = wrench.moment;

@@ -29,7 +29,7 @@ class PatchPoints {
 
  private:
   struct Sector {
-    Vec3 force, weighted;  // force; sum of positions times areas across the normal
+    Vec3 weighted;  // sum of positions times areas across the normal
     double area = 0, volume = 0;
   };
   void collect(const ProjectedRegion& region, bool is_a);
