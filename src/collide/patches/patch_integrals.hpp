@@ -11,10 +11,17 @@
 //   volume                                        sum of (c - o) . S / 3
 //   first moment about o                          sum of the tetrahedra (o, c, p, q): volume (c - o) . s / 3, centroid
 //                                                 o + ((c - o) + (p - o) + (q - o)) / 4
-// Moving vertex v by u moves the surface by L_v u, so the volume changes by the integral of L_v u . n: gradient L_v n.
-// The loops move as well, but there the integrand of the change ends at both surfaces, so they add terms of second
-// order alone. Neither sum depends on o, since the chains of all parts add up to 0 (patch_regions.hpp); o lies in the
-// patch, so rounding errors are relative to its size.
+// Neither sum depends on o, since the chains of all parts add up to 0 (patch_regions.hpp); o lies in the patch, so
+// rounding errors are relative to its size.
+//
+// Gradient. The volume is the integral of the product of both winding numbers over space. When the vertices v of a move
+// by u_v, a point of its surface moves by the sum of L_v u_v, and a's winding number changes only between the old and
+// the new surface: to first order, in a layer whose thickness is that sum times n. There b's winding number is the one
+// at the surface, except near the loops, which have no area. So the volume changes by the sum of u_v times the integral
+// of L_v n over the region, weighted with b's winding number: that integral is the gradient.
+//
+// Continuity. While all vertices move by at most e, winding numbers change only within e of the surfaces. The volume of
+// that set vanishes with e, so the volume of the overlap is a continuous function of all positions.
 #pragma once
 
 #include <array>
