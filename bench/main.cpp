@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 16> scenarios{{
+constexpr std::array<NamedScenario, 17> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -33,6 +33,7 @@ constexpr std::array<NamedScenario, 16> scenarios{{
     {"query", run_query},
     {"collide", run_collide},
     {"volumes", run_volumes},
+    {"patches", run_patches},
     {"distance", run_distance},
     {"peers", run_peers},
     {"crossings", run_crossings},
@@ -58,11 +59,12 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted,
-                 "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
-                 "filters, scene, "
-                 "distance, peers; may be repeated "
-                 "(default: all)")
+  app.add_option(
+         "--scenario", wanted,
+         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, swept, "
+         "filters, scene, "
+         "distance, peers; may be repeated "
+         "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact patches as columns: of patches, of both regions, and of points.
 #include <morula/collide/contact_patches.hpp>
+#include <optional>
 
 #include "contacts.hpp"
 #include "held_query.hpp"
@@ -128,12 +129,11 @@ void bind_contact_patches(nb::module_& m) {
       .def(
           "run",
           [](HeldPatches& self, std::uint32_t max_points, bool depths) {
-            Status status;
             std::optional<ContactPatches> found;
-            self.call([&](ContactPatchQuery& query) {
-              status = query.run({.max_points = max_points, .depths = depths});
-              if (status) found.emplace(query);
-              return status;
+            const Status status = self.call([&](ContactPatchQuery& query) {
+              const Status result = query.run({.max_points = max_points, .depths = depths});
+              if (result) found.emplace(query);
+              return result;
             });
             require(status);
             return std::move(*found);
