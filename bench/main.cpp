@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 17> scenarios{{
+constexpr std::array<NamedScenario, 18> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -33,6 +33,7 @@ constexpr std::array<NamedScenario, 17> scenarios{{
     {"query", run_query},
     {"collide", run_collide},
     {"volumes", run_volumes},
+    {"patches", run_patches},
     {"distance", run_distance},
     {"haptic", run_haptic},
     {"peers", run_peers},
@@ -59,11 +60,12 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted,
-                 "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
-                 "filters, scene, "
-                 "distance, haptic, peers; may be repeated "
-                 "(default: all)")
+  app.add_option(
+         "--scenario", wanted,
+         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, swept, "
+         "filters, scene, "
+         "distance, haptic, peers; may be repeated "
+         "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"

@@ -43,7 +43,7 @@ set(private_for_extras geometry io parallel)
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
 set(wings_update points rules kdop rebuild)
-set(wings_collide pairs facets front shapes)
+set(wings_collide pairs facets front shapes patches)
 set(wings_study svg run claims variants output)
 set(wings_robot read fit write)
 set(wings_surface boxes pairs obstacles haptic)

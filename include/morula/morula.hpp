@@ -11,6 +11,7 @@
 
 #include <morula/accuracy/measure.hpp>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/containment.hpp>

@@ -85,6 +85,7 @@ NB_MODULE(_morula, m) {
   bind_mass(m);
   bind_contacts(m);
   bind_collider(m);
+  bind_contact_patches(m);
   bind_contact_query(m);
   bind_crossings(m);
   bind_distance(m);

@@ -136,6 +136,7 @@ KEEPERS = {
     "ContactQuery of Colliders": (contact_query, lambda: Collider(a_body()), lambda: Collider(a_body())),
     "InsideQuery of a Collider": (morula.InsideQuery, lambda: Collider(a_body())),
     "InsideQuery of a Body": (morula.InsideQuery, a_body),
+    "ContactPatchQuery of Colliders": (morula.ContactPatchQuery, lambda: Collider(a_body()), lambda: Collider(a_body())),
     "PenetrationQuery of Colliders": (morula.PenetrationQuery, lambda: Collider(a_body()), lambda: Collider(a_body())),
     "PenetrationQuery of Bodies": (morula.PenetrationQuery, a_body, a_body),
     "SurfaceTree that follows a Collider": (following, lambda: Collider(a_body())),

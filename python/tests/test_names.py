@@ -28,6 +28,8 @@ ELSEWHERE = {
     "ObstacleImpact": "ObstacleImpacts", "PenetrationOptions": "PenetrationQuery",
     "ModalCertificateOptions": "ModalCertificate", "ClumpOptions": "fit_clump", "ClumpKind": "fit_clump",
     "RepairOptions": "repair", "RepairedMesh": "repair", "UsedVertices": "used_vertices", "Contact": "Contacts",
+    "ContactPatchOptions": "ContactPatchQuery", "ContactPatch": "ContactPatches", "PatchSide": "PatchRegions",
+    "PatchFacet": "PatchRegions", "VertexGradient": "PatchRegions", "PatchPoint": "PatchPoints",
     "ContactSurface": "ContactSurfaces", "Crossing": "Crossings", "FrontPair": "FrontPairs",
     "HapticOptions": "HapticProbe", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",

@@ -61,7 +61,7 @@ def instances(folder):
     yield from [
         mesh, model, model.tree, model.cover, body, body.spheres, morula.Collider(body), morula.SurfaceTree(mesh), contacts,
         morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.InsideQuery(body),
-        morula.PenetrationQuery(body, body), morula.ProximityQuery(distance=0.1), morula.SweptQuery(),
+        morula.PenetrationQuery(body, body), morula.ContactPatchQuery(body, body), morula.ProximityQuery(distance=0.1), morula.SweptQuery(),
         morula.SurfaceCrossingQuery(), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
         morula.BroadPhase(), morula.BodyId(0, 0), morula.SignedDistance(mesh), morula.TriangleBvh(mesh),
         morula.KDopTree(mesh, model, 14), morula.RebuiltBody(mesh, model, thread="none"), morula.PosedSpheres(model.tree),

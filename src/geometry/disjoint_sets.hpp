@@ -13,6 +13,13 @@ namespace morula::detail {
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }
+  /// Removes all indices and keeps the memory.
+  void clear() { parents_.clear(); }
+  /// Adds the next index, as a set of its own.
+  std::uint32_t add() {
+    parents_.push_back(static_cast<std::uint32_t>(parents_.size()));
+    return parents_.back();
+  }
   std::uint32_t root(std::uint32_t i) {
     while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
     return i;

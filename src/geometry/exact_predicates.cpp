@@ -154,6 +154,20 @@ int exact_orient2d(double ax, double ay, double bx, double by, double cx, double
   return sum.sign();
 }
 
+int exact_cross2d(const std::array<double, 8>& xy) {
+  std::array<Number, 9> n;
+  for (std::size_t k = 0; k < 8; ++k) n[k] = number(xy[k]);
+  n[8] = number(1.0);
+  ExactSum sum(n);
+  for (const std::size_t b : {std::size_t{2}, std::size_t{0}})
+    for (const std::size_t d : {std::size_t{6}, std::size_t{4}}) {
+      const bool minus = (b == 0) != (d == 4);
+      sum.add(n[b], n[d + 1], n[8], minus);
+      sum.add(n[b + 1], n[d], n[8], !minus);
+    }
+  return sum.sign();
+}
+
 // Sign of |c - c'|^2 - (r - r')^2.
 int exact_sign_of_gap(const Sphere& outer, const Sphere& inner) {
   std::array<Number, 9> n{};
@@ -196,6 +210,17 @@ int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Projection projection)
   if (const int sign = certain_orient2d(a, b, c, projection); sign != 0) return sign;
   const auto [first, second] = projection;
   return exact_orient2d(a[first], a[second], b[first], b[second], c[first], c[second]);
+}
+
+int cross2d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, Projection projection) {
+  const auto [first, second] = projection;
+  const Vec3 u = b - a, v = d - c;
+  const double left = u[first] * v[second], right = u[second] * v[first], value = left - right;
+  // The same operations as in certain_orient2d(), hence the same error.
+  const double error = orient2d_relative_error * (std::abs(left) + std::abs(right)) + orient2d_underflow;
+  if (value > error) return 1;
+  if (value < -error) return -1;
+  return exact_cross2d({a[first], a[second], b[first], b[second], c[first], c[second], d[first], d[second]});
 }
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {

@@ -53,6 +53,10 @@ inline bool is_beyond_an_edge(const Triangle& a, const Triangle& b, Projection p
   return false;
 }
 
+/// Sign of (b - a) x (d - c), projected along the dropped axis. All finite. Cost: 5 ns; 100 ns if the directions are
+/// parallel or nearly so.
+int cross2d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, Projection projection);
+
 /// Sign of (b - a) x (c - a) . (d - a): 1 when d is on the side from which a b c runs counter-clockwise, 0 when all
 /// four are in one plane. All finite. Cost: 10 to 25 ns; 50 to 220 ns if they are in one plane or nearly so.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -45,6 +45,8 @@ constexpr std::array words{
     Words{transform_too_far, Subject::body, " is placed 2^200 or more from the origin"},
     Words{surface_not_current, Subject::surface,
           " follows a body that was updated since: call SurfaceTree::follow after each update"},
+    Words{inside_out, Subject::body,
+          " is inside out where it meets the other: its facets face inward, so turn them over"},
     Words{bad_option, Subject::none,
           "an option of the query is negative or not a number, or a vertex index is out of range"},
     Words{bad_shape, Subject::none,

@@ -37,6 +37,7 @@ struct [[nodiscard]] Status {
                             ///< Collider::set_positions
     transform_too_far,      ///< a translation of 2^200 or more, whose squares would leave the range of double
     surface_not_current,    ///< the body that a surface tree follows was updated since: SurfaceTree::follow
+    inside_out,             ///< facets face inward where the query needs the inside of the body
     // Queries
     bad_option,  ///< an option not a number or negative; an index out of range
     bad_shape,   ///< a plane, sphere, capsule, ray or point that is not finite, has a negative radius or no direction,

@@ -26,6 +26,7 @@ void bind_topology(nanobind::module_& m);
 
 // collide
 void bind_collider(nanobind::module_& m);
+void bind_contact_patches(nanobind::module_& m);
 void bind_contact_query(nanobind::module_& m);
 void bind_contacts(nanobind::module_& m);
 void bind_crossings(nanobind::module_& m);

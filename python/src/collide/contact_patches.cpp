@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Contact patches as columns: of patches, of both regions, and of points.
+#include <morula/collide/contact_patches.hpp>
+#include <optional>
+
+#include "contacts.hpp"
+#include "held_query.hpp"
+#include "holders.hpp"
+#include "module.hpp"
+
+namespace morula::python {
+namespace {
+
+/// The regions of one body, patch after patch.
+struct PatchRegions {
+  std::vector<PatchFacet> facets;
+  std::vector<VertexGradient> gradients;
+  std::vector<std::size_t> facets_begin{0}, gradients_begin{0};
+
+  void add(const PatchSide& side) {
+    facets.insert(facets.end(), side.facets.begin(), side.facets.end());
+    gradients.insert(gradients.end(), side.gradients.begin(), side.gradients.end());
+    facets_begin.push_back(facets.size());
+    gradients_begin.push_back(gradients.size());
+  }
+};
+
+struct PatchPoints {
+  struct Row {
+    std::uint32_t patch;
+    PatchPoint point;
+  };
+  std::vector<Row> rows;
+};
+
+/// A copy of the results of a run, which stays when the query runs again.
+struct ContactPatches {
+  std::vector<ContactPatch> patches;
+  PatchRegions a, b;
+  PatchPoints points;
+  double volume = 0;
+  bool certified = false;
+
+  explicit ContactPatches(const ContactPatchQuery& query)
+      : patches(query.patches().begin(), query.patches().end()), volume(query.volume()), certified(query.certified()) {
+    for (std::uint32_t i = 0; i < patches.size(); ++i) {
+      ContactPatch& patch = patches[i];
+      a.add(patch.a);
+      b.add(patch.b);
+      for (const PatchPoint& point : patch.points) points.rows.push_back({i, point});
+      patch.a.facets = patch.b.facets = {};
+      patch.a.gradients = patch.b.gradients = {};
+      patch.points = {};
+    }
+  }
+};
+
+void bind_records(nb::module_& m) {
+  Record<PatchRegions>(m, "PatchRegions", "The regions of one body, of all patches, patch after patch.")
+      .property("facet", MORULA_COLUMN(PatchRegions, facets, facet), "(n,) uint32, ascending within a patch.")
+      .property("area_vector", MORULA_COLUMN3(PatchRegions, facets, area_vector), doc::PatchFacet_area_vector)
+      .property(
+          "facets_begin", [](const PatchRegions& r) { return r.facets_begin; },
+          "Patch i has rows facets_begin[i] to facets_begin[i + 1] of `facet` and `area_vector`.")
+      .property("vertex", MORULA_COLUMN(PatchRegions, gradients, vertex), "(m,) uint32, ascending within a patch.")
+      .property("gradient", MORULA_COLUMN3(PatchRegions, gradients, gradient), doc::VertexGradient_gradient)
+      .property(
+          "gradients_begin", [](const PatchRegions& r) { return r.gradients_begin; },
+          "Patch i has rows gradients_begin[i] to gradients_begin[i + 1] of `vertex` and `gradient`.");
+  Record<PatchPoints>(m, "PatchPoints", doc::PatchPoint)
+      .property("patch", MORULA_COLUMN(PatchPoints, rows, patch), "(n,) uint32: row of the patch.")
+      .property("id", MORULA_COLUMN(PatchPoints, rows, point.id), doc::PatchPoint_id)
+      .property("point", MORULA_COLUMN3(PatchPoints, rows, point.point), doc::PatchPoint_point)
+      .property("force", MORULA_COLUMN3(PatchPoints, rows, point.force), doc::PatchPoint_force)
+      .property("volume", MORULA_COLUMN(PatchPoints, rows, point.volume), doc::PatchPoint_volume)
+      .property("depth", MORULA_COLUMN(PatchPoints, rows, point.depth), doc::PatchPoint_depth)
+      .property("facet_a", MORULA_COLUMN(PatchPoints, rows, point.on_a.facet), "(n,) uint32.")
+      .property("facet_b", MORULA_COLUMN(PatchPoints, rows, point.on_b.facet), "(n,) uint32.")
+      .property("barycentric_a", MORULA_COLUMN3(PatchPoints, rows, point.on_a.barycentric), "(n, 3) float64.")
+      .property("barycentric_b", MORULA_COLUMN3(PatchPoints, rows, point.on_b.barycentric), "(n, 3) float64.")
+      .property("point_a", MORULA_COLUMN3(PatchPoints, rows, point.on_a.point), "(n, 3) float64, world coordinates.")
+      .property("point_b", MORULA_COLUMN3(PatchPoints, rows, point.on_b.point), "(n, 3) float64, world coordinates.")
+      .table([](const PatchPoints& self) { return self.rows.size(); });
+  Record<ContactPatches>(m, "ContactPatches", "The parts of the overlap of two bodies.")
+      .property("id", MORULA_COLUMN(ContactPatches, patches, id), doc::ContactPatch_id)
+      .property("volume", MORULA_COLUMN(ContactPatches, patches, volume), "(n,) float64, mesh units³.")
+      .property("centroid", MORULA_COLUMN3(ContactPatches, patches, centroid), doc::ContactPatch_centroid)
+      .property("normal", MORULA_COLUMN3(ContactPatches, patches, normal), doc::ContactPatch_normal)
+      .property("depth", MORULA_COLUMN(ContactPatches, patches, depth), doc::ContactPatch_depth)
+      .property("mean_depth", MORULA_COLUMN(ContactPatches, patches, mean_depth), doc::ContactPatch_mean_depth)
+      .property("area_a", MORULA_COLUMN(ContactPatches, patches, a.area), "(n,) float64: PatchSide::area of a.")
+      .property("area_b", MORULA_COLUMN(ContactPatches, patches, b.area), "(n,) float64: PatchSide::area of b.")
+      .property("area_vector_a", MORULA_COLUMN3(ContactPatches, patches, a.area_vector), doc::PatchSide_area_vector)
+      .property("area_vector_b", MORULA_COLUMN3(ContactPatches, patches, b.area_vector), doc::PatchSide_area_vector)
+      .property("moment_a", MORULA_COLUMN3(ContactPatches, patches, a.moment), doc::PatchSide_moment)
+      .property("moment_b", MORULA_COLUMN3(ContactPatches, patches, b.moment), doc::PatchSide_moment)
+      .property(
+          "a", [](const ContactPatches& p) { return p.a; }, "The regions of a: facets and gradients.")
+      .property(
+          "b", [](const ContactPatches& p) { return p.b; }, "The regions of b: facets and gradients.")
+      .property(
+          "points", [](const ContactPatches& p) { return p.points; }, "The points of all patches.")
+      .property(
+          "total_volume", [](const ContactPatches& p) { return p.volume; }, doc::ContactPatchQuery_volume)
+      .property(
+          "certified", [](const ContactPatches& p) { return p.certified; }, doc::ContactPatchQuery_certified)
+      .table([](const ContactPatches& self) { return self.patches.size(); });
+}
+
+using HeldPatches = HeldQuery<ContactPatchQuery, SeenSides>;
+
+}  // namespace
+
+void bind_contact_patches(nb::module_& m) {
+  bind_records(m);
+  nb::class_<HeldPatches>(m, "ContactPatchQuery", collected<HeldPatches>(), doc::ContactPatchQuery)
+      .def(
+          "__init__",
+          [](HeldPatches* self, ColliderGiven ga, ColliderGiven gb) {
+            auto a = kept_side_of(ga, "a"), b = kept_side_of(gb, "b");
+            ContactPatchQuery query = without_gil([&] {
+              const Reading reading({a.get(), b.get()});
+              return ContactPatchQuery(a->current(), b->current());
+            });
+            new (self) HeldPatches(std::move(query), {{std::move(a), std::move(b)}});
+          },
+          nb::arg("a"), nb::arg("b"), doc::ContactPatchQuery_ContactPatchQuery)
+      .def(
+          "run",
+          [](HeldPatches& self, std::uint32_t max_points, bool depths) {
+            std::optional<ContactPatches> found;
+            const Status status = self.call([&](ContactPatchQuery& query) {
+              const Status result = query.run({.max_points = max_points, .depths = depths});
+              if (result) found.emplace(query);
+              return result;
+            });
+            require(status);
+            return std::move(*found);
+          },
+          nb::kw_only(), nb::arg("max_points") = 4, nb::arg("depths") = true,
+          with_arguments(doc::ContactPatchQuery_run, {{"max_points", doc::ContactPatchOptions_max_points},
+                                                      {"depths", doc::ContactPatchOptions_depths}})
+              .c_str());
+}
+
+}  // namespace morula::python

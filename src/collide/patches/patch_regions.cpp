@@ -1,0 +1,391 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/patches/patch_regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "parallel/interruption.hpp"
+
+namespace morula::detail {
+namespace {
+constexpr std::uint32_t no_patch = 0xffffffffu;
+}  // namespace
+
+void SurfaceRegion::start(const Collider& collider, const ClosedSurface& closed, bool first) {
+  body = &collider;
+  surface = &closed;
+  is_a = first;
+  for (std::vector<std::uint32_t>* const run : {&vertex_run, &element_run}) run->resize(collider.vertex_count());
+  winding.resize(collider.vertex_count());
+  element.resize(collider.vertex_count());
+  for (std::vector<std::uint32_t>* const by_edge : {&edge_run, &edge_begin, &edge_end})
+    by_edge->resize(closed.connectivity.edge_count());
+  facet_run.resize(collider.mesh_facets().size());
+  is_cut.resize(collider.mesh_facets().size());
+  component_run.resize(closed.components.count);
+  if (++now == 0) {
+    for (std::vector<std::uint32_t>* const run : {&vertex_run, &edge_run, &facet_run, &element_run, &component_run})
+      std::fill(run->begin(), run->end(), 0);
+    now = 1;
+  }
+  pieces.clear();
+  parts.clear();
+  wholes.clear();
+}
+
+Status PatchRegions::find(const Collider& a, const ClosedSurface& surface_a, const Collider& b,
+                          const ClosedSurface& surface_b, const ContactLoops& loops, const Vec3& origin) {
+  origin_ = origin;
+  points.assign(loops.points.begin(), loops.points.end());
+  sets_.clear();
+  for (std::size_t k = 0; k < points.size(); ++k) sets_.add();
+  side[0].start(a, surface_a, true);
+  side[1].start(b, surface_b, false);
+  for (std::uint8_t k = 0; k < 2; ++k) {
+    SurfaceRegion& s = side[k];
+    sort_loops(s, loops);
+    if (!find_windings(s, *side[1 - k].body, loops))
+      return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
+    add_cut_facets(s, loops);
+    const std::size_t cut = s.parts.size();
+    add_whole_facets(s);
+    for (std::size_t i = 0; i < cut; ++i) join_holes(s, s.parts[i]);
+  }
+  assign_patches(loops);
+  join_cavities();
+  number_patches();
+  for (SurfaceRegion& s : side) split_parts(s);
+  return {};
+}
+
+void PatchRegions::sort_loops(SurfaceRegion& s, const ContactLoops& loops) {
+  s.facet_segments.resize(loops.segments.size());
+  std::iota(s.facet_segments.begin(), s.facet_segments.end(), 0u);
+  const auto facet_of = [&](std::uint32_t segment) {
+    return s.is_a ? loops.segments[segment].facet_a : loops.segments[segment].facet_b;
+  };
+  if (!s.is_a)
+    std::sort(s.facet_segments.begin(), s.facet_segments.end(),
+              [&](std::uint32_t p, std::uint32_t q) { return std::pair(facet_of(p), p) < std::pair(facet_of(q), q); });
+  for (const std::uint32_t segment : s.facet_segments) {
+    const std::uint32_t facet = facet_of(segment);
+    s.facet_run[facet] = s.now;
+    s.is_cut[facet] = 1;
+  }
+  s.edge_nodes.clear();
+  for (std::uint32_t n = 0; n < loops.nodes.size(); ++n)
+    if ((loops.nodes[n].side == 0) == s.is_a) s.edge_nodes.push_back(n);
+  std::sort(s.edge_nodes.begin(), s.edge_nodes.end(), [&](std::uint32_t p, std::uint32_t q) {
+    const LoopNode &m = loops.nodes[p], &n = loops.nodes[q];
+    return std::tie(m.edge, m.along, m.facet) < std::tie(n.edge, n.along, n.facet);
+  });
+  for (std::uint32_t i = 0; i < s.edge_nodes.size(); ++i) {
+    const std::uint32_t edge = loops.nodes[s.edge_nodes[i]].edge;
+    if (s.edge_run[edge] != s.now) s.edge_begin[edge] = i;
+    s.edge_run[edge] = s.now;
+    s.edge_end[edge] = i + 1;
+  }
+}
+
+// One vertex of each connected set of cut facets is located; edges of cut facets, and facets wholly inside, lead from
+// one vertex to the next. The surface outside the overlap is not visited. A component that no loop crosses is wholly
+// inside or outside.
+bool PatchRegions::find_windings(SurfaceRegion& s, const Collider& other, const ContactLoops& loops) {
+  const auto locate_from = [&](std::uint32_t vertex) {
+    check_interrupt();
+    return spread(s, loops, vertex, location_.around(other, s.body->vertex(vertex), s.is_a));
+  };
+  for (const std::uint32_t segment : s.facet_segments) {
+    const std::uint32_t facet = s.is_a ? loops.segments[segment].facet_a : loops.segments[segment].facet_b;
+    s.component_run[s.surface->components.of_facet[facet]] = s.now;
+    const std::uint32_t vertex = s.body->mesh_facets()[facet][0];
+    if (s.vertex_run[vertex] != s.now && !locate_from(vertex)) return false;
+  }
+  for (std::uint32_t c = 0; c < s.component_run.size(); ++c)
+    if (s.component_run[c] != s.now && !locate_from(s.surface->component_vertex[c])) return false;
+  return true;
+}
+
+// The jumps of an edge are exact and consistent, so a vertex has the same winding number from wherever it is reached.
+bool PatchRegions::spread(SurfaceRegion& s, const ContactLoops& loops, std::uint32_t vertex, int winding) {
+  s.queue.clear();
+  const auto reach = [&](std::uint32_t v, int w) {
+    if (s.vertex_run[v] == s.now) return;
+    s.vertex_run[v] = s.now;
+    s.winding[v] = w;
+    s.queue.push_back(v);
+  };
+  reach(vertex, winding);
+  const Connectivity& connectivity = s.surface->connectivity;
+  for (std::size_t next = 0; next < s.queue.size(); ++next) {
+    const std::uint32_t v = s.queue[next];
+    const int w = s.winding[v];
+    if (w < 0) return false;
+    for (const std::uint32_t facet : connectivity.vertex_facets(v)) {
+      const Facet& corners = s.body->mesh_facets()[facet];
+      if (s.facet_run[facet] != s.now) {
+        if (w == 0) continue;
+        s.facet_run[facet] = s.now;
+        s.is_cut[facet] = 0;
+        s.wholes.push_back({facet, w});
+        for (const std::uint32_t corner : corners) reach(corner, w);
+      } else if (s.is_cut[facet]) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t from = corners[k], to = corners[(k + 1) % 3];
+          if (from != v && to != v) continue;
+          const std::uint32_t edge = connectivity.facet_edges[facet][k];
+          int jump = 0;
+          for (const std::uint32_t node : s.nodes_of(edge)) jump += loops.nodes[node].jump;
+          reach(from == v ? to : from, v == connectivity.edges[edge][0] ? w + jump : w - jump);
+        }
+      }
+    }
+  }
+  return true;
+}
+
+std::uint32_t PatchRegions::element_of(SurfaceRegion& s, std::uint32_t vertex) {
+  if (s.element_run[vertex] != s.now) {
+    s.element_run[vertex] = s.now;
+    s.element[vertex] = sets_.add();
+    points.push_back(s.body->vertex(vertex) - origin_);
+  }
+  return s.element[vertex];
+}
+
+void PatchRegions::add_piece(SurfaceRegion& s, const BoundaryPiece& piece) {
+  s.pieces.push_back(piece);
+  sets_.join(piece.from, piece.to);
+}
+
+void PatchRegions::add_cut_facets(SurfaceRegion& s, const ContactLoops& loops) {
+  for (std::size_t i = 0; i < s.facet_segments.size();) {
+    const LoopSegment& first = loops.segments[s.facet_segments[i]];
+    const std::uint32_t facet = s.is_a ? first.facet_a : first.facet_b;
+    const auto begin = static_cast<std::uint32_t>(s.pieces.size());
+    for (; i < s.facet_segments.size(); ++i) {
+      const LoopSegment& segment = loops.segments[s.facet_segments[i]];
+      if ((s.is_a ? segment.facet_a : segment.facet_b) != facet) break;
+      if (s.is_a)
+        add_piece(s, {segment.from, segment.to, 1, true});
+      else
+        add_piece(s, {segment.to, segment.from, 1, true});
+    }
+    for (std::size_t k = 0; k < 3; ++k) add_edge(s, loops, facet, k);
+    s.parts.push_back({no_patch, facet, begin, static_cast<std::uint32_t>(s.pieces.size())});
+  }
+}
+
+void PatchRegions::add_edge(SurfaceRegion& s, const ContactLoops& loops, std::uint32_t facet, std::size_t k) {
+  const std::uint32_t edge = s.surface->connectivity.facet_edges[facet][k];
+  const auto& [low, high] = s.surface->connectivity.edges[edge];
+  const bool forward = s.body->mesh_facets()[facet][k] == low;
+  const auto add = [&](std::uint32_t from, std::uint32_t to, int weight) {
+    add_piece(s, forward ? BoundaryPiece{from, to, weight, false} : BoundaryPiece{to, from, weight, false});
+  };
+  int weight = s.winding[low];
+  std::uint32_t last = weight != 0 ? element_of(s, low) : 0;
+  for (const std::uint32_t node : s.nodes_of(edge)) {
+    if (weight != 0) add(last, node, weight);
+    weight += loops.nodes[node].jump;
+    last = node;
+  }
+  if (weight != 0) add(last, element_of(s, high), weight);
+}
+
+void PatchRegions::add_whole_facets(SurfaceRegion& s) {
+  for (const SurfaceRegion::Whole& whole : s.wholes) {
+    const Facet& f = s.body->mesh_facets()[whole.facet];
+    const std::uint32_t e[3] = {element_of(s, f[0]), element_of(s, f[1]), element_of(s, f[2])};
+    const auto begin = static_cast<std::uint32_t>(s.pieces.size());
+    for (std::size_t k = 0; k < 3; ++k) add_piece(s, {e[k], e[(k + 1) % 3], whole.winding, false});
+    s.parts.push_back({no_patch, whole.facet, begin, begin + 3});
+  }
+}
+
+// A facet's part may consist of several polygons. One that runs clockwise about the normal is a hole, and belongs to
+// the smallest polygon around it that runs counter-clockwise. Polygons of one set already need no search.
+void PatchRegions::join_holes(const SurfaceRegion& s, const FacetPart& part) {
+  const auto pieces = std::span(s.pieces).subspan(part.begin, part.end - part.begin);
+  const std::uint32_t root = sets_.root(pieces[0].from);
+  if (std::all_of(pieces.begin(), pieces.end(),
+                  [&](const BoundaryPiece& piece) { return sets_.root(piece.from) == root; }))
+    return;
+  ends_.clear();
+  for (const BoundaryPiece& piece : pieces) ends_.insert(ends_.end(), {piece.from, piece.to});
+  std::sort(ends_.begin(), ends_.end());
+  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
+  const auto place = [&](std::uint32_t e) {
+    return static_cast<std::uint32_t>(std::lower_bound(ends_.begin(), ends_.end(), e) - ends_.begin());
+  };
+  polygons_.clear();
+  for (std::size_t k = 0; k < ends_.size(); ++k) polygons_.add();
+  for (const BoundaryPiece& piece : pieces) polygons_.join(place(piece.from), place(piece.to));
+
+  const Vec3 normal = area_vector(s.body->triangle(part.facet));
+  const int axis = std::abs(normal.x) > std::abs(normal.y) && std::abs(normal.x) > std::abs(normal.z) ? 0
+                   : std::abs(normal.y) > std::abs(normal.z)                                          ? 1
+                                                                                                      : 2;
+  const auto [first, second] = projections[axis];
+  const double outward = normal[axis] < 0 ? -1 : 1;
+  const auto area_of = [&](std::uint32_t polygon) {
+    const Vec3& c = points[ends_[polygon]];
+    double area = 0;
+    for (const BoundaryPiece& piece : pieces) {
+      if (polygons_.root(place(piece.from)) != polygon) continue;
+      const Vec3 p = points[piece.from] - c, q = points[piece.to] - c;
+      area += piece.weight * (p[first] * q[second] - p[second] * q[first]);
+    }
+    return outward * area;
+  };
+  const auto holds = [&](std::uint32_t polygon, const Vec3& x) {
+    bool inside = false;
+    for (const BoundaryPiece& piece : pieces) {
+      if (polygons_.root(place(piece.from)) != polygon) continue;
+      const Vec3 &p = points[piece.from], &q = points[piece.to];
+      if ((p[second] <= x[second]) == (q[second] <= x[second])) continue;
+      const double at = p[first] + (q[first] - p[first]) * ((x[second] - p[second]) / (q[second] - p[second]));
+      if (at > x[first]) inside = !inside;
+    }
+    return inside;
+  };
+  for (std::uint32_t hole = 0; hole < ends_.size(); ++hole) {
+    if (polygons_.root(hole) != hole || !(area_of(hole) < 0)) continue;
+    double least = std::numeric_limits<double>::infinity();
+    std::uint32_t around = hole;
+    for (std::uint32_t polygon = 0; polygon < ends_.size(); ++polygon) {
+      if (polygons_.root(polygon) != polygon || polygon == hole) continue;
+      const double area = area_of(polygon);
+      if (area > 0 && area < least && holds(polygon, points[ends_[hole]])) least = area, around = polygon;
+    }
+    sets_.join(ends_[hole], ends_[around]);
+  }
+}
+
+void PatchRegions::assign_patches(const ContactLoops& loops) {
+  patch_of_.assign(points.size(), no_patch);
+  patch_count = 0;
+  for (SurfaceRegion& s : side)
+    for (FacetPart& part : s.parts)
+      for (std::uint32_t i = part.begin; i < part.end; ++i)
+        if (std::uint32_t& patch = patch_at(s.pieces[i]); patch == no_patch)
+          patch = static_cast<std::uint32_t>(patch_count++);
+  crossing_counts.assign(patch_count, 0);
+  for (std::uint32_t node = 0; node < loops.nodes.size(); ++node)
+    if (const std::uint32_t patch = patch_of_[sets_.root(node)]; patch != no_patch) ++crossing_counts[patch];
+}
+
+double PatchRegions::volume_of(std::uint32_t patch) const {
+  double volume = 0;
+  for (const SurfaceRegion& s : side)
+    for (const FacetPart& part : s.parts) {
+      const Vec3& c = points[s.pieces[part.begin].from];
+      for (std::uint32_t i = part.begin; i < part.end; ++i) {
+        const BoundaryPiece& piece = s.pieces[i];
+        if (part.patch == patch)
+          volume += piece.weight / 6.0 * dot(c, cross(points[piece.from] - c, points[piece.to] - c));
+      }
+    }
+  return volume;
+}
+
+double PatchRegions::winding_of(std::uint32_t patch, const Vec3& point) const {
+  double angle = 0;
+  for (const SurfaceRegion& s : side)
+    for (const FacetPart& part : s.parts)
+      for (std::uint32_t i = part.begin; i < part.end; ++i) {
+        const BoundaryPiece& piece = s.pieces[i];
+        if (part.patch != patch) continue;
+        angle += piece.weight *
+                 solid_angle({points[s.pieces[part.begin].from], points[piece.from], points[piece.to]}, point);
+      }
+  return angle / (4 * std::numbers::pi);
+}
+
+// The surface of a cavity, a component without crossings whose volume is negative, belongs to the smallest patch around
+// it. Its loops are none, so only its volume shows that it is one.
+void PatchRegions::join_cavities() {
+  for (SurfaceRegion& s : side)
+    for (FacetPart& part : s.parts) part.patch = patch_at(s.pieces[part.begin]);
+  if (side[0].surface->components.count + side[1].surface->components.count <= 2) return;
+  std::vector<double> volumes;
+  for (std::uint32_t patch = 0; patch < patch_count; ++patch) {
+    if (crossing_counts[patch] > 0) continue;
+    if (volumes.empty())
+      for (std::uint32_t p = 0; p < patch_count; ++p) volumes.push_back(volume_of(p));
+    if (volumes[patch] > 0) continue;
+    std::uint32_t element = 0;
+    for (const SurfaceRegion& s : side)
+      for (const FacetPart& part : s.parts)
+        if (part.patch == patch) element = s.pieces[part.begin].from;
+    std::uint32_t around = patch;
+    for (std::uint32_t p = 0; p < patch_count; ++p)
+      if (volumes[p] > 0 && (around == patch || volumes[p] < volumes[around]) && winding_of(p, points[element]) > 0.5)
+        around = p;
+    for (std::uint32_t& p : patch_of_)
+      if (p == patch) p = around;
+  }
+}
+
+// By the lowest facet of a, then of b.
+void PatchRegions::number_patches() {
+  struct Lowest {
+    std::uint32_t facet[2] = {no_patch, no_patch};
+    std::uint32_t patch = 0;
+  };
+  std::vector<Lowest> lowest(patch_count);
+  for (std::uint32_t patch = 0; patch < patch_count; ++patch) lowest[patch].patch = patch;
+  for (std::size_t k = 0; k < 2; ++k)
+    for (const FacetPart& part : side[k].parts)
+      for (std::uint32_t i = part.begin; i < part.end; ++i) {
+        std::uint32_t& facet = lowest[patch_at(side[k].pieces[i])].facet[k];
+        facet = std::min(facet, part.facet);
+      }
+  std::erase_if(lowest, [](const Lowest& l) { return l.facet[0] == no_patch && l.facet[1] == no_patch; });
+  std::sort(lowest.begin(), lowest.end(), [](const Lowest& p, const Lowest& q) {
+    return std::tie(p.facet[0], p.facet[1], p.patch) < std::tie(q.facet[0], q.facet[1], q.patch);
+  });
+  std::vector<std::uint32_t> number(patch_count, no_patch);
+  std::vector<std::size_t> counts(lowest.size());
+  for (std::uint32_t i = 0; i < lowest.size(); ++i) {
+    number[lowest[i].patch] = i;
+    counts[i] = crossing_counts[lowest[i].patch];
+  }
+  for (std::uint32_t& patch : patch_of_)
+    if (patch != no_patch) patch = number[patch];
+  crossing_counts = counts;
+  patch_count = lowest.size();
+}
+
+void PatchRegions::split_parts(SurfaceRegion& s) {
+  const std::size_t count = s.parts.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const FacetPart part = s.parts[k];
+    const auto begin = s.pieces.begin() + part.begin, end = s.pieces.begin() + part.end;
+    const std::uint32_t patch = patch_at(*begin);
+    s.parts[k].patch = patch;
+    if (std::all_of(begin, end, [&](const BoundaryPiece& piece) { return patch_at(piece) == patch; })) continue;
+    std::stable_sort(begin, end,
+                     [&](const BoundaryPiece& p, const BoundaryPiece& q) { return patch_at(p) < patch_at(q); });
+    std::uint32_t first = part.begin;
+    for (std::uint32_t i = part.begin + 1; i <= part.end; ++i) {
+      if (i < part.end && patch_at(s.pieces[i]) == patch_at(s.pieces[first])) continue;
+      const FacetPart split{patch_at(s.pieces[first]), part.facet, first, i};
+      if (first == part.begin)
+        s.parts[k] = split;
+      else
+        s.parts.push_back(split);
+      first = i;
+    }
+  }
+  std::sort(s.parts.begin(), s.parts.end(), [](const FacetPart& p, const FacetPart& q) {
+    return std::tie(p.patch, p.facet) < std::tie(q.patch, q.facet);
+  });
+}
+
+}  // namespace morula::detail
