@@ -32,7 +32,12 @@ def main():
     for extra in ("mark.svg", "file_worker.js", "site.css"):
         shutil.copy(ROOT / "docs/site" / extra, folder / "pictures")
 
-    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md")])}
+    (folder / "pictures/report").mkdir()
+    for picture in (ROOT / "research/report/figures").glob("*.svg"):
+        shutil.copy(picture, folder / "pictures/report")
+
+    pages = {p.relative_to(ROOT).as_posix(): p.name for p in sorted([*ROOT.glob("docs/**/*.md"), *ROOT.glob("extras/*/docs/*.md"),
+                                                                     *ROOT.glob("research/report/*.md")])}
     if len(set(pages.values())) < len(pages):
         sys.exit("site: two pages have one name; all pages of the site lie in one folder")
     pages |= {p.name: p.name.lower() for p in sorted(ROOT.glob("*.md"))}
@@ -46,6 +51,8 @@ def main():
         target = posixpath.normpath(posixpath.join(posixpath.dirname(source), path))
         if target in pages:
             return pages[target] + (f"#{anchor}" if anchor else "")
+        if target.startswith("research/report/figures/"):
+            return target.replace("research/report/figures/", "pictures/report/")
         if target.startswith("docs/pictures/"):
             return target.removeprefix("docs/")
         if header := reference.targets.get(target.rpartition("include/morula/")[2] if "include/morula/" in target else ""):

@@ -78,7 +78,7 @@ def claim_word(claim):
 def add_study(data, found):
     record, settings = data.record, data.record["settings"]
     bodies = record["bodies"]
-    found["study.command"] = record["command"]
+    found["study.command"] = f"`{record['command']}`"
     found["study.version"] = record["morula"]
     found["study.seeds"] = word(len(settings["seeds"]))
     found["study.bodies"] = word(len(bodies))
@@ -454,10 +454,16 @@ def bodies_table(data):
     return ("body", "vertices", "facets"), [(body["name"], f"{body['vertices']:,}", f"{body['facets']:,}") for body in data.record["bodies"]]
 
 
+def commands(data):
+    """A block of code, not a table."""
+    return f"```\n{data.record['command']} -o study --formats svg,csv,pdf,pgf\nscripts/report --data study\nscripts/pages\n```"
+
+
 TABLES = {"study claims": claims_table, "study contacts": contacts_table, "study mixes": mixes_table,
           "report claims of the paper": report_claims("paper"), "report claims beyond the paper": report_claims("new"),
           "report quantities": quantities, "report rules": rules_table, "report work": work_table, "report variants": variants_table,
-          "report amounts": amounts_table, "report bodies": bodies_table}
+          "report amounts": amounts_table, "report bodies": bodies_table,
+          "report commands": commands}
 
 
 def table(root, name):

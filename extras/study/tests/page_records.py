@@ -2,13 +2,16 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 """Tables that pages show of `morula demo` and `morula study`, held against what the commands find today.
-usage: page_records.py demo|study path/to/morula [--write]
+usage: page_records.py demo|study|variants|record path/to/morula [--write]
 
 Compares docs/_data/demo_rules.tsv and demo_budgets.tsv, or study_claims.tsv, row by row; --write makes them anew, and then
-scripts/pages puts them into the pages. Times are left out.
+scripts/pages puts them into the pages. Times are left out. `record` repeats one trial of the study on record, which
+scripts/report took into research/report/data, and compares it with trials.csv.
 Exit status: 0 the same (or written), 1 other numbers, 2 bad usage, 77 without the corpus, which demo needs."""
+import csv
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -83,6 +86,34 @@ COMMANDS = {"study": ["study", "--quick", "--seeds", "3", "--rules", "traditiona
                          "--bodies", "limb", "--seeds", "1", "--rules", "traditional,approach1,approach2,exact"]}
 
 
+def repeated_trial(command):
+    """One trial of the record, on its second body with its first seed, compared claim by claim. Exit status."""
+    folder = DATA.parents[1] / "research/report/data"
+    record = json.loads((folder / "record.json").read_text())
+    body, seed = record["bodies"][1]["name"], record["settings"]["seeds"][0]
+    options = re.sub(r"^morula study| --seeds \d+", "", record["command"]).split()
+    words = [*options, "--bodies", body, "--seeds", "1", "--seed", str(seed)]
+    with tempfile.TemporaryDirectory() as out:
+        run = subprocess.run([command, "study", *words, "-o", "out", "--json"], cwd=out, capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        print(run.stderr, file=sys.stderr)
+        return 1
+    with (folder / "trials.csv").open(newline="") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        before = {row["id"]: row for row in rows if row["body"] == body and row["seed"] == str(seed)}
+    status = 0
+    for claim in json.loads(run.stdout)["claims"]:
+        trial = claim["trials"][0]
+        now = [trial["verdict"], str(trial["true"]), str(trial["cases"]), "" if trial["value"] is None else f"{float(trial['value']):.6g}"]
+        old = [before[claim["id"]][key] for key in ("verdict", "true", "cases", "value")] if claim["id"] in before else None
+        if old != now:
+            print(f"{claim['id']} of {body}, seed {seed}\n  has  {old}\n  but  {now}", file=sys.stderr)
+            status = 1
+    if status:
+        print(f"Where that is meant: {record['command']} -o FOLDER, scripts/report --data FOLDER, scripts/pages", file=sys.stderr)
+    return status
+
+
 def recorded(path):
     if not path.exists():
         return []
@@ -91,6 +122,8 @@ def recorded(path):
 
 def main():
     arguments = [argument for argument in sys.argv[1:] if argument != "--write"]
+    if len(arguments) == 2 and arguments[0] == "record" and "--write" not in sys.argv:
+        return repeated_trial(pathlib.Path(arguments[1]).resolve())
     if len(arguments) != 2 or arguments[0] not in TABLES:
         print(__doc__, file=sys.stderr)
         return 2
