@@ -64,6 +64,7 @@ for name, old, new, fault in (
         ("README.md", "figure build.bunny", "figure build.hare", "README.md: there is no figure build.hare"),
         ("docs/reference/limits.md", "scripts/pages: platforms", "scripts/pages: planets", "docs/reference/limits.md: there is no table planets"),
         ("docs/other.md", "This run", "Of 7 mutants this run", 'docs/other.md:1: "7 mutants" is typed'),
+        ("docs/other.md", "This run", "<!--true moon-shines-->This run", "docs/other.md: the study does not say moon-shines"),
         ("docs/_data/capabilities.tsv", "holds_everywhere", "holds_nowhere", "there is no test Cover.holds_nowhere"),
         ("docs/_data/capabilities.tsv", "gpu\tno", "cover\tno", "cover is there twice"),
         ("docs/_data/platforms.tsv", "preset clang", "preset gcc", "there is no cmake --preset gcc"),
