@@ -97,7 +97,7 @@ def main() -> None:
     lines = ["// Made by python/docstrings.py.", "#pragma once", "namespace morula::python::doc {"]
     # In the order of <morula/…>, wherever the header stands.
     for header in sorted(headers, key=lambda header: header.parts[header.parts.index("include"):]):
-        if "study" in header.parts:
+        if header.parent.name == "study":
             continue
         for name, comment in comments_of(header.read_text(encoding="utf-8")):
             seen[name] = seen.get(name, 0) + 1

@@ -114,7 +114,8 @@ TEST(LongHeldBack, a_body_and_its_own_motions_are_in_every_claim_figure_and_tabl
     ++of_paper;
     EXPECT_NE(claim["verdict"], "not decided") << claim["id"];
     EXPECT_NE(claim["place"].get<std::string>().rfind("results, ", 0), std::string::npos) << claim["id"];
-    EXPECT_NE(in_one_line(out).find(claim["claim"].get<std::string>() + " (" + claim["place"].get<std::string>() + ")"),
+    EXPECT_NE(in_one_line(out).find(claim["claim"].get<std::string>() +
+                                    " In the paper: " + claim["place"].get<std::string>() + ". "),
               std::string::npos)
         << claim["id"];
   }

@@ -160,8 +160,8 @@ std::string claims_text(std::span<const Claim> claims) {
     text += origin == ClaimOrigin::paper ? "Claims of the paper\n" : "\nFurther claims\n";
     for (const Claim& claim : claims) {
       if (claim.origin != origin) continue;
-      text += fmt::format("  {:<11} {}{}\n", word(claim), claim.claim,
-                          claim.place.empty() ? std::string() : fmt::format(" ({})", claim.place));
+      text += fmt::format("  {:<11} {}\n", word(claim), claim.claim);
+      if (!claim.place.empty()) text += fmt::format("              In the paper: {}.\n", claim.place);
       if (!claim.numbers.empty()) text += fmt::format("              {}\n", claim.numbers);
       if (const std::string depends = depends_text(claim); !depends.empty())
         text += fmt::format("              {}\n", depends);
