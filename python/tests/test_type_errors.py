@@ -60,8 +60,9 @@ def instances(folder):
     contacts = morula.collide(body, body)
     yield from [
         mesh, model, model.tree, model.cover, body, body.spheres, morula.Collider(body), morula.SurfaceTree(mesh), contacts,
-        morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.InsideQuery(body),
-        morula.PenetrationQuery(body, body), morula.ContactPatchQuery(body, body), morula.ProximityQuery(distance=0.1), morula.SweptQuery(),
+        morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.HapticProbe(), morula.InsideQuery(body),
+        morula.PenetrationQuery(body, body), morula.ContactPatchQuery(body, body), morula.ProximityQuery(distance=0.1),
+        morula.SweptQuery(),
         morula.SurfaceCrossingQuery(), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
         morula.BroadPhase(), morula.BodyId(0, 0), morula.SignedDistance(mesh), morula.TriangleBvh(mesh),
         morula.KDopTree(mesh, model, 14), morula.RebuiltBody(mesh, model, thread="none"), morula.PosedSpheres(model.tree),
