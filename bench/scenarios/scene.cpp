@@ -85,8 +85,10 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   SceneOptions options;
   if (budget) options.budget = *budget;
   Scene scene(options);
-  double near = 0, open = 0, touching = 0, tests = 0;
-  std::size_t checked = 0, lost = 0, frame = 0;
+  // Without a budget every touch is told in its frame.
+  Scene whole;
+  double near = 0, open = 0, touching = 0, tests = 0, undecided = 0, began = 0, late = 0;
+  std::size_t wrong = 0, checked = 0, lost = 0, frame = 0;
   const auto check = [&](std::size_t i, std::size_t j) {
     const Member &a = *members[std::min(i, j)], &b = *members[std::max(i, j)];
     const ScenePair* pair = scene.find(a.id, b.id);
@@ -103,7 +105,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
         const double t = 2 * 3.14159265358979 * static_cast<double>(f) / static_cast<double>(frames.size()) + m.phase;
         const Vec3 sway{std::sin(t), std::cos(t), std::sin(2 * t)};
         m.collider.set_transform(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
-        if (frame == 0) m.id = scene.add(m.collider, {.user_data = i});
+        if (frame == 0) m.id = scene.add(m.collider, {.user_data = i}), whole.add(m.collider);
       }
       // The first frame makes memory.
       if (frame == 0) result.expect(static_cast<bool>(scene.update(*settings.workers)), "the scene was rejected");
@@ -111,7 +113,21 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
       result.seconds.push_back(seconds_of([&] { status = scene.update(*settings.workers); }));
       if (spinning != nullptr) spinning->seconds.push_back(seconds_of([&] { spin(*settings.workers); }));
       near += static_cast<double>(status.near_pairs), open += static_cast<double>(status.open_pairs);
-      touching += static_cast<double>(scene.pairs().size()), tests += static_cast<double>(status.pair_tests);
+      require(whole.update(*settings.workers));
+      undecided += static_cast<double>(status.undecided_pairs);
+      for (const ScenePair& pair : scene.pairs()) touching += pair.touches;
+      for (const ScenePair& pair : whole.pairs()) {
+        began += pair.began && frame > 0;
+        const ScenePair* found = scene.find(pair.a, pair.b);
+        late += found == nullptr || !found->touches;
+      }
+      for (const ScenePair& pair : scene.pairs()) {
+        const bool touches = whole.find(pair.a, pair.b) != nullptr;
+        wrong += (pair.began || pair.confirmed) && !touches;
+        late += pair.touches && !touches;
+      }
+      for (const EndedPair& pair : scene.ended()) wrong += whole.find(pair.a, pair.b) != nullptr;
+      tests += static_cast<double>(status.pair_tests);
       if (frame % 8 != 0 || input.mesh.facet_count() > most_facets_by_force) continue;
       const std::size_t i = random.next() % body_count;
       for (const std::size_t j : {i + 1, i + 6, i + 36})
@@ -123,10 +139,15 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   });
   const auto count = static_cast<double>(result.seconds.size());
   result.expect(lost == 0, std::to_string(lost) + " crossings are in no contact");
+  result.expect(wrong == 0, std::to_string(wrong) + " events are false");
+  result.expect(late <= undecided, "more events are late than pairs were undecided");
   result.expect(checked > 0 || input.mesh.facet_count() > most_facets_by_force, "nothing crosses");
   result.figures = {{"near pairs", near / count},
                     {"touching", touching / count},
                     {"not finished", open / count},
+                    {"began", began / count},
+                    {"late events", late / count},
+                    {"undecided", undecided / count},
                     {"pair tests", tests / count},
                     {"crossings checked", static_cast<double>(checked)}};
   add_tail(result);

@@ -174,6 +174,27 @@ def test_touches_begin_and_end():
         scene.collider(up)
 
 
+def test_a_touch_begins_and_ends_where_it_is_proven():
+    floor, ball = collider_of("bar")[1], collider_of("capsule")[1]
+    scene = morula.Scene()
+    scene.add(floor), scene.add(ball)
+
+    def after(height, budget):
+        ball.set_transform((0.0, height, 0.0))
+        scene.set_budget(budget)
+        status = scene.update()
+        pairs = scene.pairs()
+        told = [(p.touches, p.confirmed, p.began, p.finished) for p in pairs]
+        assert told == list(zip(pairs.touches.tolist(), pairs.confirmed.tolist(), pairs.began.tolist(), pairs.finished.tolist()))
+        assert all((p.id > 0) == p.touches for p in pairs)
+        return told, status.undecided_pairs, len(scene.ended())
+
+    assert after(0.3, 0) == ([(False, False, False, False)], 1, 0)
+    assert after(0.3, None) == ([(True, True, True, True)], 0, 0)
+    assert after(0.31, 0) == ([(True, False, False, False)], 1, 0)
+    assert after(9.0, 0) == ([], 0, 1)
+
+
 def test_filters_decide_who_meets():
     colliders = [collider_of("bar", 6)[1] for _ in range(4)]
 

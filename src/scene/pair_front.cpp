@@ -25,7 +25,7 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
   }
   bodies_.id_a = id_a, bodies_.id_b = id_b;
   bodies_.a = &a, bodies_.b = &b;
-  front_.is_there = is_current_ = roots_.overlap = front_.carrying_was_dear = false;
+  front_.is_there = is_current_ = touch_found_ = roots_.overlap = front_.carrying_was_dear = false;
   extras_.forget();
   cost_.to_finish.reset();
   cost_.in_vain = 0;
@@ -49,7 +49,7 @@ void PairFront::visit(const SceneOptions& options) {
 }
 
 void PairFront::part() {
-  roots_.overlap = is_current_ = extras_.are_due = false;
+  roots_.overlap = is_current_ = touch_found_ = extras_.are_due = false;
   extras_.forget();
 }
 
@@ -94,6 +94,7 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
   } else {
     cost_.to_finish.reset();
     cost_.in_vain = most_tests;
+    touch_found_ = !descended_.empty();
   }
   return done;
 }

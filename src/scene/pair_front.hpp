@@ -105,6 +105,9 @@ class PairFront {
     return !roots_.overlap || (is_current_ && (!front_.is_there || front_.query->contacts().finished));
   }
   bool is_current() const { return is_current_; }
+  /// Whether a pair of final nodes is known to overlap in the present poses. A descent that was stopped may have found
+  /// one, though it has listed no contact.
+  bool touch_is_confirmed() const { return roots_.overlap && (touch_found_ || finished_count() > 0); }
   /// The tests to expect: those that the last finished refinement took, and a quarter more if bodies have moved; none
   /// if that is unknown.
   std::optional<std::size_t> tests_expected() const;
@@ -169,6 +172,7 @@ class PairFront {
   std::vector<Contact> descended_;  ///< contacts found without a front
   bool is_current_ = false;  ///< whether contacts belong to the present poses: the query's contacts, or else all of
                              ///< descended_
+  bool touch_found_ = false;  ///< whether a stopped descent has found a contact of the present poses
   Extras extras_;
 };
 

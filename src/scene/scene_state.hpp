@@ -110,7 +110,8 @@ class PublishedPairs {
   /// Clears both lists. Published touches stay, and their ends are still to be published.
   void clear() noexcept { pairs_.clear(), ended_.clear(); }
   void start();
-  /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::id and began.
+  /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::touches, id and began, from
+  /// `confirmed` and from the touches before: a touch stays until the pair is not added.
   void add(ScenePair pair);
   void finish();
   void commit() noexcept { reported_.swap(next_reported_); }

@@ -199,9 +199,16 @@ void PublishedPairs::add(ScenePair pair) {
   const std::pair bodies(pair.a, pair.b);
   while (walked_ < reported_.size() && ids(reported_[walked_]) < bodies) ended_.push_back(reported_[walked_++]);
   const bool stays = walked_ < reported_.size() && ids(reported_[walked_]) == bodies;
-  pair.id = stays ? reported_[walked_++].id : next_touch_++;
-  pair.began = !stays;
-  next_reported_.push_back({pair.a, pair.b, pair.id});
+  // mutant scene-began-unconfirmed: `stays || pair.confirmed` -> `true`
+  // mutant scene-ended-unrefuted: `stays || pair.confirmed` -> `pair.confirmed`
+  pair.touches = stays || pair.confirmed;
+  pair.began = pair.touches && !stays;
+  if (stays) {
+    pair.id = reported_[walked_++].id;
+  } else if (pair.touches) {
+    pair.id = next_touch_++;
+  }
+  if (pair.touches) next_reported_.push_back({pair.a, pair.b, pair.id});
   pairs_.push_back(pair);
 }
 
@@ -217,9 +224,12 @@ void SceneState::publish(SceneStatus& status) {
     const PairFront& front = *pair.front;
     ++status.near_pairs;
     if (!front.is_finished()) ++status.open_pairs;
+    const bool confirmed = front.touch_is_confirmed();
+    if (!front.is_finished() && !confirmed) ++status.undecided_pairs;
     if (front.contacts().empty()) continue;
     published.add({.a = id_of(pair.a),
                    .b = id_of(pair.b),
+                   .confirmed = confirmed,
                    .finished = front.is_finished(),
                    .contacts = front.contacts(),
                    .surfaces = options.surfaces ? front.surfaces() : std::span<const ContactSurface>(),

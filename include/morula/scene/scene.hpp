@@ -65,12 +65,21 @@ struct SceneOptions {
   std::function<bool(BodyId a, BodyId b)> accepts{};
 };
 
-/// Two bodies that touch: a pair with at least one contact. The lists are valid until the next update() or remove().
+/// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
+/// remove().
+///
+/// Two bodies touch if a pair of final nodes overlaps or is no farther apart than the margin, and so are all pairs above
+/// it; in other words, if collide() with the level and margin of the scene has a contact. `touches` is false while this
+/// is not confirmed: the bodies may be near. A touch begins in the update that confirms it, with a pair of final nodes.
+/// It ends in the update that refutes it, which finishes the pair without a contact, or in which a body, a mask or a
+/// filter removes the pair. An update whose budget does not reach the pair neither begins nor ends a touch.
 struct ScenePair {
-  BodyId a, b;            ///< bodies of the pair; a has the lower place
-  std::uint64_t id = 0;   ///< number of this touch from its beginning to its end; no other touch gets it
-  bool began = false;     ///< true: the touch began in the last update() that was neither rejected nor threw
-  bool finished = false;  ///< true: all contacts are final; false: below some contacts there may be several, or none
+  BodyId a, b;             ///< bodies of the pair; a has the lower place
+  std::uint64_t id = 0;    ///< number of this touch from its beginning to its end; no other touch gets it; 0: no touch
+  bool touches = false;    ///< true: the touch has begun and not ended; false: whether the bodies touch is open
+  bool confirmed = false;  ///< true: the bodies touch at their present poses; false: the budget left that open
+  bool began = false;      ///< true: the touch began in the last update() that was neither rejected nor threw
+  bool finished = false;   ///< true: all contacts are final; false: below some contacts there may be several, or none
   std::span<const Contact> contacts{};  ///< contacts of the pair; Contact::pair is 0
   /// Surfaces of contacts, as in Contacts::surfaces; empty unless SceneOptions::surfaces is set.
   std::span<const ContactSurface> surfaces{};
@@ -78,7 +87,7 @@ struct ScenePair {
   std::span<const Crossing> crossings{};
 };
 
-/// A touch that ended in the last update(): the bodies are apart, or one of them was removed.
+/// A touch that ended in the last update(): the bodies are apart, a body was removed, or masks or the filter part them.
 struct EndedPair {
   BodyId a, b;
   std::uint64_t id = 0;  ///< ScenePair::id of the touch
@@ -90,6 +99,9 @@ struct [[nodiscard]] SceneStatus : Status {
   bool finished = false;             ///< true: all contacts are final
   std::size_t near_pairs = 0;        ///< number of pairs of bodies with overlapping boxes that masks and filter keep
   std::size_t open_pairs = 0;        ///< number of these pairs that are not finished
+  /// Number of these pairs for which the budget left open whether the bodies touch at their present poses. Each may owe
+  /// one event, the beginning or the end of a touch; all other events are told. 0 without a budget.
+  std::size_t undecided_pairs = 0;
   std::size_t pair_tests = 0;        ///< number of tests of pairs of nodes in this call
 };
 /// The fault and its remedy as text, with the body that caused it; empty for ok.
@@ -112,7 +124,9 @@ struct SceneTouch {
 ///
 /// The result misses no touch, for any budget, if the spheres of the bodies cover: if the surfaces of two bodies that
 /// may form a pair cross, or come as near as the margin, the pair is in pairs(), and the crossing lies within one of
-/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots.
+/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots. No event
+/// is false, for any budget: a touch begins or ends only where that is proven at the present poses of the bodies. Events
+/// may be late, by the updates until the pair is reached; SceneStatus::undecided_pairs bounds their number.
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
@@ -173,11 +187,11 @@ class Scene {
   /// transform_too_far and body_replaced; SceneStatus::offender is the body, and the pairs stay as they were. The
   /// result has the same bits for any number of workers unless the budget is a time.
   SceneStatus update(Workers& workers = serial_workers());
-  /// The pairs of bodies that touched in the last update(), ascending by the place of a, then of b.
+  /// The pairs of bodies that touched or may have touched in the last update(), ascending by the place of a, then of b.
   std::span<const ScenePair> pairs() const;
   /// The touches that ended in the last update(), ascending by EndedPair::id.
   std::span<const EndedPair> ended() const;
-  /// The entry of pairs() for two bodies, in any order; nullptr if they do not touch.
+  /// The entry of pairs() for two bodies, in any order; nullptr if they are proven not to touch.
   const ScenePair* find(BodyId a, BodyId b) const;
 
   /// Finds the first surface that a ray hits, among the bodies whose colliders have facets. Rejects a ray that RayQuery
