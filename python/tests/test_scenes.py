@@ -271,7 +271,17 @@ def test_rays_and_shapes_find_what_each_body_says(crowd):
         if nearest is not None:
             hits += 1
             assert found.body == ids[nearest] and found.first == alone[nearest].first
+            listed = scene.all_hits(origin, direction)
+            assert (listed[0].body, listed[0].hit) == (found.body, found.first)
+            every = sorted((float(t), i, int(f)) for i, (_, collider) in enumerate(crowd)
+                           for t, f in zip(*(getattr(morula.all_hits(collider, origin, direction), name) for name in ("t", "facet"))))
+            assert [(hit.hit.t, ids.index(hit.body), hit.hit.point.facet) for hit in listed] == every
+            rest = scene.all_hits(origin, direction, ignored=[found.body])
+            assert [hit.body for hit in rest] == [hit.body for hit in listed if hit.body != found.body]
+            assert bool(scene.first_hit(origin, direction, ignored=[found.body])) == bool(rest)
+            assert not scene.first_hit(origin, direction, mask=2) and scene.all_hits(origin, direction, mask=2) == []
     assert hits > 10
+    assert scene.touch((0.5, 0.1, 0.2, 0.7), mask=2) == [] and scene.touch((0.5, 0.1, 0.2, 0.7), ignored=ids) == []
     for shape in (morula.HalfSpace((0, 1, 0), -0.5), (0.5, 0.1, 0.2, 0.7), morula.Capsule((0, 0, 0), (1, 1, 1), 0.2)):
         alone = {ids[i]: morula.touch(collider, shape) for i, (_, collider) in enumerate(crowd)}
         found = {touch.body: touch.touch.touches for touch in scene.touch(shape)}

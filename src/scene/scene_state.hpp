@@ -3,6 +3,7 @@
 // The state of a scene between two updates.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
@@ -131,6 +132,8 @@ struct ShapeTouches {
   std::vector<SceneTouch> touches;
   std::vector<std::unique_ptr<TouchQuery>> queries;  ///< queries; touch i belongs to query i
   mutable std::vector<std::uint32_t> bodies;         ///< places of the bodies that the ray or shape comes near
+  std::vector<SceneHit> hits;                        ///< results of Scene::all_hits()
+  std::vector<RayPoint> of_body;                     ///< hits of one body
 };
 
 /// Work and memory of add_extras(): surfaces and crossings of finished pairs.
@@ -165,6 +168,12 @@ struct SceneState {
   /// method.
   SceneState& idle(std::string_view method);
   BodyId id_of(std::uint32_t place) const { return {place, bodies[place].generation}; }
+  /// Whether a query looks at the body.
+  bool looks_at(std::uint32_t place, const SceneFilter& filter) const {
+    // mutant scene-query-mask: `(bodies[place].options.category & filter.mask) != 0` -> `true`
+    return (bodies[place].options.category & filter.mask) != 0 &&
+           std::find(filter.ignored.begin(), filter.ignored.end(), id_of(place)) == filter.ignored.end();
+  }
   Status usable(const Collider& collider) const;
   /// ok, or the first body that has moved since the last update.
   SceneStatus current() const;

@@ -365,6 +365,10 @@ std::vector<std::pair<const char*, std::function<void(Scene&, BodyId, const Coll
        [](Scene& s, BodyId, const Collider&) {
          static_cast<void>(s.first_hit({{}, {1, 0, 0}}));
        }},
+      {"all_hits",
+       [](Scene& s, BodyId, const Collider&) {
+         static_cast<void>(s.all_hits({{}, {1, 0, 0}}));
+       }},
       {"touch", [](Scene& s, BodyId, const Collider&) { static_cast<void>(s.touch(Sphere{})); }},
       {"touch",
        [](Scene& s, BodyId, const Collider&) {

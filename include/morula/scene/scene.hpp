@@ -68,11 +68,11 @@ struct SceneOptions {
 /// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
 /// remove().
 ///
-/// Two bodies touch if a pair of final nodes overlaps or is no farther apart than the margin, and so are all pairs above
-/// it; in other words, if collide() with the level and margin of the scene has a contact. `touches` is false while this
-/// is not confirmed: the bodies may be near. A touch begins in the update that confirms it, with a pair of final nodes.
-/// It ends in the update that refutes it, which finishes the pair without a contact, or in which a body, a mask or a
-/// filter removes the pair. An update whose budget does not reach the pair neither begins nor ends a touch.
+/// Two bodies touch if a pair of final nodes overlaps or is no farther apart than the margin, and so are all pairs
+/// above it; in other words, if collide() with the level and margin of the scene has a contact. `touches` is false
+/// while this is not confirmed: the bodies may be near. A touch begins in the update that confirms it, with a pair of
+/// final nodes. It ends in the update that refutes it, which finishes the pair without a contact, or in which a body, a
+/// mask or a filter removes the pair. An update whose budget does not reach the pair neither begins nor ends a touch.
 struct ScenePair {
   BodyId a, b;             ///< bodies of the pair; a has the lower place
   std::uint64_t id = 0;    ///< number of this touch from its beginning to its end; no other touch gets it; 0: no touch
@@ -102,16 +102,36 @@ struct [[nodiscard]] SceneStatus : Status {
   /// Number of these pairs for which the budget left open whether the bodies touch at their present poses. Each may owe
   /// one event, the beginning or the end of a touch; all other events are told. 0 without a budget.
   std::size_t undecided_pairs = 0;
-  std::size_t pair_tests = 0;        ///< number of tests of pairs of nodes in this call
+  std::size_t pair_tests = 0;  ///< number of tests of pairs of nodes in this call
 };
 /// The fault and its remedy as text, with the body that caused it; empty for ok.
 std::string message(const SceneStatus& status);
+
+/// The bodies that a query of a ray or a shape looks at; by default all.
+struct SceneFilter {
+  std::uint32_t mask = ~std::uint32_t{0};  ///< groups of the bodies it looks at: those with category & mask not 0
+  std::span<const BodyId> ignored{};       ///< bodies it leaves out, in any order; an id without a body has no effect
+};
+
+/// A facet of a body that a ray hits.
+struct SceneHit {
+  BodyId body;
+  RayPoint hit;
+};
+
+/// All hits of a ray.
+struct [[nodiscard]] SceneRayHits {
+  SceneStatus status;
+  /// One per facet, ascending by t, then by place, then by facet; valid until the next all_hits().
+  std::span<const SceneHit> hits{};
+  bool certified = false;  ///< true: the spheres of all bodies looked at cover, so no hit is missed
+};
 
 struct [[nodiscard]] SceneRayHit {
   SceneStatus status;
   std::optional<BodyId> body{};     ///< body that the ray hits first, of equals the lowest by place; no value: no hit
   std::optional<RayPoint> first{};  ///< first hit; no value if there is none
-  bool certified = false;           ///< true: the spheres of all bodies cover, so no hit is missed
+  bool certified = false;           ///< true: the spheres of all bodies looked at cover, so no hit is missed
 };
 
 /// A body that a shape touches or may touch.
@@ -124,9 +144,9 @@ struct SceneTouch {
 ///
 /// The result misses no touch, for any budget, if the spheres of the bodies cover: if the surfaces of two bodies that
 /// may form a pair cross, or come as near as the margin, the pair is in pairs(), and the crossing lies within one of
-/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots. No event
-/// is false, for any budget: a touch begins or ends only where that is proven at the present poses of the bodies. Events
-/// may be late, by the updates until the pair is reached; SceneStatus::undecided_pairs bounds their number.
+/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots. No
+/// event is false, for any budget: a touch begins or ends only where that is proven at the present poses of the bodies.
+/// Events may be late, by the updates until the pair is reached; SceneStatus::undecided_pairs bounds their number.
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
@@ -196,14 +216,16 @@ class Scene {
 
   /// Finds the first surface that a ray hits, among the bodies whose colliders have facets. Rejects a ray that RayQuery
   /// rejects, and returns other_frame if a body has moved since update(), or if update() has thrown.
-  SceneRayHit first_hit(const Ray& ray) const;
+  SceneRayHit first_hit(const Ray& ray, const SceneFilter& filter = {}) const;
+  /// Finds all facets that a ray hits, as RayQuery::run_all() does for one body. Rejects like first_hit().
+  SceneRayHits all_hits(const Ray& ray, const SceneFilter& filter = {});
   /// Finds the bodies that a shape touches or may touch: those without Touch::proven_clear. Rejects
   /// TouchOptions::nearest, input that TouchQuery rejects, and otherwise like first_hit(); touches() then stays as it
   /// was.
-  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {});
-  SceneStatus touch(const Sphere& shape, const TouchOptions& options = {});
-  SceneStatus touch(const Capsule& shape, const TouchOptions& options = {});
-  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options = {});
+  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const Sphere& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const Capsule& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
   /// The result of the last touch(), ascending by place.
   std::span<const SceneTouch> touches() const;
 

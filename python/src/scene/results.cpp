@@ -78,9 +78,10 @@ void bind_scene_results(nb::module_& m) {
       .field("contacts", &SceneRow::contacts)
       .field("surfaces", &SceneRow::surfaces, doc::ScenePair_surfaces)
       .field("crossings", &SceneRow::crossings, doc::ScenePair_crossings);
-  Record<SceneRows> rows(m, "ScenePairs",
-                         "Bodies that touch or may touch, in the order of their places: pairs[i] and loops give ScenePair objects, "
-                         "attributes are columns of all of them. A copy, which later updates do not change.");
+  Record<SceneRows> rows(
+      m, "ScenePairs",
+      "Bodies that touch or may touch, in the order of their places: pairs[i] and loops give ScenePair objects, "
+      "attributes are columns of all of them. A copy, which later updates do not change.");
   rows.property("place_a", MORULA_COLUMN(SceneRows, pairs, a.place), "(n,) uint32: BodyId.place.")
       .property("place_b", MORULA_COLUMN(SceneRows, pairs, b.place), "(n,) uint32: BodyId.place.")
       .property(
@@ -147,6 +148,7 @@ void bind_scene_results(nb::module_& m) {
   Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and the touch.")
       .field("body", &FoundTouch::body)
       .field("touch", &FoundTouch::touch);
+  Record<SceneHit>(m, "SceneHit", doc::SceneHit).field("body", &SceneHit::body).field("hit", &SceneHit::hit);
   Record<SceneRayHit>(m, "SceneRayHit", "What Scene.first_hit() found.")
       .field("body", &SceneRayHit::body, doc::SceneRayHit_body)
       .field("first", &SceneRayHit::first)
