@@ -123,6 +123,19 @@ def test_a_finished_pair_has_the_contacts_of_two_bodies_alone(crowd):
     assert len(scene.pairs()) == 0 and len(scene.ended()) == len(pairs) and numpy.array_equal(pairs.contacts.depth, before)
 
 
+def test_reserved_memory_changes_no_result(crowd):
+    told = []
+    for reserves in (False, True):
+        scene = morula.Scene(surfaces=True)
+        if reserves:
+            scene.reserve(bodies=len(crowd), near_pairs=21, contacts=100)
+        for _, collider in crowd:
+            scene.add(collider)
+        scene.update()
+        told.append((scene.pairs().contacts.depth.tolist(), scene.pairs().id.tolist()))
+    assert told[0] == told[1] and len(told[0][0]) > 10
+
+
 def test_no_crossing_is_lost_to_a_budget(crowd):
     for budget in (0, 40, "50us"):
         scene = morula.Scene(budget=budget)

@@ -121,7 +121,9 @@ class PairFront {
   std::span<const ContactSurface> surfaces() const { return extras_.surfaces; }
   std::span<const Crossing> crossings() const { return extras_.crossings; }
 
-  /// Frees all memory. bind() has to follow.
+  /// Makes room for so many contacts and surfaces, which give_back() leaves.
+  void reserve(std::size_t contacts, std::size_t surfaces);
+  /// Frees all memory but the reserved. bind() has to follow.
   void give_back();
 
   PairPriority priority;
@@ -129,6 +131,7 @@ class PairFront {
 
  private:
   bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const;
+  bool may_carry() const;
   bool carries() const;
   Descent descend(const SceneOptions& options, std::size_t most_tests);
   ContactStatus refine_front(const SceneOptions& options, const Budget& budget);
@@ -170,8 +173,9 @@ class PairFront {
   Front front_;
   Cost cost_;
   std::vector<Contact> descended_;  ///< contacts found without a front
-  bool is_current_ = false;  ///< whether contacts belong to the present poses: the query's contacts, or else all of
-                             ///< descended_
+  bool is_current_ = false;   ///< whether contacts belong to the present poses: the query's contacts, or else all of
+                              ///< descended_
+  bool is_reserved_ = false;  ///< whether lists keep their memory
   bool touch_found_ = false;  ///< whether a stopped descent has found a contact of the present poses
   Extras extras_;
 };

@@ -110,6 +110,9 @@ class PublishedPairs {
   const std::vector<EndedPair>& ended() const { return ended_; }
   /// Clears both lists. Published touches stay, and their ends are still to be published.
   void clear() noexcept { pairs_.clear(), ended_.clear(); }
+  void reserve(std::size_t pairs) {
+    pairs_.reserve(pairs), ended_.reserve(pairs), reported_.reserve(pairs), next_reported_.reserve(pairs);
+  }
   void start();
   /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::touches, id and began, from
   /// `confirmed` and from the touches before: a touch stays until the pair is not added.
@@ -179,6 +182,7 @@ struct SceneState {
   SceneStatus current() const;
 
   SceneStatus update(Workers& workers);
+  void reserve(const SceneReserve& sizes);
 
  private:
   SceneStatus read_bodies(Workers& workers);

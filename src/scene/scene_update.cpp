@@ -73,6 +73,19 @@ SceneStatus SceneState::unmoved() const {
   return {};
 }
 
+void SceneState::reserve(const SceneReserve& sizes) {
+  bodies.reserve(sizes.bodies);
+  reads_.found.reserve(sizes.bodies), reads_.as_read.reserve(sizes.bodies);
+  // The boxes that the tree stores are larger, and so more of them overlap.
+  constexpr std::size_t stored_pairs = 4;
+  broad.reserve(sizes.bodies, stored_pairs * sizes.near_pairs);
+  near.pairs.reserve(sizes.near_pairs), near.next.reserve(sizes.near_pairs), near.looked_at.reserve(sizes.near_pairs);
+  refinement_.reserve(sizes.near_pairs);
+  extras_.due.reserve(sizes.near_pairs);
+  published.reserve(sizes.near_pairs);
+  fronts.reserve(sizes.near_pairs, sizes.contacts, options.surfaces ? sizes.contacts : 0);
+}
+
 void SceneState::end(const NearPair& pair) {
   if (pair.front == nullptr) return;
   if (bodies[pair.a].collider == nullptr || bodies[pair.b].collider == nullptr) {
@@ -168,8 +181,10 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
       extras_.due.push_back(pair.front);
   const bool by_time = options.budget.is_time();
   if (by_time)
-    std::stable_sort(extras_.due.begin(), extras_.due.end(), [](const PairFront* x, const PairFront* y) {
-      return x->priority.importance > y->priority.importance;
+    std::sort(extras_.due.begin(), extras_.due.end(), [](const PairFront* x, const PairFront* y) {
+      return x->priority.importance != y->priority.importance
+                 ? x->priority.importance > y->priority.importance
+                 : std::pair(x->id_a(), x->id_b()) < std::pair(y->id_a(), y->id_b());
     });
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
   const auto is_late = [&] { return by_time && now() >= deadline; };

@@ -358,6 +358,7 @@ std::vector<std::pair<const char*, std::function<void(Scene&, BodyId, const Coll
       {"wake", [](Scene& s, BodyId b, const Collider&) { s.wake(b); }},
       {"set_masks", [](Scene& s, BodyId b, const Collider&) { s.set_masks(b, 2, 1); }},
       {"set_options", [](Scene& s, BodyId, const Collider&) { s.set_options({.margin = 3}); }},
+      {"reserve", [](Scene& s, BodyId, const Collider&) { s.reserve({.bodies = 9}); }},
       {"pairs", [](Scene& s, BodyId, const Collider&) { s.pairs(); }},
       {"ended", [](Scene& s, BodyId, const Collider&) { s.ended(); }},
       {"find", [](Scene& s, BodyId b, const Collider&) { s.find(b, b); }},

@@ -61,7 +61,7 @@ TEST(SceneQuestions, all_hits_of_a_ray_are_those_of_brute_force_over_facets) {
   std::size_t hits = 0, several = 0, left_out = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Rest rest(seed);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 1200; ++i) {
       const Ray ray{test::random_point(rest.crowd.random, 3), test::random_point(rest.crowd.random, 1),
                     i % 3 == 0 ? rest.crowd.random.uniform(1, 9) : std::numeric_limits<double>::infinity()};
       const SceneFilter filter = rest.next();

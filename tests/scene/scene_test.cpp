@@ -127,9 +127,9 @@ TEST(Scene, finished_contacts_are_those_of_every_two_bodies_alone) {
 std::vector<double> digits(const Scene& scene) {
   std::vector<double> all;
   for (const ScenePair& pair : scene.pairs()) {
-    for (const double x : {static_cast<double>(pair.a.place), static_cast<double>(pair.b.place),
-                           static_cast<double>(pair.id), pair.touches ? 1.0 : 0.0, pair.confirmed ? 1.0 : 0.0,
-                           pair.began ? 1.0 : 0.0, pair.finished ? 1.0 : 0.0})
+    for (const double x :
+         {static_cast<double>(pair.a.place), static_cast<double>(pair.b.place), static_cast<double>(pair.id),
+          pair.touches ? 1.0 : 0.0, pair.confirmed ? 1.0 : 0.0, pair.began ? 1.0 : 0.0, pair.finished ? 1.0 : 0.0})
       all.push_back(x);
     for (const Contact& c : pair.contacts)
       all.insert(all.end(), {static_cast<double>(c.node_a), static_cast<double>(c.node_b), c.point.x, c.depth,

@@ -534,8 +534,8 @@ class SceneWalk {
   bool rereads_all_ = false, rereads_extras_ = false;  // requested since the last update
   bool was_thrown_ = false;                            // the last update
   std::map<std::uint64_t, std::pair<BodyId, BodyId>> touching_;
-  std::size_t late_ = 0;  // pairs whose touch the last update does not tell as it is
-  std::set<std::uint64_t> given_touches_;                           // every number of a touch ever given
+  std::size_t late_ = 0;                   // pairs whose touch the last update does not tell as it is
+  std::set<std::uint64_t> given_touches_;  // every number of a touch ever given
   std::set<std::pair<std::uint32_t, std::uint32_t>> given_bodies_;  // every BodyId ever given
   std::optional<Scene> scene_;                                      // last: it borrows
 };

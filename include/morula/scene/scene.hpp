@@ -65,6 +65,13 @@ struct SceneOptions {
   std::function<bool(BodyId a, BodyId b)> accepts{};
 };
 
+/// Sizes for Scene::reserve().
+struct SceneReserve {
+  std::size_t bodies = 0;      ///< number of bodies
+  std::size_t near_pairs = 0;  ///< number of pairs of bodies whose boxes overlap, before masks and filter
+  std::size_t contacts = 0;    ///< number of contacts of a pair
+};
+
 /// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
 /// remove().
 ///
@@ -161,8 +168,8 @@ struct SceneTouch {
 /// options(); the other functions throw std::logic_error with their name, and change nothing.
 ///
 /// Only one thread may use a scene at a time; workers share the work of update(). An update allocates nothing if the
-/// scene has had as many bodies and pairs, and each pair as many contacts. A pair frees its memory when its bodies have
-/// been apart for 32 updates. docs/how-to/scene.md has the memory of a pair.
+/// scene has had as many bodies and pairs, and each pair as many contacts, or reserve() has made room for them. A pair
+/// frees its memory when its bodies have been apart for 32 updates. docs/how-to/scene.md has the memory of a pair.
 class Scene {
  public:
   /// Throws std::invalid_argument, with the option, for a margin that is negative or not finite, and for a negative
@@ -174,6 +181,13 @@ class Scene {
   /// Sets the options for the next update(). Throws like the constructor, and then changes nothing.
   void set_options(SceneOptions options);
   const SceneOptions& options() const;
+  /// Allocates memory in advance. Until the scene has more bodies, near pairs, or contacts of a pair, or an update
+  /// throws, no update without a budget allocates, however bodies move; the memory stays when pairs part. Room for
+  /// surfaces, if SceneOptions::surfaces is set by then, is included. Three things still allocate while they grow:
+  /// fronts of pairs that a budget leaves unfinished, crossings, and the memory in which a working thread reads facets.
+  /// Cost: linear. Memory: near_pairs * (1 kB + 88 bytes * contacts, and 144 bytes with surfaces). Throws
+  /// std::bad_alloc, and then has no effect besides memory.
+  void reserve(const SceneReserve& sizes);
 
   /// Adds a body, and returns its id. The scene borrows the collider until remove() or replace(); between updates of
   /// the scene, the caller may update and move the body. Throws std::invalid_argument for options out of range, and for

@@ -170,6 +170,16 @@ void bind_scene_bodies(Class& scene) {
           },
           nb::arg("body"), nb::arg("category"), nb::arg("mask"), doc::SceneBodyOptions_category)
       .def(
+          "reserve",
+          [](HeldScene& self, std::size_t bodies, std::size_t near_pairs, std::size_t contacts) {
+            locked_idle(self, [&] { self.scene.reserve({bodies, near_pairs, contacts}); });
+          },
+          nb::kw_only(), nb::arg("bodies") = 0, nb::arg("near_pairs") = 0, nb::arg("contacts") = 0,
+          with_arguments(doc::Scene_reserve, {{"bodies", doc::SceneReserve_bodies},
+                                              {"near_pairs", doc::SceneReserve_near_pairs},
+                                              {"contacts", doc::SceneReserve_contacts}})
+              .c_str())
+      .def(
           "has", [](const HeldScene& self, BodyId body) { return locked(self, [&] { return self.scene.has(body); }); },
           nb::arg("body"))
       .def(

@@ -237,15 +237,9 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
     for (const PairRow& p : f.pairs) {
       double deepest = 0;
       for (const ContactSurface& s : p.surfaces) deepest = std::max(deepest, s.depth);
-      Json pair{{"a", members[p.a]->file().name},
-                {"b", members[p.b]->file().name},
-                {"touch", p.id},
-                {"touches", p.touches},
-                {"confirmed", p.confirmed},
-                {"began", p.began},
-                {"finished", p.finished},
-                {"contacts", p.contacts.size()},
-                {"surface_depth", deepest}};
+      Json pair{{"a", members[p.a]->file().name}, {"b", members[p.b]->file().name}, {"touch", p.id},
+                {"touches", p.touches},           {"confirmed", p.confirmed},       {"began", p.began},
+                {"finished", p.finished},         {"contacts", p.contacts.size()},  {"surface_depth", deepest}};
       if (run.options.find_crossings) pair["facet_pairs"] = p.crossings.size();
       frame["pairs"].push_back(std::move(pair));
     }
