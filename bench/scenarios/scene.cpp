@@ -5,10 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
+#include <morula/tree/sphere_state.hpp>
+#include <morula/tree/sphere_tree.hpp>
 #include <morula/update/body.hpp>
+#include <set>
+#include <span>
 
 #include "frames.hpp"
 #include "peers.hpp"
@@ -85,8 +90,10 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   SceneOptions options;
   if (budget) options.budget = *budget;
   Scene scene(options);
-  double near = 0, open = 0, touching = 0, tests = 0;
-  std::size_t checked = 0, lost = 0, frame = 0;
+  // Without a budget every touch is told in its frame.
+  Scene whole;
+  double near = 0, open = 0, touching = 0, tests = 0, undecided = 0, began = 0, late = 0;
+  std::size_t wrong = 0, checked = 0, lost = 0, frame = 0;
   const auto check = [&](std::size_t i, std::size_t j) {
     const Member &a = *members[std::min(i, j)], &b = *members[std::max(i, j)];
     const ScenePair* pair = scene.find(a.id, b.id);
@@ -103,7 +110,7 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
         const double t = 2 * 3.14159265358979 * static_cast<double>(f) / static_cast<double>(frames.size()) + m.phase;
         const Vec3 sway{std::sin(t), std::cos(t), std::sin(2 * t)};
         m.collider.set_transform(RigidTransform::from_axis(m.axis, t, m.middle + sway * (0.05 * size)));
-        if (frame == 0) m.id = scene.add(m.collider, {.user_data = i});
+        if (frame == 0) m.id = scene.add(m.collider, {.user_data = i}), whole.add(m.collider);
       }
       // The first frame makes memory.
       if (frame == 0) result.expect(static_cast<bool>(scene.update(*settings.workers)), "the scene was rejected");
@@ -111,7 +118,21 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
       result.seconds.push_back(seconds_of([&] { status = scene.update(*settings.workers); }));
       if (spinning != nullptr) spinning->seconds.push_back(seconds_of([&] { spin(*settings.workers); }));
       near += static_cast<double>(status.near_pairs), open += static_cast<double>(status.open_pairs);
-      touching += static_cast<double>(scene.pairs().size()), tests += static_cast<double>(status.pair_tests);
+      require(whole.update(*settings.workers));
+      undecided += static_cast<double>(status.undecided_pairs);
+      for (const ScenePair& pair : scene.pairs()) touching += pair.touches;
+      for (const ScenePair& pair : whole.pairs()) {
+        began += pair.began && frame > 0;
+        const ScenePair* found = scene.find(pair.a, pair.b);
+        late += found == nullptr || !found->touches;
+      }
+      for (const ScenePair& pair : scene.pairs()) {
+        const bool touches = whole.find(pair.a, pair.b) != nullptr;
+        wrong += (pair.began || pair.confirmed) && !touches;
+        late += pair.touches && !touches;
+      }
+      for (const EndedPair& pair : scene.ended()) wrong += whole.find(pair.a, pair.b) != nullptr;
+      tests += static_cast<double>(status.pair_tests);
       if (frame % 8 != 0 || input.mesh.facet_count() > most_facets_by_force) continue;
       const std::size_t i = random.next() % body_count;
       for (const std::size_t j : {i + 1, i + 6, i + 36})
@@ -123,14 +144,92 @@ Result many_bodies(const Input& input, const Settings& settings, std::optional<B
   });
   const auto count = static_cast<double>(result.seconds.size());
   result.expect(lost == 0, std::to_string(lost) + " crossings are in no contact");
+  result.expect(wrong == 0, std::to_string(wrong) + " events are false");
+  result.expect(late <= undecided, "more events are late than pairs were undecided");
   result.expect(checked > 0 || input.mesh.facet_count() > most_facets_by_force, "nothing crosses");
-  result.figures = {{"near pairs", near / count},
-                    {"touching", touching / count},
-                    {"not finished", open / count},
-                    {"pair tests", tests / count},
-                    {"crossings checked", static_cast<double>(checked)}};
+  result.figures = {{"near pairs", near / count},   {"touching", touching / count},
+                    {"not finished", open / count}, {"began", began / count},
+                    {"late events", late / count},  {"undecided", undecided / count},
+                    {"pair tests", tests / count},  {"crossings checked", static_cast<double>(checked)}};
   add_tail(result);
   if (spinning != nullptr) add_tail(*spinning);
+  return result;
+}
+
+/// Whether the contacts of a pair hold every two final nodes that clearly overlap, by all leaf spheres in double.
+bool holds_all(const Collider& a, const Collider& b, std::span<const Contact> contacts) {
+  const auto spheres_of = [](const Collider& body) {
+    std::vector<Sphere> spheres;
+    for (const Spheref& s : body.sphere_state().spheres)
+      spheres.push_back({body.transform()(body.sphere_state().origin + Vec3(s.center)), s.radius});
+    return spheres;
+  };
+  const std::vector<Sphere> all_a = spheres_of(a), all_b = spheres_of(b);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+  for (const Contact& contact : contacts) found.emplace(contact.node_a, contact.node_b);
+  const auto is_within = [&](std::uint32_t leaf_a, std::uint32_t leaf_b) {
+    for (std::uint32_t node_a = leaf_a; node_a != no_node; node_a = a.tree().parent[node_a])
+      for (std::uint32_t node_b = leaf_b; node_b != no_node; node_b = b.tree().parent[node_b])
+        if (found.count({node_a, node_b}) > 0) return true;
+    return false;
+  };
+  const double clear = 1e-3 * all_b[0].radius;
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t i = 0; i < all_a.size(); ++i)
+    if (a.tree().is_leaf(i) && distance(all_a[i].center, all_b[0].center) < all_a[i].radius + all_b[0].radius)
+      near.push_back(i);
+  for (const std::uint32_t i : near)
+    for (std::uint32_t j = 0; j < all_b.size(); ++j)
+      if (b.tree().is_leaf(j) &&
+          distance(all_a[i].center, all_b[j].center) < all_a[i].radius + all_b[j].radius - clear && !is_within(i, j))
+        return false;
+  return true;
+}
+
+/// Bodies that arrive, one in each frame, at a terrain of a ball per facet; the time of the update in which one does.
+Result arrivals(const Input& input, const Settings& settings, const Budget& budget, const char* item) {
+  Result result{.scenario = "scene", .item = item, .mesh = input.name};
+  constexpr int side = 500;
+  const CoveredTree model = build(input.mesh, {}, *settings.workers);
+  const double size = bounding_box(input.mesh).diagonal(), cell = size / 25;
+  const auto corner = [&](int i, int j) {
+    return Vec3{i * cell, j * cell, 0.1 * size * std::sin(0.2 * i) * std::cos(0.3 * j)};
+  };
+  std::vector<Sphere> balls;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      for (const bool upper : {false, true}) {
+        const Vec3 p = corner(i + 1, j), q = corner(i, j + 1), r = upper ? corner(i + 1, j + 1) : corner(i, j);
+        const Vec3 middle = (p + q + r) / 3.0;
+        balls.push_back({middle, std::max({distance(middle, p), distance(middle, q), distance(middle, r)})});
+      }
+  const PosedSpheres land(tree_from_spheres(balls), true);
+  const Collider terrain(land.sphere_state());
+  const Body body(input.mesh, model);
+  constexpr int count = 20;
+  std::vector<std::unique_ptr<Collider>> colliders;
+  Scene scene({.budget = budget});
+  const BodyId ground = scene.add(terrain, {.is_static = true});
+  std::vector<BodyId> ids;
+  for (int i = 0; i < count; ++i) {
+    colliders.push_back(std::make_unique<Collider>(input.mesh, body));
+    colliders.back()->set_transform({.translation = {2 * size * i, 0, 100 * size}});
+    ids.push_back(scene.add(*colliders.back()));
+  }
+  require(scene.update(*settings.workers));
+  std::size_t contacts = 0, wrong = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    colliders[i]->set_transform({.translation = {0.9 * size * static_cast<double>(i), 5 * size, 0}});
+    SceneStatus status;
+    result.seconds.push_back(seconds_of([&] { status = scene.update(*settings.workers); }));
+    require(status);
+    const ScenePair* pair = scene.find(ground, ids[i]);
+    if (pair != nullptr) contacts += pair->contacts.size();
+    if (i % 5 == 0) wrong += pair == nullptr || !holds_all(terrain, *colliders[i], pair->contacts);
+  }
+  result.expect(wrong == 0, "a contact with the terrain is missing");
+  result.figures = {{"contacts a pair", static_cast<double>(contacts) / count},
+                    {"worst us", 1e6 * *std::max_element(result.seconds.begin(), result.seconds.end())}};
   return result;
 }
 
@@ -270,6 +369,9 @@ std::vector<Result> run_scene(const Input& input, const Settings& settings) {
   results.push_back(std::move(spinning));
   results.push_back(many_bodies(input, settings, Budget(100000), "200 bodies, 100,000 tests"));
   results.push_back(many_bodies(input, settings, std::nullopt, "200 bodies, to the end"));
+  results.push_back(many_bodies(input, settings, Budget(20ms), "200 bodies, 20 ms"));
+  results.push_back(arrivals(input, settings, Budget(1ms), "arrival at 500,000 facets, 1 ms"));
+  results.push_back(arrivals(input, settings, Budget(3000), "arrival at 500,000 facets, 3,000 tests"));
   for (Result& result : boxes_of(settings, 5000, 500, 0.05, "500 of 5,000 move")) results.push_back(std::move(result));
   for (Result& result : boxes_of(settings, 1000, 1000, 0.05, "1,000 of 1,000 move"))
     results.push_back(std::move(result));

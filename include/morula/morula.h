@@ -226,13 +226,15 @@ MORULA_API morula_status morula_self_crossings(morula_body* body, uint32_t* pair
 
 typedef struct morula_scene morula_scene;
 
-/* Two bodies whose leaf spheres overlap, or are no farther apart than the margin. */
+/* Two bodies that touch or may touch. They touch if leaf spheres overlap, or are no farther apart than the margin. */
 typedef struct morula_scene_pair {
   morula_body *a, *b;
   const morula_contact* contacts; /* contacts of a and b */
   size_t contact_count;
-  int32_t began;    /* 1: the touch began in the last update */
-  int32_t finished; /* 0: the budget ended before every contact was opened */
+  int32_t touches;   /* 1: a touch has begun and not ended; 0: whether the bodies touch is open */
+  int32_t confirmed; /* 1: the bodies touch at their present poses; 0: the budget left that open */
+  int32_t began;     /* 1: the touch began in the last update */
+  int32_t finished;  /* 0: the budget ended before every contact was opened */
 } morula_scene_pair;
 
 /* Creates a scene. options: NULL for the defaults; the budget is that of one update, for all pairs together. threads: 1
@@ -243,12 +245,13 @@ MORULA_API void morula_scene_destroy(morula_scene* scene);
  * never moves; two static bodies form no pair. A body that the scene already has is a bad argument. */
 MORULA_API morula_status morula_scene_add(morula_scene* scene, morula_body* body, int is_static);
 MORULA_API morula_status morula_scene_remove(morula_scene* scene, const morula_body* body);
-/* Finds the pairs of bodies in contact; called once a frame, after the bodies have moved. If the rules cover and two
+/* Finds the pairs of bodies that touch or may touch; called once a frame, after the bodies have moved. If the rules cover and two
  * surfaces cross, their pair is found and the crossing lies within one of its contacts, even if the budget ends the
  * search. Rejected, with no change: a body whose last update was rejected. */
 MORULA_API morula_status morula_scene_update(morula_scene* scene);
 MORULA_API size_t morula_scene_pair_count(const morula_scene* scene);
-/* The pairs; valid until the scene is updated or destroyed, or a body is removed. A touch without a pair has ended. */
+/* The pairs; valid until the scene is updated or destroyed, or a body is removed. A touch without a pair has
+ * ended. */
 MORULA_API const morula_scene_pair* morula_scene_pairs(const morula_scene* scene);
 
 #ifdef __cplusplus

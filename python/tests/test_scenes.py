@@ -123,6 +123,19 @@ def test_a_finished_pair_has_the_contacts_of_two_bodies_alone(crowd):
     assert len(scene.pairs()) == 0 and len(scene.ended()) == len(pairs) and numpy.array_equal(pairs.contacts.depth, before)
 
 
+def test_reserved_memory_changes_no_result(crowd):
+    told = []
+    for reserves in (False, True):
+        scene = morula.Scene(surfaces=True)
+        if reserves:
+            scene.reserve(bodies=len(crowd), near_pairs=21, contacts=100)
+        for _, collider in crowd:
+            scene.add(collider)
+        scene.update()
+        told.append((scene.pairs().contacts.depth.tolist(), scene.pairs().id.tolist()))
+    assert told[0] == told[1] and len(told[0][0]) > 10
+
+
 def test_no_crossing_is_lost_to_a_budget(crowd):
     for budget in (0, 40, "50us"):
         scene = morula.Scene(budget=budget)
@@ -172,6 +185,27 @@ def test_touches_begin_and_end():
     assert again.place == up.place and again != up and hash(again) != hash(up) and len({up, again, down}) == 3
     with pytest.raises(ValueError, match="body"):
         scene.collider(up)
+
+
+def test_a_touch_begins_and_ends_where_it_is_proven():
+    floor, ball = collider_of("bar")[1], collider_of("capsule")[1]
+    scene = morula.Scene()
+    scene.add(floor), scene.add(ball)
+
+    def after(height, budget):
+        ball.set_transform((0.0, height, 0.0))
+        scene.set_budget(budget)
+        status = scene.update()
+        pairs = scene.pairs()
+        told = [(p.touches, p.confirmed, p.began, p.finished) for p in pairs]
+        assert told == list(zip(pairs.touches.tolist(), pairs.confirmed.tolist(), pairs.began.tolist(), pairs.finished.tolist()))
+        assert all((p.id > 0) == p.touches for p in pairs)
+        return told, status.undecided_pairs, len(scene.ended())
+
+    assert after(0.3, 0) == ([(False, False, False, False)], 1, 0)
+    assert after(0.3, None) == ([(True, True, True, True)], 0, 0)
+    assert after(0.31, 0) == ([(True, False, False, False)], 1, 0)
+    assert after(9.0, 0) == ([], 0, 1)
 
 
 def test_filters_decide_who_meets():
@@ -250,7 +284,17 @@ def test_rays_and_shapes_find_what_each_body_says(crowd):
         if nearest is not None:
             hits += 1
             assert found.body == ids[nearest] and found.first == alone[nearest].first
+            listed = scene.all_hits(origin, direction)
+            assert (listed[0].body, listed[0].hit) == (found.body, found.first)
+            every = sorted((float(t), i, int(f)) for i, (_, collider) in enumerate(crowd)
+                           for t, f in zip(*(getattr(morula.all_hits(collider, origin, direction), name) for name in ("t", "facet"))))
+            assert [(hit.hit.t, ids.index(hit.body), hit.hit.point.facet) for hit in listed] == every
+            rest = scene.all_hits(origin, direction, ignored=[found.body])
+            assert [hit.body for hit in rest] == [hit.body for hit in listed if hit.body != found.body]
+            assert bool(scene.first_hit(origin, direction, ignored=[found.body])) == bool(rest)
+            assert not scene.first_hit(origin, direction, mask=2) and scene.all_hits(origin, direction, mask=2) == []
     assert hits > 10
+    assert scene.touch((0.5, 0.1, 0.2, 0.7), mask=2) == [] and scene.touch((0.5, 0.1, 0.2, 0.7), ignored=ids) == []
     for shape in (morula.HalfSpace((0, 1, 0), -0.5), (0.5, 0.1, 0.2, 0.7), morula.Capsule((0, 0, 0), (1, 1, 1), 0.2)):
         alone = {ids[i]: morula.touch(collider, shape) for i, (_, collider) in enumerate(crowd)}
         found = {touch.body: touch.touch.touches for touch in scene.touch(shape)}

@@ -26,8 +26,8 @@ void read_pairs(morula_scene& scene) {
     for (const Contact& contact : pair.contacts) scene.contacts.push_back(contact_of(contact));
   const morula_contact* contacts = scene.contacts.data();
   for (const ScenePair& pair : scene.scene.pairs()) {
-    scene.pairs.push_back(
-        {handle(pair.a), handle(pair.b), contacts, pair.contacts.size(), pair.began ? 1 : 0, pair.finished ? 1 : 0});
+    scene.pairs.push_back({handle(pair.a), handle(pair.b), contacts, pair.contacts.size(), pair.touches ? 1 : 0,
+                           pair.confirmed ? 1 : 0, pair.began ? 1 : 0, pair.finished ? 1 : 0});
     contacts += pair.contacts.size();
   }
 }

@@ -82,8 +82,10 @@ struct ContactQuery::State {
     if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
     const auto side = [&](const Front::Side& stamp, const Collider& collider) {
       const std::size_t nodes = collider.sphere_state().spheres.size();
-      if (stamp.cover_id != collider.sphere_state().cover_id || stamp.spheres.size() != nodes ||
-          stamp.path_length.size() != nodes)
+      // A front for resume() alone has no spheres.
+      const bool resumes = same_frame && stamp.spheres.empty() && stamp.path_length.empty();
+      if (stamp.cover_id != collider.sphere_state().cover_id ||
+          (!resumes && (stamp.spheres.size() != nodes || stamp.path_length.size() != nodes)))
         return Code::other_bodies;
       if (!same_frame) return Code::ok;
       if (stamp.frame != collider.sphere_state().frame) return Code::other_frame;
@@ -233,6 +235,11 @@ Status ContactQuery::warm_up(Workers& workers) {
 ContactStatus ContactQuery::start(Workers& workers) {
   State& s = *state_;
   return s.fresh([&] { s.walk.start(s.options, true, workers, s.contacts); });
+}
+
+ContactStatus detail::start_for_resume(ContactQuery& query) {
+  ContactQuery::State& s = *query.state_;
+  return s.fresh([&] { s.walk.start(s.options, false, serial_workers(), s.contacts); });
 }
 
 ContactStatus ContactQuery::resume(Workers& workers) {

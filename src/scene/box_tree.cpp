@@ -54,6 +54,13 @@ void BoxTree::reserve() {
   free_.reserve(nodes_.capacity());
 }
 
+void BoxTree::reserve(std::size_t leaves) {
+  nodes_.reserve(2 * leaves);
+  parent_.reserve(nodes_.capacity());
+  free_.reserve(nodes_.capacity());
+  stack_.reserve(nodes_.capacity());
+}
+
 void BoxTree::replace_child(std::uint32_t parent, std::uint32_t before, std::uint32_t after) {
   parent_[after] = parent;
   if (parent == none) {

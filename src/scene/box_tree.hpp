@@ -33,6 +33,8 @@ class BoxTree {
 
   /// Makes room for one more leaf: the next insert() allocates nothing and does not throw.
   void reserve();
+  /// Makes room for so many leaves in all; insert(), remove() and visit() then allocate nothing.
+  void reserve(std::size_t leaves);
   /// Returns the leaf. Requires room: by reserve(), or by an earlier remove() of another leaf.
   std::uint32_t insert(const FloatBox& box, std::uint32_t item);
   void remove(std::uint32_t leaf);

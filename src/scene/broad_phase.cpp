@@ -76,10 +76,13 @@ struct BroadPhase::State {
   /// Reserves memory for one more box: adding, moving and removing it then allocate nothing.
   void reserve() {
     if (entries.size() == entries.capacity()) entries.reserve(2 * entries.size() + 1);
+    tree.reserve();
+    reserve_as_entries();
+  }
+  void reserve_as_entries() {
     flags.reserve(entries.capacity());
     changed.reserve(entries.capacity());
     free.reserve(entries.capacity());
-    tree.reserve();
   }
 
   void flag(std::uint32_t number, std::uint8_t what) {
@@ -169,6 +172,15 @@ Status BroadPhase::move(std::uint32_t number, const Box& box) {
   entry.leaf = s.tree.insert(enlarged(box, way), number);
   s.flag(number, newly_placed);
   return {};
+}
+
+void BroadPhase::reserve(std::size_t boxes, std::size_t pairs) {
+  State& s = *state_;
+  s.entries.reserve(boxes);
+  s.reserve_as_entries();
+  s.tree.reserve(boxes);
+  s.candidates.reserve(pairs), s.merged.reserve(pairs), s.found.reserve(pairs);
+  s.pairs.reserve(pairs), s.next_pairs.reserve(pairs);
 }
 
 bool BroadPhase::has(std::uint32_t number) const {

@@ -38,7 +38,9 @@ PairFront* FrontStore::take(BodyId a, BodyId b) {
   auto taken = parted_.end();
   if (known != parted_.end() && (*known)->is_of(a, b)) taken = known;
   if (taken == parted_.end() && spare_.empty()) {
-    if (parted_.size() <= std::max(fewest_parted_fronts, all_.size() / 2)) {
+    // Reserved fronts serve before another is made, though a parted pair loses its own.
+    const bool has_reserved = all_.size() <= reserved_ && !parted_.empty();
+    if (!has_reserved && parted_.size() <= std::max(fewest_parted_fronts, all_.size() / 2)) {
       all_.push_back(std::make_unique<PairFront>());
       spare_.reserve(all_.capacity());
       parted_.reserve(all_.capacity());
@@ -82,9 +84,21 @@ void FrontStore::give_back_rested() {
   });
 }
 
+void FrontStore::reserve(std::size_t pairs, std::size_t contacts, std::size_t surfaces) {
+  all_.reserve(pairs);
+  spare_.reserve(all_.capacity());
+  parted_.reserve(all_.capacity());
+  while (all_.size() < pairs) {
+    all_.push_back(std::make_unique<PairFront>());
+    spare_.push_back(all_.back().get());
+  }
+  for (const auto& front : all_) front->reserve(contacts, surfaces);
+  reserved_ = std::max(reserved_, pairs);
+}
+
 void FrontStore::forget() noexcept {
   parted_.clear(), spare_.clear(), all_.clear();
-  next_to_forget_ = updates_to_give_back_ = 0;
+  next_to_forget_ = reserved_ = updates_to_give_back_ = 0;
 }
 
 }  // namespace morula::detail

@@ -33,6 +33,9 @@ class FrontStore {
   /// Frees memory; called once per update. Parted pairs may come back, so their fronts keep their memory until two such
   /// calls have found them parted.
   void give_back_rested();
+  /// Makes fronts, so that so many pairs may be near, with room for so many contacts, and surfaces, each. The fronts
+  /// keep this room until forget().
+  void reserve(std::size_t pairs, std::size_t contacts, std::size_t surfaces);
   /// Resets the store: no front is in use.
   void forget() noexcept;
 
@@ -41,6 +44,7 @@ class FrontStore {
   std::vector<PairFront*> spare_, parted_;  // fronts not in use, with room for all fronts; parted ones in the order of
                                             // their bodies
   std::size_t next_to_forget_ = 0;          // place in parted_ of the next front to reuse, if there are too many
+  std::size_t reserved_ = 0;                // number of fronts that reserve() asked for
   std::uint32_t updates_to_give_back_ = 0;  // updates since memory was freed last
 };
 

@@ -15,6 +15,9 @@ namespace {
 constexpr std::size_t least_for_a_try = 512;
 // The number of a descent's tests that take as long as one test of a front.
 constexpr std::size_t descent_tests = 4;
+// The most memory of a front per node of both trees. With it a pair holds less than 16 kB, contacts aside, and begins
+// in a time that does not depend on the sizes of the trees.
+constexpr std::size_t most_bytes_to_carry = 8192;
 
 }  // namespace
 
@@ -25,7 +28,7 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
   }
   bodies_.id_a = id_a, bodies_.id_b = id_b;
   bodies_.a = &a, bodies_.b = &b;
-  front_.is_there = is_current_ = roots_.overlap = front_.carrying_was_dear = false;
+  front_.is_there = is_current_ = touch_found_ = roots_.overlap = front_.carrying_was_dear = false;
   extras_.forget();
   cost_.to_finish.reset();
   cost_.in_vain = 0;
@@ -49,7 +52,7 @@ void PairFront::visit(const SceneOptions& options) {
 }
 
 void PairFront::part() {
-  roots_.overlap = is_current_ = extras_.are_due = false;
+  roots_.overlap = is_current_ = touch_found_ = extras_.are_due = false;
   extras_.forget();
 }
 
@@ -70,9 +73,15 @@ std::optional<std::size_t> PairFront::tests_expected() const {
   return *cost_.to_finish + *cost_.to_finish / 4;
 }
 
+// A front that can be carried holds a sphere and a path per node.
+bool PairFront::may_carry() const {
+  constexpr std::size_t of_node = sizeof(Spheref) + sizeof(double);
+  return a().tree().node_count() + b().tree().node_count() <= most_bytes_to_carry / of_node;
+}
+
 // Carrying a front into the next frame reads all nodes once: that is expensive if there are more nodes than tests.
 bool PairFront::carries() const {
-  return front_.is_there && front_.tests > a().tree().node_count() + b().tree().node_count();
+  return front_.is_there && may_carry() && front_.tests > a().tree().node_count() + b().tree().node_count();
 }
 
 Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) {
@@ -94,6 +103,7 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
   } else {
     cost_.to_finish.reset();
     cost_.in_vain = most_tests;
+    touch_found_ = !descended_.empty();
   }
   return done;
 }
@@ -134,7 +144,7 @@ ContactStatus PairFront::refine_front(const SceneOptions& options, const Budget&
     front_.carrying_was_dear = descent_tests * status.pair_tests > front_.tests;
     if (status) return status;
   }
-  const ContactStatus status = front_.query->start();
+  const ContactStatus status = may_carry() ? front_.query->start() : start_for_resume(*front_.query);
   front_.tests = status.pair_tests;
   return status;
 }
@@ -154,9 +164,17 @@ void PairFront::give_back() {
   part();
   front_.is_there = false;
   front_.query.reset();
+  std::vector<Crossing>().swap(extras_.crossings);
+  // mutant scene-reserve-kept: `if (is_reserved_) return` -> ``
+  if (is_reserved_) return;
   std::vector<Contact>().swap(descended_);
   std::vector<ContactSurface>().swap(extras_.surfaces);
-  std::vector<Crossing>().swap(extras_.crossings);
+}
+
+void PairFront::reserve(std::size_t contacts, std::size_t surfaces) {
+  descended_.reserve(contacts);
+  extras_.surfaces.reserve(surfaces);
+  is_reserved_ = is_reserved_ || contacts > 0;
 }
 
 }  // namespace morula::detail

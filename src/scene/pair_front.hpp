@@ -105,6 +105,9 @@ class PairFront {
     return !roots_.overlap || (is_current_ && (!front_.is_there || front_.query->contacts().finished));
   }
   bool is_current() const { return is_current_; }
+  /// Whether a pair of final nodes is known to overlap in the present poses. A descent that was stopped may have found
+  /// one, though it has listed no contact.
+  bool touch_is_confirmed() const { return roots_.overlap && (touch_found_ || finished_count() > 0); }
   /// The tests to expect: those that the last finished refinement took, and a quarter more if bodies have moved; none
   /// if that is unknown.
   std::optional<std::size_t> tests_expected() const;
@@ -118,7 +121,9 @@ class PairFront {
   std::span<const ContactSurface> surfaces() const { return extras_.surfaces; }
   std::span<const Crossing> crossings() const { return extras_.crossings; }
 
-  /// Frees all memory. bind() has to follow.
+  /// Makes room for so many contacts and surfaces, which give_back() leaves.
+  void reserve(std::size_t contacts, std::size_t surfaces);
+  /// Frees all memory but the reserved. bind() has to follow.
   void give_back();
 
   PairPriority priority;
@@ -126,6 +131,7 @@ class PairFront {
 
  private:
   bool is_worth_a_descent(const SceneOptions& options, std::size_t most_tests, bool by_time) const;
+  bool may_carry() const;
   bool carries() const;
   Descent descend(const SceneOptions& options, std::size_t most_tests);
   ContactStatus refine_front(const SceneOptions& options, const Budget& budget);
@@ -167,8 +173,10 @@ class PairFront {
   Front front_;
   Cost cost_;
   std::vector<Contact> descended_;  ///< contacts found without a front
-  bool is_current_ = false;  ///< whether contacts belong to the present poses: the query's contacts, or else all of
-                             ///< descended_
+  bool is_current_ = false;   ///< whether contacts belong to the present poses: the query's contacts, or else all of
+                              ///< descended_
+  bool is_reserved_ = false;  ///< whether lists keep their memory
+  bool touch_found_ = false;  ///< whether a stopped descent has found a contact of the present poses
   Extras extras_;
 };
 

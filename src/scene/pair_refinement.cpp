@@ -38,6 +38,11 @@ std::size_t PairRefinement::run(const SceneOptions& options, std::chrono::nanose
   return tests_done_;
 }
 
+void PairRefinement::reserve(std::size_t pairs) {
+  work_.reserve(pairs), chosen_.reserve(pairs);
+  used_.reserve(pairs), shares_.reserve(pairs), values_.reserve(pairs), order_.reserve(pairs);
+}
+
 void PairRefinement::forget() noexcept {
   work_.clear(), chosen_.clear();
   first_round_of_pair_ = 0;

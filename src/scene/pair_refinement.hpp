@@ -24,6 +24,8 @@ class PairRefinement {
   /// Spends options.budget. deadline: the end of a budget of time; surfaces get half of the rest. Returns the tests
   /// done.
   std::size_t run(const SceneOptions& options, std::chrono::nanoseconds deadline, Workers& workers);
+  /// Makes room for so many pairs.
+  void reserve(std::size_t pairs);
   /// Resets all data of earlier updates and fronts.
   void forget() noexcept;
 

@@ -87,6 +87,10 @@ const SceneOptions& Scene::options() const {
   return state_->options;
 }
 
+void Scene::reserve(const SceneReserve& sizes) {
+  state_->idle("reserve").reserve(sizes);
+}
+
 BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
   const StandardFloats standard;
   SceneState& s = state_->idle("add");

@@ -3,6 +3,7 @@
 // The state of a scene between two updates.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
@@ -109,8 +110,12 @@ class PublishedPairs {
   const std::vector<EndedPair>& ended() const { return ended_; }
   /// Clears both lists. Published touches stay, and their ends are still to be published.
   void clear() noexcept { pairs_.clear(), ended_.clear(); }
+  void reserve(std::size_t pairs) {
+    pairs_.reserve(pairs), ended_.reserve(pairs), reported_.reserve(pairs), next_reported_.reserve(pairs);
+  }
   void start();
-  /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::id and began.
+  /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::touches, id and began, from
+  /// `confirmed` and from the touches before: a touch stays until the pair is not added.
   void add(ScenePair pair);
   void finish();
   void commit() noexcept { reported_.swap(next_reported_); }
@@ -130,6 +135,8 @@ struct ShapeTouches {
   std::vector<SceneTouch> touches;
   std::vector<std::unique_ptr<TouchQuery>> queries;  ///< queries; touch i belongs to query i
   mutable std::vector<std::uint32_t> bodies;         ///< places of the bodies that the ray or shape comes near
+  std::vector<SceneHit> hits;                        ///< results of Scene::all_hits()
+  std::vector<RayPoint> of_body;                     ///< hits of one body
 };
 
 /// Work and memory of add_extras(): surfaces and crossings of finished pairs.
@@ -164,11 +171,18 @@ struct SceneState {
   /// method.
   SceneState& idle(std::string_view method);
   BodyId id_of(std::uint32_t place) const { return {place, bodies[place].generation}; }
+  /// Whether a query looks at the body.
+  bool looks_at(std::uint32_t place, const SceneFilter& filter) const {
+    // mutant scene-query-mask: `(bodies[place].options.category & filter.mask) != 0` -> `true`
+    return (bodies[place].options.category & filter.mask) != 0 &&
+           std::find(filter.ignored.begin(), filter.ignored.end(), id_of(place)) == filter.ignored.end();
+  }
   Status usable(const Collider& collider) const;
   /// ok, or the first body that has moved since the last update.
   SceneStatus current() const;
 
   SceneStatus update(Workers& workers);
+  void reserve(const SceneReserve& sizes);
 
  private:
   SceneStatus read_bodies(Workers& workers);

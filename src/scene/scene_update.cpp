@@ -73,6 +73,19 @@ SceneStatus SceneState::unmoved() const {
   return {};
 }
 
+void SceneState::reserve(const SceneReserve& sizes) {
+  bodies.reserve(sizes.bodies);
+  reads_.found.reserve(sizes.bodies), reads_.as_read.reserve(sizes.bodies);
+  // The boxes that the tree stores are larger, and so more of them overlap.
+  constexpr std::size_t stored_pairs = 4;
+  broad.reserve(sizes.bodies, stored_pairs * sizes.near_pairs);
+  near.pairs.reserve(sizes.near_pairs), near.next.reserve(sizes.near_pairs), near.looked_at.reserve(sizes.near_pairs);
+  refinement_.reserve(sizes.near_pairs);
+  extras_.due.reserve(sizes.near_pairs);
+  published.reserve(sizes.near_pairs);
+  fronts.reserve(sizes.near_pairs, sizes.contacts, options.surfaces ? sizes.contacts : 0);
+}
+
 void SceneState::end(const NearPair& pair) {
   if (pair.front == nullptr) return;
   if (bodies[pair.a].collider == nullptr || bodies[pair.b].collider == nullptr) {
@@ -168,8 +181,10 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
       extras_.due.push_back(pair.front);
   const bool by_time = options.budget.is_time();
   if (by_time)
-    std::stable_sort(extras_.due.begin(), extras_.due.end(), [](const PairFront* x, const PairFront* y) {
-      return x->priority.importance > y->priority.importance;
+    std::sort(extras_.due.begin(), extras_.due.end(), [](const PairFront* x, const PairFront* y) {
+      return x->priority.importance != y->priority.importance
+                 ? x->priority.importance > y->priority.importance
+                 : std::pair(x->id_a(), x->id_b()) < std::pair(y->id_a(), y->id_b());
     });
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
   const auto is_late = [&] { return by_time && now() >= deadline; };
@@ -199,9 +214,16 @@ void PublishedPairs::add(ScenePair pair) {
   const std::pair bodies(pair.a, pair.b);
   while (walked_ < reported_.size() && ids(reported_[walked_]) < bodies) ended_.push_back(reported_[walked_++]);
   const bool stays = walked_ < reported_.size() && ids(reported_[walked_]) == bodies;
-  pair.id = stays ? reported_[walked_++].id : next_touch_++;
-  pair.began = !stays;
-  next_reported_.push_back({pair.a, pair.b, pair.id});
+  // mutant scene-began-unconfirmed: `stays || pair.confirmed` -> `true`
+  // mutant scene-ended-unrefuted: `stays || pair.confirmed` -> `pair.confirmed`
+  pair.touches = stays || pair.confirmed;
+  pair.began = pair.touches && !stays;
+  if (stays) {
+    pair.id = reported_[walked_++].id;
+  } else if (pair.touches) {
+    pair.id = next_touch_++;
+  }
+  if (pair.touches) next_reported_.push_back({pair.a, pair.b, pair.id});
   pairs_.push_back(pair);
 }
 
@@ -217,9 +239,12 @@ void SceneState::publish(SceneStatus& status) {
     const PairFront& front = *pair.front;
     ++status.near_pairs;
     if (!front.is_finished()) ++status.open_pairs;
+    const bool confirmed = front.touch_is_confirmed();
+    if (!front.is_finished() && !confirmed) ++status.undecided_pairs;
     if (front.contacts().empty()) continue;
     published.add({.a = id_of(pair.a),
                    .b = id_of(pair.b),
+                   .confirmed = confirmed,
                    .finished = front.is_finished(),
                    .contacts = front.contacts(),
                    .surfaces = options.surfaces ? front.surfaces() : std::span<const ContactSurface>(),

@@ -223,6 +223,8 @@ TEST(CInterface, scenes_have_the_pairs_and_contacts_of_the_other_one) {
         const morula_scene_pair& got = morula_scene_pairs(scene)[i];
         EXPECT_EQ(got.a, c.a);
         EXPECT_EQ(got.b, c.b);
+        EXPECT_EQ(got.touches != 0, want.touches);
+        EXPECT_EQ(got.confirmed != 0, want.confirmed);
         EXPECT_EQ(got.began != 0, want.began);
         EXPECT_EQ(got.finished != 0, want.finished);
         ASSERT_EQ(got.contact_count, want.contacts.size());

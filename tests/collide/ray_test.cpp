@@ -3,6 +3,7 @@
 // Rays against brute force, through edges and corners, and along surfaces.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <morula/collide/primitives.hpp>
@@ -68,6 +69,51 @@ TEST(Ray, equals_brute_force_over_random_poses) {
   }
   EXPECT_GT(hits, 150);
   EXPECT_GT(misses, 80);
+}
+
+TEST(Ray, all_hits_are_those_of_brute_force_each_facet_once) {
+  Random random(22);
+  std::size_t hits = 0, several = 0;
+  for (int round = 0; round < 300; ++round) {
+    auto& bodies = test::placed_bodies();
+    PlacedBody& body = *bodies[static_cast<std::size_t>(round / 10) % bodies.size()];
+    body.collider.set_transform(test::random_transform(random, 0.5));
+    Ray ray{test::random_point(random, 3.0), {}};
+    ray.direction = test::random_point(random, 0.7) - ray.origin;
+    if (round % 5 == 0) ray.t_end = random.uniform(0, 2);
+    double nearest_edge = 0;
+    const double first = slow_first_hit(body.collider, ray, &nearest_edge);
+    if (nearest_edge < 1e-9) continue;
+    // Whoever is hit alone: a facet is a mesh of its own.
+    std::vector<std::uint32_t> expected, found;
+    for (std::uint32_t f = 0; f < body.collider.mesh_facets().size(); ++f) {
+      const Triangle t = body.collider.triangle(f);
+      const Vec3 n = area_vector(t);
+      const double where = dot(n, t[0] - ray.origin) / dot(n, ray.direction);
+      const Vec3 x = ray.origin + ray.direction * where;
+      bool is_inside = where >= 0 && where <= ray.t_end;
+      for (std::size_t k = 0; k < 3; ++k) is_inside = is_inside && dot(n, cross(t[(k + 1) % 3] - t[k], x - t[k])) > 0;
+      if (is_inside) expected.push_back(f);
+    }
+    const std::vector<RayPoint> all = all_hits(body.collider, ray);
+    double before = 0;
+    for (const RayPoint& point : all) {
+      EXPECT_GE(point.t, before);
+      before = point.t;
+      EXPECT_LE(distance(ray.origin + ray.direction * point.t, point.point.point), 1e-7);
+      EXPECT_NEAR(length(point.normal), 1, 1e-12);
+      found.push_back(point.point.facet);
+    }
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found, expected) << body.name << " " << round;
+    ASSERT_EQ(all.empty(), !(first < std::numeric_limits<double>::infinity()));
+    if (!all.empty()) {
+      EXPECT_EQ(all[0].t, first_hit(body.collider, ray).first->t);
+    }
+    hits += all.size(), several += all.size() > 1;
+  }
+  EXPECT_GT(hits, 200u);
+  EXPECT_GT(several, 80u);
 }
 
 TEST(Ray, through_every_vertex_and_edge_of_a_closed_mesh_hits) {
@@ -151,6 +197,7 @@ TEST(Ray, refuses_what_is_no_ray) {
   for (const Ray& bad : {Ray{{nan, 0, 0}, {0, 0, 1}}, Ray{{0, 0, 0}, {0, 0, 0}}, Ray{{0, 0, 0}, {0, nan, 1}},
                          Ray{{0, 0, 0}, {0, 0, 1}, -1}, Ray{{0, 0, 0}, {0, 0, 1}, nan}}) {
     EXPECT_THROW(static_cast<void>(first_hit(box.collider, bad)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(all_hits(box.collider, bad)), std::invalid_argument);
     const RayHit found = RayQuery().run(box.collider, bad);
     EXPECT_EQ(found.status.code, Status::Code::bad_shape);
     EXPECT_FALSE(found.first || found.certified);

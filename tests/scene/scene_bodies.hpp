@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <morula/generators/build.hpp>
 #include <morula/scene/scene.hpp>
@@ -123,6 +124,29 @@ inline bool is_within(const Crossed& crossed, const ScenePair& pair, const Colli
       return true;
   return false;
 }
+
+/// The least gap between spheres of final nodes, by all pairs in double; negative where they overlap.
+inline double least_gap(const Collider& a, const Collider& b, std::optional<std::uint32_t> level) {
+  const auto spheres_of = [&](const Collider& body) {
+    const std::size_t last = body.tree().level_count() - 1;
+    const std::size_t at = level ? std::min<std::size_t>(*level, last) : last;
+    std::vector<Sphere> spheres;
+    for (const std::uint32_t node : level_set(body.tree(), at)) {
+      const Spheref& s = body.sphere_state().spheres[node];
+      spheres.push_back({body.transform()(body.sphere_state().origin + Vec3(s.center)), s.radius});
+    }
+    return spheres;
+  };
+  // A level below both trees stands for the leaves.
+  if (level && *level >= std::max(a.tree().level_count(), b.tree().level_count())) level.reset();
+  double least = std::numeric_limits<double>::infinity();
+  const std::vector<Sphere> all_a = spheres_of(a), all_b = spheres_of(b);
+  for (const Sphere& s : all_a)
+    for (const Sphere& t : all_b) least = std::min(least, distance(s.center, t.center) - s.radius - t.radius);
+  return least;
+}
+/// More than tests of pairs allow for rounding, for bodies of this size at these places.
+inline constexpr double gap_in_doubt = 1e-4;
 
 /// Bodies that come, go, move, deform, sleep and wake.
 class Crowd {

@@ -113,6 +113,7 @@ void expect_second_frame(Scene& scene, const SceneStatus& status, const std::map
   }
   std::map<std::uint64_t, EndedPair> left = first;
   for (const ScenePair& pair : scene.pairs()) {
+    if (!pair.touches) continue;
     const auto before = first.find(pair.id);
     EXPECT_EQ(pair.began, before == first.end());
     if (before == first.end()) continue;
@@ -139,8 +140,9 @@ std::size_t throw_at_every_call(Frames& frames, const std::function<SceneOptions
     frames.fill(scene);
     EXPECT_TRUE(attempt(scene));
     std::map<std::uint64_t, EndedPair> first;
-    for (const ScenePair& pair : scene.pairs()) first[pair.id] = {pair.a, pair.b, pair.id};
-    EXPECT_GT(first.size(), 5u);
+    for (const ScenePair& pair : scene.pairs())
+      if (pair.touches) first[pair.id] = {pair.a, pair.b, pair.id};
+    EXPECT_GT(first.size(), 2u);
     frames.change(scene);
     light(call);
     SceneStatus status;
@@ -356,12 +358,17 @@ std::vector<std::pair<const char*, std::function<void(Scene&, BodyId, const Coll
       {"wake", [](Scene& s, BodyId b, const Collider&) { s.wake(b); }},
       {"set_masks", [](Scene& s, BodyId b, const Collider&) { s.set_masks(b, 2, 1); }},
       {"set_options", [](Scene& s, BodyId, const Collider&) { s.set_options({.margin = 3}); }},
+      {"reserve", [](Scene& s, BodyId, const Collider&) { s.reserve({.bodies = 9}); }},
       {"pairs", [](Scene& s, BodyId, const Collider&) { s.pairs(); }},
       {"ended", [](Scene& s, BodyId, const Collider&) { s.ended(); }},
       {"find", [](Scene& s, BodyId b, const Collider&) { s.find(b, b); }},
       {"first_hit",
        [](Scene& s, BodyId, const Collider&) {
          static_cast<void>(s.first_hit({{}, {1, 0, 0}}));
+       }},
+      {"all_hits",
+       [](Scene& s, BodyId, const Collider&) {
+         static_cast<void>(s.all_hits({{}, {1, 0, 0}}));
        }},
       {"touch", [](Scene& s, BodyId, const Collider&) { static_cast<void>(s.touch(Sphere{})); }},
       {"touch",

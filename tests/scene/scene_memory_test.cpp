@@ -3,6 +3,7 @@
 // What a scene holds: a little for each near pair beside the contacts that it lists, and nothing of pairs long apart.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <support/allocations.hpp>
 
 #include "scene_bodies.hpp"
@@ -93,6 +94,79 @@ TEST(SceneMemory, a_near_pair_of_larger_bodies_holds_twice_what_it_lists_and_a_l
     ASSERT_GT(near, 400u);
     ASSERT_GT(listed / near, 8 * kilobyte);
     EXPECT_LT(live_bytes - before, 2 * listed + near * 4 * kilobyte);
+  }
+}
+
+// No frame is like an earlier one.
+TEST(SceneMemory, a_scene_with_reserved_memory_allocates_nothing_however_bodies_move) {
+  Heap heap(3, 2);
+  for (const bool surfaces : {false, true}) {
+    Random random(11);
+    Scene scene({.surfaces = surfaces});
+    scene.reserve({.bodies = 64, .near_pairs = 64 * 63 / 2, .contacts = 512});
+    heap.place(random, 1.0);
+    const std::size_t before = allocations;
+    heap.fill(scene);
+    ASSERT_TRUE(scene.update());
+    std::size_t warm = allocations, near = 0, contacts = 0, began = 0, ended = 0;
+    // A thread reads facets into memory of its own, which grows at first.
+    if (!surfaces) {
+      EXPECT_EQ(warm - before, 0u);
+    }
+    for (int frame = 0; frame < 300; ++frame) {
+      if (surfaces && frame == 100) warm = allocations;
+      // From time to time all are apart for longer than a pair keeps what it holds.
+      heap.place(random, frame % 100 < 10 ? 1.0 : frame % 100 < 80 ? 30.0 : random.uniform(0.8, 3.0));
+      const SceneStatus status = scene.update();
+      ASSERT_TRUE(status);
+      if (!surfaces || frame >= 100) {
+        ASSERT_EQ(allocations - warm, 0u) << frame;
+      }
+      near = std::max(near, status.near_pairs), ended += scene.ended().size();
+      for (const ScenePair& pair : scene.pairs())
+        contacts = std::max(contacts, pair.contacts.size()), began += pair.began;
+    }
+    EXPECT_GT(near, 400u);
+    EXPECT_GT(contacts, 30u);
+    EXPECT_LE(contacts, 512u);
+    EXPECT_GT(began, 5000u);
+    EXPECT_GT(ended, 5000u);
+  }
+}
+
+// Whatever the large body has per node or facet. A pair under a budget has two lists: of a search that was stopped, and
+// of the one that goes on.
+TEST(SceneMemory, a_pair_with_a_large_body_holds_less_than_16_kilobytes) {
+  const Mesh land = grid_plate(60, 30, 30), small = icosphere(2, 0.6);
+  const Body floor(land, build(land, {.method = Method::grid, .branching = 8, .depth = 4}));
+  const Body ball(small, build(small, {.method = Method::grid, .branching = 8, .depth = 3}));
+  Collider terrain(land, floor);
+  ASSERT_GT(terrain.tree().node_count() * 24, 16 * kilobyte);
+  std::vector<std::unique_ptr<Collider>> balls;
+  for (int i = 0; i < 16; ++i) balls.push_back(std::make_unique<Collider>(small, ball));
+  for (const SceneOptions& options : all_options()) {
+    Scene scene(options);
+    scene.add(terrain, {.is_static = true});
+    for (const auto& collider : balls) scene.add(*collider);
+    Random random(4);
+    const std::size_t before = live_bytes;
+    std::map<BodyId, std::size_t> most_listed;
+    for (int frame = 0; frame < 12; ++frame) {
+      for (std::size_t i = 0; i < balls.size(); ++i)
+        balls[i]->set_transform(
+            {.translation = Vec3{1.8 * static_cast<double>(i) + 1.5, 2, 0.2} + random_point(random, 0.1)});
+      ASSERT_TRUE(scene.update());
+      ASSERT_EQ(scene.pairs().size(), balls.size());
+      for (const ScenePair& pair : scene.pairs()) {
+        std::size_t& most = most_listed[pair.b];
+        most = std::max(most, pair.contacts.size_bytes() + pair.surfaces.size_bytes() + pair.crossings.size_bytes());
+      }
+    }
+    std::size_t listed = 0;
+    for (const auto& [body, most] : most_listed) listed += most;
+    const std::size_t lists = options.budget.is_unlimited() ? 2 : 4;
+    EXPECT_LT(live_bytes - before, lists * listed + balls.size() * 16 * kilobyte)
+        << options.surfaces << options.find_crossings << !options.budget.is_unlimited();
   }
 }
 

@@ -113,6 +113,7 @@ class SceneWalk {
 
   // Of all runs.
   std::size_t updates = 0, rejected = 0, thrown = 0, interrupted = 0, crossed = 0, began = 0, ended = 0;
+  std::size_t unconfirmed = 0, kept = 0;  // pairs that may touch, and touches that the last update left open
 
  private:
   struct Bomb {};
@@ -330,7 +331,7 @@ class SceneWalk {
     SceneOptions next;
     if (random.next() % 4 == 0) next.level = static_cast<std::uint32_t>(random.next() % 4);
     next.margin = random.next() % 3 == 0 ? 0.1 : 0;
-    if (const std::uint64_t how = random.next() % 8; how < 5) {
+    if (const std::uint64_t how = random.next() % 14; how < 5) {
       next.budget = std::array<std::size_t, 5>{0, 40, 300, 3000, 100000}[how];
     } else if (how == 5) {
       next.budget = std::chrono::microseconds(random.next() % 100);
@@ -402,13 +403,15 @@ class SceneWalk {
     bool all_known = true;
     for (const auto& member : bodies_) all_known = all_known && (!member->is_in || member->is_known);
     if (budget.is_unlimited() && all_known && !status.finished) return "not finished, without a budget";
+    if (status.undecided_pairs > status.open_pairs) return "more pairs undecided than open";
+    late_ = 0;
     for (const auto& x : bodies_)
       for (const auto& y : bodies_) {
         if (!x->is_in || !y->is_in || !(x->id.place < y->id.place) || !x->is_known || !y->is_known) continue;
         if (std::string fault = pair(*x, *y); !fault.empty())
           return "bodies " + std::to_string(x->id.place) + " and " + std::to_string(y->id.place) + ": " + fault;
       }
-    return {};
+    return late_ > status.undecided_pairs ? "more events are late than pairs are undecided" : "";
   }
 
   /// Every touch begins once, stays, and ends once.
@@ -423,8 +426,16 @@ class SceneWalk {
     }
     for (const ScenePair& pair : scene_->pairs()) {
       if (!scene_->has(pair.a) || !scene_->has(pair.b)) return "a pair of a body that was removed";
-      if (!here.insert(pair.id).second) return "two touches of the same number";
+      if (pair.touches && !here.insert(pair.id).second) return "two touches of the same number";
       if (pair.contacts.empty()) return "a pair without contacts";
+      if (pair.touches != (pair.id != 0)) return "a touch without a number, or a number without a touch";
+      if (pair.confirmed && !pair.touches) return "confirmed, and no touch";
+      if (pair.finished && !pair.confirmed) return "finished, and not confirmed";
+      unconfirmed += !pair.touches, kept += pair.touches && !pair.confirmed;
+      if (!pair.touches) {
+        if (pair.began) return "begun without a touch";
+        continue;
+      }
       const auto before = touching_.find(pair.id);
       if (pair.began != (before == touching_.end())) return pair.began ? "begun twice" : "never begun";
       if (!pair.began && before->second != std::pair(pair.a, pair.b)) return "a touch of others goes on";
@@ -454,11 +465,25 @@ class SceneWalk {
     }
     if (!options_.find_crossings && found != nullptr && !found->crossings.empty())
       return "crossings that nobody asked for";
+    if (std::string fault = touch_of(found, a, b); !fault.empty()) return fault;
     if (found == nullptr && comes_near(a, b)) return "they come as near as the margin, and there is no pair";
     if (found == nullptr || !found->finished) return {};
     const std::size_t surfaces = options_.surfaces ? found->contacts.size() : 0;
     if (!options_.budget.is_time() && found->surfaces.size() != surfaces) return "surfaces are missing, or too many";
     return as_alone(*found, a, b);
+  }
+
+  /// What the scene says of a touch is confirmed by brute force, or open; what is open is counted.
+  std::string touch_of(const ScenePair* found, const Collider& a, const Collider& b) {
+    const double gap = found == nullptr ? 0 : least_gap(a, b, options_.level);
+    const bool crosses = found != nullptr && !crossings_by_force(a, b).empty();
+    const bool is_apart = gap > options_.margin + gap_in_doubt;
+    if (found == nullptr) return "";
+    if (found->confirmed && is_apart) return "a touch is confirmed of bodies that are apart";
+    if (found->began && is_apart) return "a touch began of bodies that are apart";
+    // A touch that the scene does not tell yet, or tells still.
+    late_ += (crosses && !found->touches) || (is_apart && found->touches);
+    return "";
   }
 
   bool comes_near(const Collider& a, const Collider& b) const {
@@ -509,7 +534,8 @@ class SceneWalk {
   bool rereads_all_ = false, rereads_extras_ = false;  // requested since the last update
   bool was_thrown_ = false;                            // the last update
   std::map<std::uint64_t, std::pair<BodyId, BodyId>> touching_;
-  std::set<std::uint64_t> given_touches_;                           // every number of a touch ever given
+  std::size_t late_ = 0;                   // pairs whose touch the last update does not tell as it is
+  std::set<std::uint64_t> given_touches_;  // every number of a touch ever given
   std::set<std::pair<std::uint32_t, std::uint32_t>> given_bodies_;  // every BodyId ever given
   std::optional<Scene> scene_;                                      // last: it borrows
 };

@@ -35,6 +35,8 @@ void walk(std::uint64_t first_seed, std::size_t calls, std::size_t calls_of_walk
   EXPECT_GT(model.crossed, calls);
   EXPECT_GT(model.began, calls / 20);
   EXPECT_GT(model.ended, calls / 20);
+  EXPECT_GT(model.unconfirmed, calls / 20);
+  EXPECT_GT(model.kept, calls / 50);
 }
 
 TEST(SceneWalk, any_order_of_calls_leaves_no_crossing_out) {

@@ -23,6 +23,13 @@ struct [[nodiscard]] ContactStatus : Status {
   std::size_t pair_tests = 0;  ///< number of pair tests in this call
 };
 
+class ContactQuery;
+namespace detail {
+/// Runs start(), and keeps a front for resume() alone: carry() rejects it with other_bodies. Such a front takes no
+/// memory and no time per node of the bodies.
+ContactStatus start_for_resume(ContactQuery& query);
+}  // namespace detail
+
 /// Finds the contacts of a list of pairs of bodies. All pairs share one queue and one budget. The query keeps its front
 /// and its memory, so a call that needs no more memory than earlier ones allocates nothing. A rejected call changes
 /// nothing. Only one thread may use a query at a time; workers share its work.
@@ -93,6 +100,7 @@ class ContactQuery {
   void cut(std::vector<FrontPair>& pairs) const;
 
  private:
+  friend ContactStatus detail::start_for_resume(ContactQuery& query);
   struct State;
   std::unique_ptr<State> state_;
 };

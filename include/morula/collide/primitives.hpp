@@ -13,6 +13,8 @@
 //   if (tool.run(a, morula::Capsule{{0, 0, 1}, {0, 0, 2}, 0.1}).proven_clear) std::puts("the tool is clear");
 //   const morula::RayHit hit = morula::first_hit(a, {.origin = {0, 0, 5}, .direction = {0, 0, -1}});
 //   if (hit.first) std::printf("the ray hits facet %u\n", hit.first->point.facet);
+//   for (const morula::RayPoint& point : morula::all_hits(a, {.origin = {0, 0, 5}, .direction = {0, 0, -1}}))
+//     std::printf("facet %u at %g\n", point.point.facet, point.t);
 #pragma once
 
 #include <limits>
@@ -139,7 +141,14 @@ class RayQuery {
   /// Finds the first hit. Rejects a body that queries reject, a collider without facets, positions of another frame
   /// than the spheres, and a bad ray. Allocates nothing. Several threads may call it at once.
   RayHit run(const Collider& body, const Ray& ray) const;
+  /// Finds all facets that a ray hits: one point per facet, ascending by t, then by facet. A ray through an edge or a
+  /// vertex may hit several facets there. RayHit::first is the first point, as in run(). Rejects like run(), and then
+  /// clears `hits`. Allocates only while `hits` grows. Cost: as run(), for all spheres and facets along the ray.
+  RayHit run_all(const Collider& body, const Ray& ray, std::vector<RayPoint>& hits) const;
 };
+/// The points of RayQuery::run_all(), for a single call. Throws std::invalid_argument, with the message of the status,
+/// for input that it rejects.
+std::vector<RayPoint> all_hits(const Collider& body, const Ray& ray);
 /// The result of RayQuery::run(), for a single call. Throws std::invalid_argument, with the message of the status, for
 /// input that it rejects.
 RayHit first_hit(const Collider& body, const Ray& ray);

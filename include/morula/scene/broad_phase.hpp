@@ -41,6 +41,9 @@ class BroadPhase {
   /// Moves a box. Rejected with bad_option, and `index` the number, if there is no such box or the box is empty or not
   /// finite.
   Status move(std::uint32_t number, const Box& box);
+  /// Allocates memory for so many boxes, and for so many pairs of stored, enlarged boxes. Until there are more, no call
+  /// allocates. Throws std::bad_alloc, and then has no effect besides memory.
+  void reserve(std::size_t boxes, std::size_t pairs);
   bool has(std::uint32_t number) const;
   const Box& box(std::uint32_t number) const;
   std::size_t size() const;  ///< number of boxes

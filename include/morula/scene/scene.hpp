@@ -65,12 +65,28 @@ struct SceneOptions {
   std::function<bool(BodyId a, BodyId b)> accepts{};
 };
 
-/// Two bodies that touch: a pair with at least one contact. The lists are valid until the next update() or remove().
+/// Sizes for Scene::reserve().
+struct SceneReserve {
+  std::size_t bodies = 0;      ///< number of bodies
+  std::size_t near_pairs = 0;  ///< number of pairs of bodies whose boxes overlap, before masks and filter
+  std::size_t contacts = 0;    ///< number of contacts of a pair
+};
+
+/// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
+/// remove().
+///
+/// Two bodies touch if a pair of final nodes overlaps or is no farther apart than the margin, and so are all pairs
+/// above it; in other words, if collide() with the level and margin of the scene has a contact. `touches` is false
+/// while this is not confirmed: the bodies may be near. A touch begins in the update that confirms it, with a pair of
+/// final nodes. It ends in the update that refutes it, which finishes the pair without a contact, or in which a body, a
+/// mask or a filter removes the pair. An update whose budget does not reach the pair neither begins nor ends a touch.
 struct ScenePair {
-  BodyId a, b;            ///< bodies of the pair; a has the lower place
-  std::uint64_t id = 0;   ///< number of this touch from its beginning to its end; no other touch gets it
-  bool began = false;     ///< true: the touch began in the last update() that was neither rejected nor threw
-  bool finished = false;  ///< true: all contacts are final; false: below some contacts there may be several, or none
+  BodyId a, b;             ///< bodies of the pair; a has the lower place
+  std::uint64_t id = 0;    ///< number of this touch from its beginning to its end; no other touch gets it; 0: no touch
+  bool touches = false;    ///< true: the touch has begun and not ended; false: whether the bodies touch is open
+  bool confirmed = false;  ///< true: the bodies touch at their present poses; false: the budget left that open
+  bool began = false;      ///< true: the touch began in the last update() that was neither rejected nor threw
+  bool finished = false;   ///< true: all contacts are final; false: below some contacts there may be several, or none
   std::span<const Contact> contacts{};  ///< contacts of the pair; Contact::pair is 0
   /// Surfaces of contacts, as in Contacts::surfaces; empty unless SceneOptions::surfaces is set.
   std::span<const ContactSurface> surfaces{};
@@ -78,7 +94,7 @@ struct ScenePair {
   std::span<const Crossing> crossings{};
 };
 
-/// A touch that ended in the last update(): the bodies are apart, or one of them was removed.
+/// A touch that ended in the last update(): the bodies are apart, a body was removed, or masks or the filter part them.
 struct EndedPair {
   BodyId a, b;
   std::uint64_t id = 0;  ///< ScenePair::id of the touch
@@ -90,16 +106,39 @@ struct [[nodiscard]] SceneStatus : Status {
   bool finished = false;             ///< true: all contacts are final
   std::size_t near_pairs = 0;        ///< number of pairs of bodies with overlapping boxes that masks and filter keep
   std::size_t open_pairs = 0;        ///< number of these pairs that are not finished
-  std::size_t pair_tests = 0;        ///< number of tests of pairs of nodes in this call
+  /// Number of these pairs for which the budget left open whether the bodies touch at their present poses. Each may owe
+  /// one event, the beginning or the end of a touch; all other events are told. 0 without a budget.
+  std::size_t undecided_pairs = 0;
+  std::size_t pair_tests = 0;  ///< number of tests of pairs of nodes in this call
 };
 /// The fault and its remedy as text, with the body that caused it; empty for ok.
 std::string message(const SceneStatus& status);
+
+/// The bodies that a query of a ray or a shape looks at; by default all.
+struct SceneFilter {
+  std::uint32_t mask = ~std::uint32_t{0};  ///< groups of the bodies it looks at: those with category & mask not 0
+  std::span<const BodyId> ignored{};       ///< bodies it leaves out, in any order; an id without a body has no effect
+};
+
+/// A facet of a body that a ray hits.
+struct SceneHit {
+  BodyId body;
+  RayPoint hit;
+};
+
+/// All hits of a ray.
+struct [[nodiscard]] SceneRayHits {
+  SceneStatus status;
+  /// One per facet, ascending by t, then by place, then by facet; valid until the next all_hits().
+  std::span<const SceneHit> hits{};
+  bool certified = false;  ///< true: the spheres of all bodies looked at cover, so no hit is missed
+};
 
 struct [[nodiscard]] SceneRayHit {
   SceneStatus status;
   std::optional<BodyId> body{};     ///< body that the ray hits first, of equals the lowest by place; no value: no hit
   std::optional<RayPoint> first{};  ///< first hit; no value if there is none
-  bool certified = false;           ///< true: the spheres of all bodies cover, so no hit is missed
+  bool certified = false;           ///< true: the spheres of all bodies looked at cover, so no hit is missed
 };
 
 /// A body that a shape touches or may touch.
@@ -112,7 +151,9 @@ struct SceneTouch {
 ///
 /// The result misses no touch, for any budget, if the spheres of the bodies cover: if the surfaces of two bodies that
 /// may form a pair cross, or come as near as the margin, the pair is in pairs(), and the crossing lies within one of
-/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots.
+/// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots. No
+/// event is false, for any budget: a touch begins or ends only where that is proven at the present poses of the bodies.
+/// Events may be late, by the updates until the pair is reached; SceneStatus::undecided_pairs bounds their number.
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
@@ -127,8 +168,8 @@ struct SceneTouch {
 /// options(); the other functions throw std::logic_error with their name, and change nothing.
 ///
 /// Only one thread may use a scene at a time; workers share the work of update(). An update allocates nothing if the
-/// scene has had as many bodies and pairs, and each pair as many contacts. A pair frees its memory when its bodies have
-/// been apart for 32 updates. docs/how-to/scene.md has the memory of a pair.
+/// scene has had as many bodies and pairs, and each pair as many contacts, or reserve() has made room for them. A pair
+/// frees its memory when its bodies have been apart for 32 updates. docs/how-to/scene.md has the memory of a pair.
 class Scene {
  public:
   /// Throws std::invalid_argument, with the option, for a margin that is negative or not finite, and for a negative
@@ -140,6 +181,13 @@ class Scene {
   /// Sets the options for the next update(). Throws like the constructor, and then changes nothing.
   void set_options(SceneOptions options);
   const SceneOptions& options() const;
+  /// Allocates memory in advance. Until the scene has more bodies, near pairs, or contacts of a pair, or an update
+  /// throws, no update without a budget allocates, however bodies move; the memory stays when pairs part. Room for
+  /// surfaces, if SceneOptions::surfaces is set by then, is included. Three things still allocate while they grow:
+  /// fronts of pairs that a budget leaves unfinished, crossings, and the memory in which a working thread reads facets.
+  /// Cost: linear. Memory: near_pairs * (1 kB + 88 bytes * contacts, and 144 bytes with surfaces). Throws
+  /// std::bad_alloc, and then has no effect besides memory.
+  void reserve(const SceneReserve& sizes);
 
   /// Adds a body, and returns its id. The scene borrows the collider until remove() or replace(); between updates of
   /// the scene, the caller may update and move the body. Throws std::invalid_argument for options out of range, and for
@@ -173,23 +221,25 @@ class Scene {
   /// transform_too_far and body_replaced; SceneStatus::offender is the body, and the pairs stay as they were. The
   /// result has the same bits for any number of workers unless the budget is a time.
   SceneStatus update(Workers& workers = serial_workers());
-  /// The pairs of bodies that touched in the last update(), ascending by the place of a, then of b.
+  /// The pairs of bodies that touched or may have touched in the last update(), ascending by the place of a, then of b.
   std::span<const ScenePair> pairs() const;
   /// The touches that ended in the last update(), ascending by EndedPair::id.
   std::span<const EndedPair> ended() const;
-  /// The entry of pairs() for two bodies, in any order; nullptr if they do not touch.
+  /// The entry of pairs() for two bodies, in any order; nullptr if they are proven not to touch.
   const ScenePair* find(BodyId a, BodyId b) const;
 
   /// Finds the first surface that a ray hits, among the bodies whose colliders have facets. Rejects a ray that RayQuery
   /// rejects, and returns other_frame if a body has moved since update(), or if update() has thrown.
-  SceneRayHit first_hit(const Ray& ray) const;
+  SceneRayHit first_hit(const Ray& ray, const SceneFilter& filter = {}) const;
+  /// Finds all facets that a ray hits, as RayQuery::run_all() does for one body. Rejects like first_hit().
+  SceneRayHits all_hits(const Ray& ray, const SceneFilter& filter = {});
   /// Finds the bodies that a shape touches or may touch: those without Touch::proven_clear. Rejects
   /// TouchOptions::nearest, input that TouchQuery rejects, and otherwise like first_hit(); touches() then stays as it
   /// was.
-  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {});
-  SceneStatus touch(const Sphere& shape, const TouchOptions& options = {});
-  SceneStatus touch(const Capsule& shape, const TouchOptions& options = {});
-  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options = {});
+  SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const Sphere& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const Capsule& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
+  SceneStatus touch(const ConvexHull& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
   /// The result of the last touch(), ascending by place.
   std::span<const SceneTouch> touches() const;
 

@@ -10,6 +10,28 @@
 
 namespace morula::python {
 
+namespace {
+
+/// Hits as columns.
+struct RayHits {
+  std::vector<double> t;
+  std::vector<std::uint32_t> facet;
+  std::vector<Vec3> point, normal;
+};
+
+RayHits rows_of(const std::vector<RayPoint>& points) {
+  RayHits hits;
+  for (const RayPoint& hit : points) {
+    hits.t.push_back(hit.t);
+    hits.facet.push_back(hit.point.facet);
+    hits.point.push_back(hit.point.point);
+    hits.normal.push_back(hit.normal);
+  }
+  return hits;
+}
+
+}  // namespace
+
 void bind_rays(nb::module_& m) {
   Record<RayPoint>(m, "RayPoint", doc::RayPoint)
       .field("t", &RayPoint::t, doc::RayPoint_t)
@@ -22,12 +44,9 @@ void bind_rays(nb::module_& m) {
       .field("facet_tests", &RayHit::facet_tests)
       .python()
       .def("__bool__", [](const RayHit& h) { return h.first.has_value(); });
-  struct RayHits {
-    std::vector<double> t;
-    std::vector<std::uint32_t> facet;
-    std::vector<Vec3> point, normal;
-  };
-  Record<RayHits>(m, "RayHits", "First hits of many rays; t is infinite and facet morula.no_node if a ray misses.")
+  Record<RayHits>(m, "RayHits",
+                  "All hits of one ray, or first hits of many rays: t is infinite and facet morula.no_node if a ray "
+                  "misses.")
       .property(
           "t", [](nb::handle self) { return numbers(nb::cast<RayHits&>(self).t, self); }, doc::RayPoint_t)
       .property(
@@ -48,6 +67,17 @@ void bind_rays(nb::module_& m) {
       },
       nb::arg("body"), nb::arg("origin"), nb::arg("direction"),
       nb::arg("t_end") = std::numeric_limits<double>::infinity(), doc::RayQuery);
+  m.def(
+      "all_hits",
+      [](ColliderGiven given, Vec3 origin, Vec3 direction, double t_end) {
+        const auto side = side_of(given, "body");
+        return without_gil([&] {
+          const Reading reading({side.get()});
+          return rows_of(all_hits(side->current(), Ray{origin, direction, t_end}));
+        });
+      },
+      nb::arg("body"), nb::arg("origin"), nb::arg("direction"),
+      nb::arg("t_end") = std::numeric_limits<double>::infinity(), doc::RayQuery_run_all);
   m.def(
       "first_hits",
       [](ColliderGiven given, ArrayGiven from, ArrayGiven along, double t_end) {

@@ -61,12 +61,16 @@ void bind_scene_results(nb::module_& m) {
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
   Record<SceneContacts> contacts(m, "SceneContacts", "Contacts of one pair of bodies, or of all pairs of a scene.");
   contact_columns(contacts).table([](const SceneContacts& self) { return self.contacts.size(); });
-  Record<SceneRow>(m, "ScenePair", "Two bodies in contact after the update that it was read from.")
+  Record<SceneRow>(m, "ScenePair", "Two bodies that touch or may touch after the update that it was read from.")
       .property(
           "a", [](const SceneRow& row) { return row.pair.a; }, doc::ScenePair_a)
       .property("b", [](const SceneRow& row) { return row.pair.b; })
       .property(
           "id", [](const SceneRow& row) { return row.pair.id; }, doc::ScenePair_id)
+      .property(
+          "touches", [](const SceneRow& row) { return row.pair.touches; }, doc::ScenePair_touches)
+      .property(
+          "confirmed", [](const SceneRow& row) { return row.pair.confirmed; }, doc::ScenePair_confirmed)
       .property(
           "began", [](const SceneRow& row) { return row.pair.began; }, doc::ScenePair_began)
       .property(
@@ -74,9 +78,10 @@ void bind_scene_results(nb::module_& m) {
       .field("contacts", &SceneRow::contacts)
       .field("surfaces", &SceneRow::surfaces, doc::ScenePair_surfaces)
       .field("crossings", &SceneRow::crossings, doc::ScenePair_crossings);
-  Record<SceneRows> rows(m, "ScenePairs",
-                         "Bodies in contact, in the order of their places: pairs[i] and loops give ScenePair objects, "
-                         "attributes are columns of all of them. A copy, which later updates do not change.");
+  Record<SceneRows> rows(
+      m, "ScenePairs",
+      "Bodies that touch or may touch, in the order of their places: pairs[i] and loops give ScenePair objects, "
+      "attributes are columns of all of them. A copy, which later updates do not change.");
   rows.property("place_a", MORULA_COLUMN(SceneRows, pairs, a.place), "(n,) uint32: BodyId.place.")
       .property("place_b", MORULA_COLUMN(SceneRows, pairs, b.place), "(n,) uint32: BodyId.place.")
       .property(
@@ -94,6 +99,8 @@ void bind_scene_results(nb::module_& m) {
           },
           "(n,) uint64.")
       .property("id", MORULA_COLUMN(SceneRows, pairs, id), doc::ScenePair_id)
+      .property("touches", MORULA_COLUMN(SceneRows, pairs, touches), doc::ScenePair_touches)
+      .property("confirmed", MORULA_COLUMN(SceneRows, pairs, confirmed), doc::ScenePair_confirmed)
       .property("began", MORULA_COLUMN(SceneRows, pairs, began), doc::ScenePair_began)
       .property("finished", MORULA_COLUMN(SceneRows, pairs, finished), doc::ScenePair_finished)
       .property(
@@ -136,10 +143,12 @@ void bind_scene_results(nb::module_& m) {
       .field("finished", &SceneStatus::finished, doc::SceneStatus_finished)
       .field("near_pairs", &SceneStatus::near_pairs, doc::SceneStatus_near_pairs)
       .field("open_pairs", &SceneStatus::open_pairs, doc::SceneStatus_open_pairs)
+      .field("undecided_pairs", &SceneStatus::undecided_pairs, doc::SceneStatus_undecided_pairs)
       .field("pair_tests", &SceneStatus::pair_tests, doc::SceneStatus_pair_tests);
   Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and the touch.")
       .field("body", &FoundTouch::body)
       .field("touch", &FoundTouch::touch);
+  Record<SceneHit>(m, "SceneHit", doc::SceneHit).field("body", &SceneHit::body).field("hit", &SceneHit::hit);
   Record<SceneRayHit>(m, "SceneRayHit", "What Scene.first_hit() found.")
       .field("body", &SceneRayHit::body, doc::SceneRayHit_body)
       .field("first", &SceneRayHit::first)

@@ -170,6 +170,16 @@ void bind_scene_bodies(Class& scene) {
           },
           nb::arg("body"), nb::arg("category"), nb::arg("mask"), doc::SceneBodyOptions_category)
       .def(
+          "reserve",
+          [](HeldScene& self, std::size_t bodies, std::size_t near_pairs, std::size_t contacts) {
+            locked_idle(self, [&] { self.scene.reserve({bodies, near_pairs, contacts}); });
+          },
+          nb::kw_only(), nb::arg("bodies") = 0, nb::arg("near_pairs") = 0, nb::arg("contacts") = 0,
+          with_arguments(doc::Scene_reserve, {{"bodies", doc::SceneReserve_bodies},
+                                              {"near_pairs", doc::SceneReserve_near_pairs},
+                                              {"contacts", doc::SceneReserve_contacts}})
+              .c_str())
+      .def(
           "has", [](const HeldScene& self, BodyId body) { return locked(self, [&] { return self.scene.has(body); }); },
           nb::arg("body"))
       .def(
@@ -199,6 +209,8 @@ void bind_scene_bodies(Class& scene) {
 
 template <class Class>
 void bind_scene_questions(Class& scene) {
+  const std::initializer_list<std::pair<const char*, const char*>> filter_arguments{
+      {"mask", doc::SceneFilter_mask}, {"ignored", doc::SceneFilter_ignored}};
   scene
       .def(
           "update",
@@ -255,26 +267,46 @@ void bind_scene_questions(Class& scene) {
           nb::arg("a"), nb::arg("b"), doc::Scene_find)
       .def(
           "first_hit",
-          [](const HeldScene& self, Vec3 origin, Vec3 direction, double t_end) {
+          [](const HeldScene& self, Vec3 origin, Vec3 direction, double t_end, std::uint32_t mask,
+             const std::vector<BodyId>& ignored) {
             const SceneRayHit hit = locked_idle(self, [&] {
               const Reading reading(self.all());
-              return self.scene.first_hit({origin, direction, t_end});
+              return self.scene.first_hit({origin, direction, t_end}, {mask, ignored});
             });
             require_scene(hit.status);
             return hit;
           },
           nb::arg("origin"), nb::arg("direction"), nb::arg("t_end") = std::numeric_limits<double>::infinity(),
-          doc::Scene_first_hit)
+          nb::kw_only(), nb::arg("mask") = ~std::uint32_t{0}, nb::arg("ignored") = std::vector<BodyId>(),
+          with_arguments(doc::Scene_first_hit, filter_arguments).c_str())
+      .def(
+          "all_hits",
+          [](HeldScene& self, Vec3 origin, Vec3 direction, double t_end, std::uint32_t mask,
+             const std::vector<BodyId>& ignored) {
+            std::vector<SceneHit> hits;
+            const SceneStatus status = locked_idle(self, [&] {
+              const Reading reading(self.all());
+              const SceneRayHits all = self.scene.all_hits({origin, direction, t_end}, {mask, ignored});
+              hits.assign(all.hits.begin(), all.hits.end());
+              return all.status;
+            });
+            require_scene(status);
+            return hits;
+          },
+          nb::arg("origin"), nb::arg("direction"), nb::arg("t_end") = std::numeric_limits<double>::infinity(),
+          nb::kw_only(), nb::arg("mask") = ~std::uint32_t{0}, nb::arg("ignored") = std::vector<BodyId>(),
+          with_arguments(doc::Scene_all_hits, filter_arguments).c_str())
       .def(
           "touch",
-          [](HeldScene& self, ShapeGiven shape, double margin, bool stop_at_first, bool collect_all) {
+          [](HeldScene& self, ShapeGiven shape, double margin, bool stop_at_first, bool collect_all, std::uint32_t mask,
+             const std::vector<BodyId>& ignored) {
             const TouchOptions options{
                 .margin = margin, .nearest = false, .stop_at_first = stop_at_first, .collect_all = collect_all};
             std::vector<FoundTouch> found;
             const SceneStatus status = with_shape(shape, [&](const auto& s) {
               return locked_idle(self, [&] {
                 const Reading reading(self.all());
-                const SceneStatus result = self.scene.touch(s, options);
+                const SceneStatus result = self.scene.touch(s, options, {mask, ignored});
                 if (result)
                   for (const SceneTouch& touch : self.scene.touches()) found.push_back({touch.body, *touch.touch});
                 return result;
@@ -284,10 +316,13 @@ void bind_scene_questions(Class& scene) {
             return found;
           },
           nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("stop_at_first") = false,
-          nb::arg("collect_all") = false,
+          nb::arg("collect_all") = false, nb::arg("mask") = ~std::uint32_t{0},
+          nb::arg("ignored") = std::vector<BodyId>(),
           with_arguments(doc::Scene_touch, {{"margin", doc::TouchOptions_margin},
                                             {"stop_at_first", doc::TouchOptions_stop_at_first},
-                                            {"collect_all", doc::TouchOptions_collect_all}})
+                                            {"collect_all", doc::TouchOptions_collect_all},
+                                            {"mask", doc::SceneFilter_mask},
+                                            {"ignored", doc::SceneFilter_ignored}})
               .c_str());
 }
 

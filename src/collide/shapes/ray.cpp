@@ -102,10 +102,18 @@ class ShearedRay {
   int x_, y_, z_;
 };
 
-}  // namespace
+/// The point of a facet that a ray hits, from its t and barycentric coordinates.
+RayPoint finished_point(const Collider& body, RayPoint point) {
+  const Triangle corners = body.triangle(point.point.facet);
+  point.point.point = at_barycentric(corners, point.point.barycentric);
+  point.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
+  return point;
+}
 
-RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
-  const StandardFloats standard;
+/// Calls found(point) for every facet that the ray hits at a t up to `limit`, which found() may lower; for a facet with
+/// several leaves, perhaps several times. Points have no coordinates and no normal yet.
+template <class Found>
+RayHit walk_along(const Collider& body, const Ray& ray, double& limit, const Found& found) {
   RayHit result;
   result.status = askable(body);
   if (result.status && !is_usable(ray)) result.status = {Status::Code::bad_shape};
@@ -114,8 +122,7 @@ RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
   const PlacedSpheres spheres(body);
   const ShearedRay sheared(ray);
   // Bounds of spheres that are missed are infinite: the limit stays below.
-  double limit = std::min(ray.t_end, std::numeric_limits<double>::max());
-
+  limit = std::min(ray.t_end, std::numeric_limits<double>::max());
   const auto bound = [&](std::uint32_t node) {
     ++result.sphere_tests;
     return sheared.bound(spheres(node));
@@ -127,19 +134,51 @@ RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
           ++result.facet_tests;
           double t = 0;
           Barycentric barycentric{};
-          if (!sheared.hits(body.triangle(facet), limit, t, barycentric)) continue;
-          if (result.first && t == result.first->t && facet >= result.first->point.facet) continue;
-          result.first = RayPoint{t, {facet, barycentric, {}}, {}};
-          limit = t;
+          if (sheared.hits(body.triangle(facet), limit, t, barycentric))
+            found(RayPoint{t, {facet, barycentric, {}}, {}});
         }
         return true;
       });
-  if (!result.first) return result;
-  RayPoint& first = *result.first;
-  const Triangle corners = body.triangle(first.point.facet);
-  first.point.point = at_barycentric(corners, first.point.barycentric);
-  first.normal = normalized(area_vector(corners), Vec3{0, 0, 0});
   return result;
+}
+
+}  // namespace
+
+RayHit RayQuery::run(const Collider& body, const Ray& ray) const {
+  const StandardFloats standard;
+  std::optional<RayPoint> first;
+  double limit = 0;
+  RayHit result = walk_along(body, ray, limit, [&](const RayPoint& point) {
+    if (first && point.t == first->t && point.point.facet >= first->point.facet) return;
+    first = point;
+    limit = point.t;
+  });
+  if (first) result.first = finished_point(body, *first);
+  return result;
+}
+
+RayHit RayQuery::run_all(const Collider& body, const Ray& ray, std::vector<RayPoint>& hits) const {
+  const StandardFloats standard;
+  hits.clear();
+  double limit = 0;
+  RayHit result = walk_along(body, ray, limit, [&](const RayPoint& point) { hits.push_back(point); });
+  // A facet has the same numbers in all of its leaves.
+  std::sort(hits.begin(), hits.end(), [](const RayPoint& x, const RayPoint& y) {
+    return x.t != y.t ? x.t < y.t : x.point.facet < y.point.facet;
+  });
+  // mutant ray-facets-once: `hits.erase(` -> `static_cast<void>(`
+  hits.erase(std::unique(hits.begin(), hits.end(),
+                         [](const RayPoint& x, const RayPoint& y) { return x.point.facet == y.point.facet; }),
+             hits.end());
+  for (RayPoint& point : hits) point = finished_point(body, point);
+  if (!hits.empty()) result.first = hits.front();
+  return result;
+}
+
+std::vector<RayPoint> all_hits(const Collider& body, const Ray& ray) {
+  std::vector<RayPoint> hits;
+  require_good(RayQuery().run_all(body, ray, hits).status);
+  return hits;
 }
 
 RayHit first_hit(const Collider& body, const Ray& ray) {

@@ -90,7 +90,7 @@ class SceneMember {
 struct PairRow {
   std::size_t a, b;  // members
   std::uint64_t id;
-  bool began, finished;
+  bool touches, confirmed, began, finished;
   std::vector<Contact> contacts;
   std::vector<ContactSurface> surfaces;
   std::vector<Crossing> crossings;
@@ -110,6 +110,10 @@ struct SceneFrame {
     std::size_t count = 0;
     for (const PairRow& pair : pairs) count += pair.crossings.size();
     return count;
+  }
+  std::size_t touch_count() const {
+    return static_cast<std::size_t>(
+        std::count_if(pairs.begin(), pairs.end(), [](const PairRow& pair) { return pair.touches; }));
   }
   std::size_t began_count() const {
     return static_cast<std::size_t>(
@@ -144,6 +148,8 @@ SceneFrame frame_of(const Scene& scene, const SceneStatus& status, double micros
     frame.pairs.push_back({scene.user_data(p.a),
                            scene.user_data(p.b),
                            p.id,
+                           p.touches,
+                           p.confirmed,
                            p.began,
                            p.finished,
                            {p.contacts.begin(), p.contacts.end()},
@@ -191,7 +197,7 @@ void print_text(const SceneRun& run, const Members& members, const std::vector<S
     const SceneFrame& f = frames[i];
     std::vector<std::string> cells{std::to_string(i),
                                    std::to_string(f.status.near_pairs),
-                                   std::to_string(f.pairs.size()),
+                                   std::to_string(f.touch_count()),
                                    std::to_string(f.began_count()),
                                    std::to_string(f.ended.size()),
                                    std::to_string(f.contact_count()),
@@ -223,6 +229,7 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
     Json frame{{"finished", f.status.finished},
                {"near_pairs", f.status.near_pairs},
                {"open_pairs", f.status.open_pairs},
+               {"undecided_pairs", f.status.undecided_pairs},
                {"pair_tests", f.status.pair_tests},
                {"microseconds", f.microseconds},
                {"pairs", Json::array()},
@@ -230,13 +237,9 @@ void print_json_report(const SceneRun& run, const Members& members, const std::v
     for (const PairRow& p : f.pairs) {
       double deepest = 0;
       for (const ContactSurface& s : p.surfaces) deepest = std::max(deepest, s.depth);
-      Json pair{{"a", members[p.a]->file().name},
-                {"b", members[p.b]->file().name},
-                {"touch", p.id},
-                {"began", p.began},
-                {"finished", p.finished},
-                {"contacts", p.contacts.size()},
-                {"surface_depth", deepest}};
+      Json pair{{"a", members[p.a]->file().name}, {"b", members[p.b]->file().name}, {"touch", p.id},
+                {"touches", p.touches},           {"confirmed", p.confirmed},       {"began", p.began},
+                {"finished", p.finished},         {"contacts", p.contacts.size()},  {"surface_depth", deepest}};
       if (run.options.find_crossings) pair["facet_pairs"] = p.crossings.size();
       frame["pairs"].push_back(std::move(pair));
     }
