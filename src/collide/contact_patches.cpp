@@ -44,6 +44,7 @@ struct PatchResult {
       side.facets_begin.clear(), side.gradients_begin.clear();
     }
     volume = 0;
+    certified = false;
   }
   /// Makes the spans of all patches, when the vectors are complete.
   void link() {

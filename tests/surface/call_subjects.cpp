@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/penetration.hpp>
@@ -307,6 +308,20 @@ struct CrossingSubject : Subject {
   int call_itself() override { return 0; }
 };
 
+struct PatchSubject : Subject {
+  ContactPatchQuery query{world().a, world().b};
+  bool has_callbacks() const override { return false; }
+  void set(const Hook&, bool) override {}
+  Status run(Workers&) override { return query.run(); }
+  Numbers results() const override {
+    Numbers all{query.volume(), double(query.certified()), double(query.patches().size())};
+    for (const ContactPatch& patch : query.patches())
+      all.insert(all.end(), {patch.volume, patch.depth, double(patch.a.facets.size()), double(patch.points.size())});
+    return all;
+  }
+  int call_itself() override { return 0; }
+};
+
 struct InsideSubject : Subject {
   InsideQuery query{world().a};
   Containment found;
@@ -370,6 +385,7 @@ const Kind kinds[]{
     kind<DistanceSubject>("distance"),
     kind<PenetrationSubject>("penetration"),
     kind<CrossingSubject>("crossings_of_colliders"),
+    kind<PatchSubject>("contact_patches"),
     kind<InsideSubject>("inside"),
     kind<TouchSubject>("touch"),
 };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "parallel/interruption.hpp"
 
@@ -16,7 +15,11 @@ void ProjectedRegion::read(const PatchRegions& regions, std::size_t which, std::
   parts.clear();
   sides.clear();
   points.clear();
-  elements_.clear();
+  if (stamp_.size() < regions.points.size()) stamp_.resize(regions.points.size(), now_);
+  if (++now_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0);
+    now_ = 1;
+  }
   for (const FacetPart& part : parts_of(s, patch)) {
     const Triangle t = s.body->triangle(part.facet);
     const Triangle placed{frame(t[0] - regions.origin()), frame(t[1] - regions.origin()),
@@ -24,8 +27,14 @@ void ProjectedRegion::read(const PatchRegions& regions, std::size_t which, std::
     Part read{part.facet, static_cast<std::uint32_t>(sides.size()), 0, {}, area_vector(placed), placed[0], 0, 0};
     for (std::uint32_t i = part.begin; i < part.end; ++i) {
       const BoundaryPiece& piece = s.pieces[i];
-      sides.push_back({frame(regions.points[piece.from]), frame(regions.points[piece.to]), piece.weight});
-      elements_.push_back(piece.from);
+      const bool follows = i > part.begin && s.pieces[i - 1].to == piece.from;
+      const Vec3 from = follows ? sides.back().to : frame(regions.points[piece.from]);
+      // Both facets of an edge have its parts, in opposite directions; a segment is in one facet.
+      sides.push_back({from, frame(regions.points[piece.to]), piece.weight, !piece.is_loop && piece.from > piece.to});
+      if (stamp_[piece.from] != now_) {
+        stamp_[piece.from] = now_;
+        points.push_back(from);
+      }
       const double z = sides.back().from.z, w = sides.back().to.z;
       if (i == part.begin) read.lower = read.upper = z;
       read.lower = std::min({read.lower, z, w});
@@ -36,9 +45,6 @@ void ProjectedRegion::read(const PatchRegions& regions, std::size_t which, std::
     read.middle = read.middle / static_cast<double>(part.end - part.begin);
     parts.push_back(read);
   }
-  std::sort(elements_.begin(), elements_.end());
-  elements_.erase(std::unique(elements_.begin(), elements_.end()), elements_.end());
-  for (const std::uint32_t element : elements_) points.push_back(frame(regions.points[element]));
 }
 
 bool ProjectedRegion::meets(const Part& part, const Vec3& x, double& height) const {
@@ -92,10 +98,13 @@ void PatchDepth::try_sides(const ProjectedRegion& a, const ProjectedRegion& b) {
   constexpr double enough = 1 + 1e-13;
   const auto lower = [](const ProjectedRegion::Side& s) { return std::min(s.from.z, s.to.z); };
   const auto upper = [](const ProjectedRegion::Side& s) { return std::max(s.from.z, s.to.z); };
-  order_a_.resize(a.sides.size());
-  order_b_.resize(b.sides.size());
-  std::iota(order_a_.begin(), order_a_.end(), 0u);
-  std::iota(order_b_.begin(), order_b_.end(), 0u);
+  const auto list = [](const ProjectedRegion& region, std::vector<std::uint32_t>& order) {
+    order.clear();
+    for (std::uint32_t i = 0; i < region.sides.size(); ++i)
+      if (!region.sides[i].is_twin) order.push_back(i);
+  };
+  list(a, order_a_);
+  list(b, order_b_);
   std::sort(order_a_.begin(), order_a_.end(),
             [&](std::uint32_t p, std::uint32_t q) { return lower(a.sides[p]) < lower(a.sides[q]); });
   std::sort(order_b_.begin(), order_b_.end(),

@@ -31,6 +31,7 @@ class ProjectedRegion {
   struct Side {
     Vec3 from, to;
     int weight;
+    bool is_twin;  ///< true for the second of two facets' sides that are one
   };
   std::vector<Part> parts;
   std::vector<Side> sides;
@@ -41,7 +42,8 @@ class ProjectedRegion {
   bool meets(const Part& part, const Vec3& x, double& height) const;
 
  private:
-  std::vector<std::uint32_t> elements_;
+  std::vector<std::uint32_t> stamp_;  // by element: the patch that read it last
+  std::uint32_t now_ = 0;
 };
 
 /// The largest height of b's region above a's on a line along the normal, and at least 0.

@@ -47,11 +47,13 @@ void PatchIntegrator::add(const PatchRegions& regions, std::size_t which, const 
   const Vec3 first = square > 0 ? cross(v, normal) / square : Vec3{},
              second = square > 0 ? cross(normal, u) / square : Vec3{};
 
-  const Vec3 c = regions.points[s.pieces[part.begin].from], arm = c - sums.reference;
+  const std::uint32_t anchor = s.pieces[part.begin].from;
+  const Vec3 c = regions.points[anchor], arm = c - sums.reference;
   Vec3 area_vector;
   std::array<Vec3, 3> gradient{};
   for (std::uint32_t i = part.begin; i < part.end; ++i) {
     const BoundaryPiece& piece = s.pieces[i];
+    if (piece.from == anchor || piece.to == anchor) continue;  // a triangle without area
     const Vec3 p = regions.points[piece.from] - c, q = regions.points[piece.to] - c;
     const Vec3 area = cross(p, q) * (0.5 * piece.weight), middle = (p + q) / 3.0;
     area_vector += area;

@@ -203,7 +203,9 @@ void PatchRegions::add_whole_facets(SurfaceRegion& s) {
     const Facet& f = s.body->mesh_facets()[whole.facet];
     const std::uint32_t e[3] = {element_of(s, f[0]), element_of(s, f[1]), element_of(s, f[2])};
     const auto begin = static_cast<std::uint32_t>(s.pieces.size());
-    for (std::size_t k = 0; k < 3; ++k) add_piece(s, {e[k], e[(k + 1) % 3], whole.winding, false});
+    for (std::size_t k = 0; k < 3; ++k) s.pieces.push_back({e[k], e[(k + 1) % 3], whole.winding, false});
+    sets_.join(e[0], e[1]);
+    sets_.join(e[0], e[2]);
     s.parts.push_back({no_patch, whole.facet, begin, begin + 3});
   }
 }
