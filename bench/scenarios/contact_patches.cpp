@@ -123,6 +123,44 @@ struct PressedPair {
   std::vector<RigidTransform> places;  // of b, by frame
 };
 
+/// The tool stands on the highest point of the mesh, a fiftieth of its size inside, and slides.
+std::vector<RigidTransform> slides(const Mesh& mesh, const Mesh& tool, std::size_t count) {
+  const Box of_tool = bounding_box(tool);
+  const double size = bounding_box(mesh).diagonal();
+  Vec3 top = mesh.positions.front();
+  for (const Vec3& p : mesh.positions)
+    if (p.z > top.z) top = p;
+  const RigidTransform down = RigidTransform::from_axis({0, 1, 0}, std::numbers::pi / 2);
+  const Vec3 lowest = down(Vec3{of_tool.upper.x, of_tool.center().y, of_tool.center().z});
+  std::vector<RigidTransform> places;
+  for (std::size_t f = 0; f < count; ++f) {
+    const double way = static_cast<double>(f) / static_cast<double>(count);
+    places.push_back({down.rows, top + Vec3{0.02 * way, 0.013 * way, -0.02} * size - lowest});
+  }
+  return places;
+}
+
+/// The copy lies on the mesh, turned by a right angle and more, a fiftieth of its height deeper than where they meet.
+std::vector<RigidTransform> turns(Collider& a, Collider& b, std::size_t count) {
+  const Box box = bounding_box(a.surface());
+  const auto place = [&](double height, double way) {
+    const RigidTransform turn = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi + 0.1 * way);
+    const Vec3 center = box.center();
+    return RigidTransform{turn.rows, center - turn.rotate(center) + Vec3{0, 0, height * box.extent().z}};
+  };
+  CrossingQuery crossings;
+  double height = 1;
+  for (; height > 0; height -= 0.02) {
+    b.set_transform(place(height, 0));
+    require(crossings.run(a, b));
+    if (!crossings.pairs().empty()) break;
+  }
+  std::vector<RigidTransform> places;
+  for (std::size_t f = 0; f < count; ++f)
+    places.push_back(place(height - 0.02, static_cast<double>(f) / static_cast<double>(count)));
+  return places;
+}
+
 }  // namespace
 
 std::vector<Result> run_patches(const Input& input, const Settings& settings) {
@@ -133,23 +171,8 @@ std::vector<Result> run_patches(const Input& input, const Settings& settings) {
   Collider a(input.mesh, body), b(input.mesh, copy), tip(tool, steel);
   const std::vector<Frame> frames = bend_and_back(input.mesh);
 
-  // The body's highest point is where the tip is; the tool stands on it, and the copy lies on it.
-  const Box box = bounding_box(input.mesh), of_tool = bounding_box(tool);
-  Vec3 top = input.mesh.positions.front();
-  for (const Vec3& p : input.mesh.positions)
-    if (p.z > top.z) top = p;
-  const double size = box.diagonal();
-  const RigidTransform down = RigidTransform::from_axis({0, 1, 0}, std::numbers::pi / 2);
-  std::vector<RigidTransform> of_tip, of_copy;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const double way = static_cast<double>(f) / static_cast<double>(frames.size());
-    const Vec3 slide{0.02 * size * way, 0.013 * size * way, -0.02 * size};
-    const Vec3 lowest = down(Vec3{of_tool.upper.x, of_tool.center().y, of_tool.center().z});
-    of_tip.push_back({down.rows, top + slide - lowest});
-    const RigidTransform turn = RigidTransform::from_axis({0, 0, 1}, 0.5 * std::numbers::pi + 0.1 * way);
-    of_copy.push_back({turn.rows, box.center() - turn.rotate(box.center()) + Vec3{0, 0, 0.96 * box.extent().z}});
-  }
-
+  const std::vector<RigidTransform> of_tip = slides(input.mesh, tool, frames.size());
+  const std::vector<RigidTransform> of_copy = turns(a, b, frames.size());
   std::vector<Result> results;
   for (const PressedPair& pair : {PressedPair{"tool", a, tip, of_tip}, PressedPair{"copy", a, b, of_copy}}) {
     Result result{.scenario = "patches", .item = pair.item, .mesh = input.name};

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <morula/collide/contact_patches.hpp>
+#include <morula/geometry/inspect.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <support/error_text.hpp>
 #include <support/meshes.hpp>
@@ -274,6 +275,42 @@ TEST(ContactPatches, of_a_box_pressed_into_a_plate_are_known) {
       EXPECT_NEAR(point.on_b.point.z, 0, 1e-15);
       EXPECT_NEAR(std::abs(point.point.x - 0.01), 0.25, 0.1);
     }
+    expect_consistent(query, 1e-14);
+  }
+}
+
+/// A prism along x with a groove of a right angle, its lowest line at z = 0.
+Mesh groove() {
+  Mesh mesh;
+  for (const double x : {-3.0, 3.0})
+    for (const auto& [y, z] : {std::pair{-2, -1}, std::pair{2, -1}, std::pair{2, 1}, std::pair{1, 1}, std::pair{0, 0},
+                               std::pair{-1, 1}, std::pair{-2, 1}})
+      mesh.positions.push_back({x, double(y), double(z)});
+  for (std::uint32_t i = 0; i < 7; ++i) {
+    const std::uint32_t j = (i + 1) % 7;
+    mesh.facets.push_back({i, i + 7, j});
+    mesh.facets.push_back({j, i + 7, j + 7});
+  }
+  for (const Facet& f : {Facet{0, 1, 4}, Facet{1, 2, 3}, Facet{1, 3, 4}, Facet{0, 4, 5}, Facet{0, 5, 6}}) {
+    mesh.facets.push_back(f);
+    mesh.facets.push_back({f[2] + 7, f[1] + 7, f[0] + 7});
+  }
+  return inspect(mesh).volume > 0 ? mesh : test::inverted(mesh);
+}
+
+// A capsule of radius 0.5 has a line of vertices at each wall, 0.5 from its axis.
+TEST(ContactPatches, of_a_capsule_in_a_groove_are_one_for_each_wall) {
+  PlacedBody capsule(sample_body("capsule", 24)), walls(groove());
+  ContactPatchQuery query(capsule.collider, walls.collider);
+  for (const double depth : {1e-3, 1e-2, 0.05}) {
+    capsule.collider.set_transform({.translation = {0.01, 0, (0.5 - depth) * std::sqrt(2.0)}});
+    ASSERT_TRUE(query.run());
+    ASSERT_EQ(query.patches().size(), 2u);
+    for (const ContactPatch& patch : query.patches()) {
+      EXPECT_NEAR(patch.depth, depth, 1e-9);
+      EXPECT_LE(length(patch.normal - Vec3{0, std::copysign(std::sqrt(0.5), patch.normal.y), std::sqrt(0.5)}), 1e-9);
+    }
+    EXPECT_LT(query.patches()[0].normal.y * query.patches()[1].normal.y, 0);
     expect_consistent(query, 1e-14);
   }
 }
