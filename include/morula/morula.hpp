@@ -28,6 +28,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/geometry/weld.hpp>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
