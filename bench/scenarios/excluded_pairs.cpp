@@ -133,7 +133,7 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
 std::vector<Result> run_filters(const Input& input, const Settings& settings) {
   const double diagonal = bounding_box(input.mesh).diagonal();
   const auto at = [&](double t) { return deform(input.mesh, {Poke{.push = {0, 0, -0.5}, .radius = 0.5}}, t); };
-  const std::vector<Vec3> before = at(0.9), deepest = at(1);
+  const std::vector<Vec3> before = at(0.9), deepest = at(1), bent = deform(input.mesh, {Bend{20}}, 1.0);
   // Shares that are no whole parts of anything: no two features of a regular mesh are just so far apart.
   const std::vector<Filter> filters{{"rings 1", {.rings = 1}},
                                     {"rings 2", {.rings = 2}},
@@ -152,6 +152,13 @@ std::vector<Result> run_filters(const Input& input, const Settings& settings) {
                                    ProximityOptions{.distance = 0.004 * diagonal}, to_deepest));
   add(with_filters<SweptQuery>("swept", input, settings, filters, SweptOptions{},
                                [&](SurfaceTree& tree) { require(tree.update(before, deepest)); }));
+  // A body that is bent a little: nearly all near pairs were near at rest, and the search leaves out their nodes.
+  const std::vector<Filter> wide{{"rings 12", {.rings = 12}},
+                                 {"rest 2.5 %", {.rest_distance = 0.02513 * diagonal}},
+                                 {"rest 12 %", {.rest_distance = 0.11997 * diagonal}}};
+  add(with_filters<ProximityQuery>("wide proximity", input, settings, wide,
+                                   ProximityOptions{.distance = 0.02 * diagonal},
+                                   [&](SurfaceTree& tree) { require(tree.update(bent)); }));
   return results;
 }
 

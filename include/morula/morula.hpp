@@ -30,6 +30,7 @@
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/geometry/solid_surface.hpp>
+#include <morula/geometry/weld.hpp>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>

@@ -41,6 +41,15 @@ void bind_io(nb::module_& m) {
       nb::arg("path"),
       (std::string(doc::read_mesh) + " Parts of the file that are not in the mesh give a UserWarning.").c_str());
   m.def(
+      "read_welded_mesh",
+      [](const Path& path) {
+        MeshInfo info;
+        MeshWeld weld;
+        Mesh mesh = without_gil([&] { return read_mesh(path, info, weld); });
+        return std::make_tuple(std::move(mesh), std::move(weld));
+      },
+      nb::arg("path"), doc::read_mesh_3);
+  m.def(
       "_cut_polygons",
       [](nb::handle points, std::uint32_t sides, nb::handle corners) {
         auto mesh = std::make_shared<Mesh>();
@@ -217,11 +226,12 @@ void bind_io(nb::module_& m) {
       nb::arg("path"), nb::arg("mode_count"), doc::read_coordinates);
   m.def(
       "read_skin",
-      [](const Path& path, MeshGiven given) {
+      [](const Path& path, MeshGiven given, const MeshWeld* weld) {
         const auto mesh = mesh_of(given);
-        return without_gil([&] { return read_skin(path, *mesh); });
+        return without_gil([&] { return weld != nullptr ? read_skin(path, *mesh, *weld) : read_skin(path, *mesh); });
       },
-      nb::arg("path"), nb::arg("mesh"), doc::read_skin);
+      nb::arg("path"), nb::arg("mesh"), nb::arg("weld").none() = nb::none(),
+      (std::string(doc::read_skin) + "\n\nweld: the weld of the mesh. " + doc::read_skin_2).c_str());
   m.def(
       "write_skin", [](const Path& path, const Skin& skin) { without_gil([&] { write_skin(path, skin); }); },
       nb::arg("path"), nb::arg("skin"), doc::write_skin);

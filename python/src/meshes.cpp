@@ -89,7 +89,50 @@ void bind_mesh(nb::module_& m) {
       nb::arg("name"), nb::arg("resolution") = 48, doc::sample_body);
 }
 
+static std::vector<std::uint32_t> labels_of(nb::handle given) {
+  return given.is_none() ? std::vector<std::uint32_t>{} : indices_of(given, "labels");
+}
+
+static void bind_weld(nb::module_& m) {
+  Record<MeshWeld>(m, "MeshWeld", doc::MeshWeld)
+      .property(
+          "new_vertex", [](const MeshWeld& w) { return own_indices(std::vector(w.new_vertex)); },
+          doc::MeshWeld_new_vertex)
+      .property(
+          "old_vertex", [](const MeshWeld& w) { return own_indices(std::vector(w.old_vertex)); },
+          doc::MeshWeld_old_vertex)
+      .field("kept_apart", &MeshWeld::kept_apart, doc::MeshWeld_kept_apart)
+      .property(
+          "merged_count", [](const MeshWeld& w) { return w.merged_count(); }, doc::MeshWeld_merged_count);
+  m.def(
+      "weld_vertices",
+      [](MeshGiven given, nb::handle labels) {
+        const auto mesh = mesh_of(given);
+        const std::vector<std::uint32_t> numbers = labels_of(labels);
+        return without_gil([&] { return weld_vertices(*mesh, numbers); });
+      },
+      nb::arg("mesh"), nb::arg("labels") = nb::none(),
+      nb::sig("def weld_vertices(mesh: morula.typing.MeshLike, labels: morula.typing.Array | None = None) -> "
+              "MeshWeld"),
+      doc::weld_vertices);
+  m.def(
+      "welded",
+      [](MeshGiven given, const MeshWeld& weld) {
+        const auto mesh = mesh_of(given);
+        return without_gil([&] { return welded(*mesh, weld); });
+      },
+      nb::arg("mesh"), nb::arg("weld"), doc::welded);
+  m.def(
+      "welded_positions",
+      [](ArrayGiven given, const MeshWeld& weld) {
+        return own_points(welded_positions(points_of(given.object, "positions"), weld));
+      },
+      nb::arg("positions"), nb::arg("weld"), doc::welded_positions);
+}
+
 void bind_reports(nb::module_& m) {
+  bind_weld(m);
+
   Record<MeshReport>(m, "MeshReport", doc::MeshReport)
       .field("vertex_count", &MeshReport::vertex_count)
       .field("facet_count", &MeshReport::facet_count)
@@ -132,22 +175,30 @@ void bind_reports(nb::module_& m) {
       .property(
           "new_vertex", [](const RepairReport& r) { return own_indices(std::vector(r.new_vertex)); },
           doc::RepairReport_new_vertex)
+      .property(
+          "old_vertex", [](const RepairReport& r) { return own_indices(std::vector(r.old_vertex)); },
+          doc::RepairReport_old_vertex)
       .property("changed", [](const RepairReport& r) { return r.changed(); });
   m.def(
       "repair",
       [](MeshGiven given, std::optional<double> merge_distance, bool remove_degenerate, bool orient,
-         std::size_t cap_edges) {
+         std::size_t cap_edges, nb::handle labels) {
         const auto mesh = mesh_of(given);
-        const RepairOptions options{merge_distance, remove_degenerate, orient, cap_edges};
+        const std::vector<std::uint32_t> numbers = labels_of(labels);
+        const RepairOptions options{merge_distance, remove_degenerate, orient, cap_edges, numbers};
         RepairedMesh repaired = without_gil([&] { return repair(*mesh, options); });
         return std::make_tuple(std::move(repaired.mesh), std::move(repaired.report));
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("merge_distance") = 0.0, nb::arg("remove_degenerate") = false,
-      nb::arg("orient") = true, nb::arg("cap_edges") = 0,
+      nb::arg("orient") = true, nb::arg("cap_edges") = 0, nb::arg("labels") = nb::none(),
+      nb::sig("def repair(mesh: morula.typing.MeshLike, *, merge_distance: float | None = 0.0, remove_degenerate: bool "
+              "= False, orient: bool = True, cap_edges: int = 0, labels: morula.typing.Array | None = None) -> "
+              "tuple[Mesh, RepairReport]"),
       with_arguments(doc::repair, {{"merge_distance", doc::RepairOptions_merge_distance},
                                    {"remove_degenerate", doc::RepairOptions_remove_degenerate},
                                    {"orient", doc::RepairOptions_orient},
-                                   {"cap_edges", doc::RepairOptions_cap_edges}})
+                                   {"cap_edges", doc::RepairOptions_cap_edges},
+                                   {"labels", doc::RepairOptions_labels}})
           .c_str());
 }
 

@@ -222,6 +222,15 @@ void bind_modes(nb::module_& m) {
                " vertices>";
       });
   m.def(
+      "skin_labels", [](const Skin& skin) { return own_indices(skin_labels(skin)); }, nb::arg("skin"),
+      doc::skin_labels);
+  m.def(
+      "skin_of_vertices",
+      [](const Skin& skin, ArrayGiven vertices) {
+        return skin_of_vertices(skin, indices_of(vertices.object, "vertices"));
+      },
+      nb::arg("skin"), nb::arg("vertices"), doc::skin_of_vertices);
+  m.def(
       "sample_modes",
       [](ArrayGiven rest, std::size_t mode_count) { return sample_modes(points_of(rest.object, "rest"), mode_count); },
       nb::arg("rest"), nb::arg("mode_count") = 4, doc::sample_modes);

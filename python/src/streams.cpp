@@ -71,15 +71,17 @@ void bind_streams(nb::module_& m) {
   nb::class_<Motion>(m, "Motion", doc::Motion)
       .def(
           "__init__",
-          [](Motion* self, const FilePath& path, MeshGiven given, double frames_per_second, std::size_t animation) {
+          [](Motion* self, const FilePath& path, MeshGiven given, double frames_per_second, std::size_t animation,
+             const MeshWeld* weld) {
             const auto mesh = mesh_of(given);
-            Motion made = without_gil([&] { return Motion(path, *mesh, {frames_per_second, animation}); });
+            Motion made = without_gil([&] { return Motion(path, *mesh, {frames_per_second, animation, weld}); });
             new (self) Motion(std::move(made));
           },
           nb::arg("path"), nb::arg("mesh"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
-          nb::arg("animation") = 0,
+          nb::arg("animation") = 0, nb::arg("weld").none() = nb::none(),
           with_arguments(doc::Motion_Motion, {{"frames_per_second", doc::MotionOptions_frames_per_second},
-                                              {"animation", doc::MotionOptions_animation}})
+                                              {"animation", doc::MotionOptions_animation},
+                                              {"weld", doc::MotionOptions_weld}})
               .c_str())
       .def("__len__", &Motion::frame_count)
       .def(

@@ -35,7 +35,8 @@ void turn(Facet& f) {
 }
 
 /// For every vertex, the vertex into which it is merged: itself, or an earlier one that is kept.
-std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, double distance) {
+std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, double distance,
+                                         std::span<const std::uint32_t> labels) {
   std::vector<std::uint32_t> target(positions.size());
   std::iota(target.begin(), target.end(), std::uint32_t{0});
   Box box;
@@ -72,6 +73,7 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
       std::uint32_t other = first_in({own[0] + along_x, own[1] + along_y, own[2] + along_z});
       for (; other < first; other = next[other]) {
         poll_interrupt();
+        if (!labels.empty() && labels[other] != labels[v]) continue;
         if (positions[other] == positions[v] || scaled_length(positions[other] - positions[v]) <= distance)
           first = other;
       }
@@ -89,12 +91,14 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
   return target;
 }
 
-void merge(Mesh& mesh, double distance, RepairReport& report) {
-  const std::vector<std::uint32_t> target = merge_targets(mesh.positions, distance);
+void merge(Mesh& mesh, double distance, std::span<const std::uint32_t> labels, RepairReport& report) {
+  const std::vector<std::uint32_t> target = merge_targets(mesh.positions, distance, labels);
   std::vector<Vec3> kept;
+  report.old_vertex.clear();
   for (std::uint32_t v = 0; v < target.size(); ++v) {
     if (target[v] == v) {
       report.new_vertex[v] = static_cast<std::uint32_t>(kept.size());
+      report.old_vertex.push_back(v);
       kept.push_back(mesh.positions[v]);
     } else {
       report.new_vertex[v] = report.new_vertex[target[v]];  // it comes earlier
@@ -333,6 +337,9 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
   if (options.cap_edges > most_cap_edges)
     throw std::invalid_argument("repair: caps of " + std::to_string(options.cap_edges) + " edges, more than " +
                                 std::to_string(most_cap_edges));
+  if (!options.labels.empty() && options.labels.size() != view.vertex_count())
+    throw std::invalid_argument("repair: " + std::to_string(options.labels.size()) + " labels were given for " +
+                                std::to_string(view.vertex_count()) + " vertices");
   RepairedMesh result;
   Mesh& mesh = result.mesh;
   RepairReport& report = result.report;
@@ -340,8 +347,9 @@ RepairedMesh repair(const MeshView& view, const RepairOptions& options) {
   for (std::size_t v = 0; v < view.vertex_count(); ++v) mesh.positions.push_back(view.positions[v]);
   report.new_vertex.resize(mesh.vertex_count());
   std::iota(report.new_vertex.begin(), report.new_vertex.end(), std::uint32_t{0});
+  report.old_vertex = report.new_vertex;
 
-  if (options.merge_distance) merge(mesh, *options.merge_distance, report);
+  if (options.merge_distance) merge(mesh, *options.merge_distance, options.labels, report);
   if (options.remove_degenerate) remove_degenerate(mesh, report);
   const std::vector<Facet> before = mesh.facets;
   if (options.orient) orient_sheets(mesh, report);

@@ -32,7 +32,7 @@ struct ConvertArguments {
   std::string index_map;
   std::size_t animation = MotionOptions{}.animation;
   double frames_per_second = MotionOptions{}.frames_per_second;
-  bool nested = false, used_only = false, sofa = false;
+  bool nested = false, used_only = false, sofa = false, weld = false;
   unsigned threads = 0;
   bool json = false;
 };
@@ -59,11 +59,20 @@ bool is_pattern(const std::string& path) {
 int convert_mesh(const ConvertArguments& o) {
   require_mesh_output(o.output);
   if (!o.index_map.empty()) {
-    if (!o.used_only) throw UsageError("--index-map belongs to --used-only: without it vertices keep their numbers");
+    if (!o.used_only && !o.weld)
+      throw UsageError("--index-map belongs to --used-only or --weld: without them vertices keep their numbers");
+    if (o.used_only && o.weld) throw UsageError("--index-map has the numbers of one step: --used-only or --weld");
     require_output_place(o.index_map);
     require_not_input(o.index_map, {o.input, o.output});
   }
-  Mesh mesh = load_mesh(o.input);
+  MeshWeld weld;
+  Mesh mesh = o.weld ? load_welded_mesh(o.input, weld) : load_mesh(o.input);
+  if (o.weld && !o.index_map.empty()) {
+    std::string text = "vertex,welded\n";
+    for (std::size_t v = 0; v < weld.new_vertex.size(); ++v) text += fmt::format("{},{}\n", v, weld.new_vertex[v]);
+    write_whole(o.index_map, text);
+    note_written(o.index_map);
+  }
   if (o.used_only) {
     UsedVertices used = used_vertices(mesh);
     mesh = std::move(used.mesh);
@@ -111,8 +120,11 @@ int convert_motion(const ConvertArguments& o, FileKind kind) {
     require_folder_place(o.output);
     require_not_input_folder(o.output, {o.input, mesh_path});
   }
-  const Mesh mesh = load_mesh(mesh_path);
-  const Motion motion(o.input, mesh, {.frames_per_second = o.frames_per_second, .animation = o.animation});
+  MeshWeld weld;
+  const Mesh mesh = o.weld ? load_welded_mesh(mesh_path, weld) : load_mesh(mesh_path);
+  const Motion motion(
+      o.input, mesh,
+      {.frames_per_second = o.frames_per_second, .animation = o.animation, .weld = o.weld ? &weld : nullptr});
   MotionWriter writer(o.output, mesh, motion.frame_count());
   for (std::size_t i = 0; i < motion.frame_count(); ++i) writer.write(motion.frame(i));
   writer.finish();
@@ -226,6 +238,8 @@ int convert_command(const ConvertArguments& o) {
     throw UsageError("--level belongs to --sofa and .glb: other formats hold all levels");
   }
   const bool to_motion = kind == FileKind::mesh && (extension(o.output).empty() || is_motion_file(extension(o.output)));
+  if (o.weld && kind != FileKind::mesh && kind != FileKind::motion && kind != FileKind::folder)
+    throw UsageError("--weld belongs to meshes and motions");
   if (o.used_only && (kind != FileKind::mesh || to_motion)) throw UsageError("--used-only belongs to meshes");
   switch (kind) {
     case FileKind::mesh:
@@ -277,7 +291,11 @@ void add_convert(CLI::App& app, Run& run) {
       ->transform(whole_number());
   add_flag(*command, "--used-only", o->used_only,
            "Drop mesh vertices that no facet uses, such as those inside a solid");
-  add_option(*command, "--index-map", o->index_map, "With --used-only: a table of the former number of each vertex")
+  add_flag(
+      *command, "--weld", o->weld,
+      "Merge the vertices of a mesh that are equal and stay so: position, and for glTF joints, weights and morphs");
+  add_option(*command, "--index-map", o->index_map,
+             "With --used-only: a table of the former number of each vertex; with --weld: of the new number")
       ->type_name("CSV");
   add_flag(*command, "--sofa", o->sofa, "One level of a tree for SOFA's SphereLoader, also with the ending .sph");
   add_option(*command, "--level", o->level, "Level for --sofa and .glb; default: the leaves")

@@ -32,7 +32,7 @@ struct PairsArguments {
   bool swept = false, crossing = false, candidates = false;
   std::optional<double> within;
   double distance = 0;
-  bool with_self = false, once = false;
+  bool with_self = false, once = false, weld = false;
   std::uint32_t rings = 0;
   double rest_distance = 0;
   std::string rest;
@@ -53,8 +53,10 @@ struct Found {
   double microseconds = 0;
 };
 
-Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& rest_path) {
+/// A pose of a mesh; weld: null if the mesh was not welded.
+Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& rest_path, const MeshWeld* weld) {
   Mesh mesh = load_mesh(path);
+  if (weld != nullptr && mesh.vertex_count() == weld->new_vertex.size()) mesh = welded(mesh, *weld);
   if (mesh.facets != rest.facets || mesh.positions.size() != rest.positions.size())
     throw UsageError(fmt::format("{} and {} are not the same mesh: vertices or facets differ", rest_path, path));
   return mesh;
@@ -166,6 +168,7 @@ void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const F
   json["vertices"] = tree.vertex_count();
   json["facets"] = tree.facets().size();
   json["edges"] = tree.edges().size();
+  json["duplicate_vertices"] = tree.duplicate_vertices();
   if (o.crossing) {
     json["facet_facet"] = s.facet_facet;
   } else {
@@ -181,6 +184,17 @@ void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const F
   if (o.swept && !o.candidates) json["collision_free_step"] = s.least.value_or(1);
   json["microseconds"] = found.microseconds;
   print_json(json);
+}
+
+/// For queries within components: corners that only touch are found at distance 0, though the surface is whole there.
+void note_corners_apart(const PairsArguments& o, const SurfaceTree& tree) {
+  const std::size_t count = tree.duplicate_vertices();
+  if (o.with_self && count > 0)
+    note(
+        "{} has {} at the position of another vertex: pairs that meet there are found, as if the surface were cut; "
+        "{}",
+        o.from, counted(count, "vertex", "vertices"),
+        o.weld ? "they may move apart, so --weld does not merge them; morula repair merges them" : "add --weld");
 }
 
 int pairs_command(const PairsArguments& o) {
@@ -200,9 +214,12 @@ int pairs_command(const PairsArguments& o) {
     require_not_input(o.output, {o.from, o.to, o.rest});
   }
   Workers workers = make_workers(o.threads);
-  const Mesh from = load_mesh(o.from);
-  const Mesh to = o.to.empty() ? Mesh{} : read_pose(o.to, from, o.from);
-  SurfaceTree tree(o.rest.empty() ? from : read_pose(o.rest, from, o.from));
+  MeshWeld weld;
+  const Mesh from = o.weld ? load_welded_mesh(o.from, weld) : load_mesh(o.from);
+  const MeshWeld* const merged = o.weld ? &weld : nullptr;
+  const Mesh to = o.to.empty() ? Mesh{} : read_pose(o.to, from, o.from, merged);
+  SurfaceTree tree(o.rest.empty() ? from : read_pose(o.rest, from, o.from, merged));
+  note_corners_apart(o, tree);
   const PositionView from_view(from.positions), to_view(to.positions);
   const Status moved = o.swept ? tree.update(from_view, to_view, workers) : tree.update(from_view, workers);
   if (!moved) throw UsageError(fmt::format("{}: {}", o.to.empty() ? o.from : o.to, message(moved)));
@@ -235,6 +252,8 @@ void add_pairs(CLI::App& app, Run& run) {
       ->transform(real_number(0));
   add_flag(*command, "--crossing", o->crossing, "Pairs of facets that intersect");
   add_flag(*command, "--self", o->with_self, "Also pairs within a component, unless they share a vertex");
+  add_flag(*command, "--weld", o->weld,
+           "Merge vertices of FROM that are equal and stay so, such as the corners of a glTF with hard edges");
   add_option(*command, "--rings", o->rings, "Skip pairs within a component that are at most this many edges apart")
       ->type_name("N")
       ->transform(whole_number(0, 8));

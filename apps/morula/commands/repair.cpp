@@ -7,6 +7,7 @@
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/repair.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/skin_file.hpp>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
@@ -21,6 +22,7 @@ namespace {
 struct RepairArguments {
   std::string mesh;
   std::string output;
+  std::string skin, skin_output;
   double merge = 0;
   bool no_merge = false;
   bool remove_degenerate = false;
@@ -67,14 +69,26 @@ void print_text(const RepairArguments& o, const RepairedMesh& repaired, const Me
        fmt::format("{} with one side only: left as they were", counted(r.unorientable_pieces, "component")));
   line(r.open_holes > 0, fmt::format("{} left open{}", counted(r.open_holes, "hole"),
                                      o.cap == 0 ? "; --cap N closes those of at most N edges" : ""));
-  line(r.merged_vertices > 0, "the vertices have new numbers: a motion of the old mesh does not fit");
+  line(r.merged_vertices > 0, fmt::format("the vertices have new numbers: a motion{} of the old mesh does not fit",
+                                          o.skin.empty() ? " or skin" : ""));
 }
 
 int repair_command(const RepairArguments& o) {
   require_mesh_output(o.output);
   require_not_input(o.output, {o.mesh});
+  if (o.skin.empty() != o.skin_output.empty())
+    throw UsageError("--skin and --skin-output belong together: the skin of MESH, and that of OUT");
+  if (!o.skin.empty()) {
+    if (extension(o.skin_output) != ".npy")
+      throw UsageError(fmt::format("--skin-output {}: skins are written as .npy", o.skin_output));
+    require_output_place(o.skin_output);
+    require_not_input(o.skin_output, {o.mesh, o.skin});
+  }
   const Mesh mesh = load_mesh(o.mesh);
+  const Skin skin = o.skin.empty() ? Skin{} : read_skin(o.skin, mesh);
+  const std::vector<std::uint32_t> labels = skin.empty() ? std::vector<std::uint32_t>{} : skin_labels(skin);
   RepairOptions options{.remove_degenerate = o.remove_degenerate, .orient = !o.no_orient, .cap_edges = o.cap};
+  options.labels = labels;
   options.merge_distance = o.no_merge ? std::nullopt : std::optional(o.merge);
   const RepairedMesh repaired = repair(mesh, options);
   if (repaired.mesh.facets.empty()) {
@@ -83,6 +97,10 @@ int repair_command(const RepairArguments& o) {
   const MeshReport before = inspect(mesh), after = inspect(repaired.mesh);
   write_mesh(o.output, repaired.mesh);
   note_written(o.output);
+  if (!skin.empty()) {
+    write_skin(o.skin_output, skin_of_vertices(skin, repaired.report.old_vertex));
+    note_written(o.skin_output);
+  }
   if (!o.json) {
     print_text(o, repaired, before, after);
     return exit_done;
@@ -116,6 +134,10 @@ void add_repair(CLI::App& app, Run& run) {
                            ->type_name("LENGTH")
                            ->transform(real_number(0));
   add_flag(*command, "--no-merge", o->no_merge, "Merge none")->excludes(merge);
+  add_option(*command, "--skin", o->skin,
+             "Skin of MESH, .npy or the glTF of MESH itself: merge only vertices with the same weights")
+      ->type_name("SKIN");
+  add_option(*command, "--skin-output", o->skin_output, "The skin of the vertices that remain")->type_name("NPY");
   add_flag(*command, "--remove-degenerate", o->remove_degenerate, "Remove facets without area; may open a closed mesh");
   add_flag(*command, "--no-orient", o->no_orient,
            "Keep the orientation of all facets; default: consistent, and outward for closed components");
@@ -127,7 +149,8 @@ void add_repair(CLI::App& app, Run& run) {
   set_footer(*command,
              "Positions are never moved; vertices and facets that stay keep their order.\n"
              "Example:\n"
-             "  morula repair scan.ply -o whole.ply --cap 30");
+             "  morula repair scan.ply -o whole.ply --cap 30\n"
+             "  morula repair arm.glb -o arm.ply --skin arm.glb --skin-output skin.npy");
   on_use(*command, [o, &run] { run = [o] { return repair_command(*o); }; });
 }
 

@@ -63,6 +63,17 @@ Mesh load_mesh(const fs::path& path) {
   return mesh;
 }
 
+Mesh load_welded_mesh(const fs::path& path, MeshWeld& weld) {
+  MeshInfo info;
+  Mesh mesh = read_mesh(path, info, weld);
+  for (const std::string& text : info.notes) note("{}: {}", path.string(), text);
+  note("{}: {} of {} vertices merged into others{}", path.string(), weld.merged_count(), weld.new_vertex.size(),
+       weld.kept_apart == 0
+           ? ""
+           : fmt::format("; {} at positions of others stay, since they may move apart from them", weld.kept_apart));
+  return mesh;
+}
+
 std::string known_kinds() {
   return fmt::format("neither a mesh ({}) nor a tree (.morula .sph .json .npz) nor balls (.ply)",
                      readable_mesh_extensions());

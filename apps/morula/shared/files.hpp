@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/weld.hpp>
 #include <set>
 #include <string>
 #include <string_view>
@@ -20,6 +21,8 @@ std::string extension(const std::filesystem::path& path);
 
 /// read_mesh, which prints the notes on the file.
 Mesh load_mesh(const std::filesystem::path& path);
+/// read_mesh with a weld, which prints the notes on the file and how many vertices were merged.
+Mesh load_welded_mesh(const std::filesystem::path& path, MeshWeld& weld);
 
 /// The forms of a motion, for help texts: "folder of meshes, glob such as "out/frame*.obj", one mesh, .npy, …, or the
 /// animation of .gltf or .glb". From the table of file formats.

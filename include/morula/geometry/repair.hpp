@@ -5,6 +5,7 @@
 
 #include <morula/geometry/mesh.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace morula {
@@ -22,6 +23,9 @@ struct RepairOptions {
   /// Largest number of edges of the holes to close, without new vertices; 0 closes none. Caps have the least area. A
   /// hole stays open if every cap needs an edge that exists already.
   std::size_t cap_edges = 0;  ///< at most 500
+  /// A number per vertex; only vertices with the same number are merged. skin_labels() keeps vertices apart that a skin
+  /// may move apart. Empty: positions decide alone.
+  std::span<const std::uint32_t> labels{};
 };
 
 struct RepairReport {
@@ -35,6 +39,8 @@ struct RepairReport {
   std::size_t open_holes = 0;  ///< remaining loops of border edges
   /// The new number of each old vertex, to renumber motions, which list positions in vertex order.
   std::vector<std::uint32_t> new_vertex;
+  /// For each new vertex the first old one that becomes it, to renumber skins by skin_of_vertices(); ascending.
+  std::vector<std::uint32_t> old_vertex;
 
   bool changed() const {
     return merged_vertices + collapsed_facets + degenerate_facets + turned_facets + capped_holes > 0;
@@ -50,7 +56,7 @@ struct RepairedMesh {
 /// The result has the same bits on all machines. Cost: O(F log F), and for each cap the cube of the hole's edges.
 ///
 /// Throws std::invalid_argument for indices out of range, coordinates of used vertices that are not finite, a distance
-/// that is negative or not finite, and caps of more than 500 edges.
+/// that is negative or not finite, caps of more than 500 edges, and another number of labels than vertices.
 RepairedMesh repair(const MeshView& mesh, const RepairOptions& options = {});
 
 /// A mesh without the vertices that no facet uses, such as the inner points of a solid.

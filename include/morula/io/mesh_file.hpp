@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <morula/geometry/mesh.hpp>
+#include <morula/geometry/weld.hpp>
 #include <morula/io/files.hpp>
 #include <span>
 #include <string>
@@ -46,6 +47,15 @@ struct MeshInfo {
 Mesh read_mesh(const std::filesystem::path& path);
 /// Reads a mesh, and writes facts about the file to `info`.
 Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info);
+
+/// Reads a mesh whose facets only touch, and merges its vertices: a glTF with hard edges or texture coordinates has
+/// vertices of its own for each corner, and self-queries would find all of them at distance 0.
+///
+/// Vertices are merged if their positions are equal and, in a glTF, their node, their joints and weights in order, and
+/// their displacements in every morph target: such vertices never move apart. weld: the map of vertices, for positions
+/// of the unwelded mesh (welded_positions()), MotionOptions::weld and read_skin(). It also counts the vertices at equal
+/// positions that stay apart. Throws FileError like read_mesh().
+Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info, MeshWeld& weld);
 
 /// Writes a mesh to OBJ, OFF or PLY (binary, doubles); the extension determines the format. For a deformed mesh pass
 /// `{positions, mesh.facets}`. read_mesh() returns positions with the same bits. The write is atomic: the path has the

@@ -16,6 +16,10 @@ struct MotionOptions {
   /// Sampling rate: frame i is at i / frames_per_second seconds; the last frame is not after the end.
   double frames_per_second = 30;
   std::size_t animation = 0;  ///< index of the animation, if the file has several
+  /// The weld of a mesh that read_mesh() welded; the motion copies it. Its files have the vertices and facets of the
+  /// unwelded mesh, and frame() returns positions of the welded one. A frame in which merged vertices are apart is
+  /// rejected. Null: the files have the vertices of the mesh.
+  const MeshWeld* weld = nullptr;
 };
 
 namespace detail {
@@ -29,7 +33,8 @@ class Motion {
   /// one mesh file (a single frame; for glTF its animation, posed by nodes, skins and morph targets); a NumPy .npy
   /// array of float32 or float64, shape (frames, vertices, 3), C order; or a .npz with such an array, which is the only
   /// one or is named `positions`. Throws FileError if no file matches, if a numbered frame is missing in between
-  /// (files.hpp), if the array has another shape or type, or if an option is out of range for the animation.
+  /// (files.hpp), if the array has another shape or type, or if an option is out of range for the animation;
+  /// std::invalid_argument for a weld of another mesh.
   Motion(const std::filesystem::path& path, const MeshView& mesh, const MotionOptions& options = {});
 
   std::size_t frame_count() const { return frame_count_; }
@@ -40,6 +45,7 @@ class Motion {
   std::string frame_name(std::size_t i) const;
 
  private:
+  std::vector<Vec3> unwelded_frame(std::size_t i) const;
   // Throws FileError unless count and facets are those of the mesh.
   void require_frames_of(const std::filesystem::path& file, std::size_t vertex_count,
                          std::span<const Facet> facets) const;
@@ -47,8 +53,9 @@ class Motion {
   std::vector<std::filesystem::path> files_;           // one per frame, or the one with all frames
   std::shared_ptr<const detail::FrameSource> source_;  // source of a file with an animation or an array
   std::size_t frame_count_ = 0;
-  std::size_t vertex_count_ = 0;
+  std::size_t vertex_count_ = 0;  // of the files
   std::vector<Facet> facets_;
+  std::optional<MeshWeld> weld_;
 };
 
 /// Writes frames one at a time: into a folder (0000.obj, 0001.obj, …) or, if the path ends in .npy, into one float64

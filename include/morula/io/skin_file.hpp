@@ -15,6 +15,10 @@ namespace morula {
 /// skin count as bones of their own. Throws FileError that names the file and the mismatch.
 Skin read_skin(const std::filesystem::path& path, const MeshView& mesh);
 
+/// Reads a skin of the unwelded mesh, and returns that of the welded one: read_mesh() welded it. Throws FileError also
+/// if merged vertices have different weights.
+Skin read_skin(const std::filesystem::path& path, const MeshView& mesh, const MeshWeld& weld);
+
 /// Transforms of a motion, one per frame and bone.
 struct BoneFrames {
   std::size_t bone_count = 0;

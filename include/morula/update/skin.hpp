@@ -47,6 +47,14 @@ struct Skin {
   std::size_t vertex_count() const { return begin.empty() ? 0 : begin.size() - 1; }
 };
 
+/// A number per vertex: two vertices have the same number only if they have the same influences, bones and weights, in
+/// the same order, and so move alike from one rest position. For weld_vertices() and RepairOptions::labels. Cost: O(V
+/// log V).
+std::vector<std::uint32_t> skin_labels(const Skin& skin);
+/// The skin of some vertices, in the given order: MeshWeld::old_vertex gives the skin of the welded mesh. Throws
+/// std::invalid_argument for a vertex that the skin does not have.
+Skin skin_of_vertices(const Skin& skin, std::span<const std::uint32_t> vertices);
+
 /// Writes the position of each vertex under these transforms to `positions`, computed in double, with influences added
 /// in order. Body::update_skinned() uses the same positions.
 ///

@@ -98,6 +98,9 @@ void bind_surface_tree(nb::module_& m) {
             return IndexPairs(reinterpret_cast<const std::uint32_t*>(edges.data()), {edges.size(), 2}, self);
           },
           doc::SurfaceTree_edges)
+      .def_prop_ro(
+          "duplicate_vertices", [](const HeldSurface& self) { return self.tree.duplicate_vertices(); },
+          doc::SurfaceTree_duplicate_vertices)
       .def(
           "hash",
           [](const HeldSurface& self) {

@@ -35,6 +35,10 @@ std::vector<Vec3> posed(const Document& document, const Moment& moment);
 /// them.
 std::vector<Vec3> bound(const Document& document, const Moment& moment);
 
+/// A number per vertex, of vertices that move alike from one rest position: the same node, the same joints and weights
+/// in order, the same displacement in every morph target.
+std::vector<std::uint32_t> vertex_labels(const Document& document);
+
 /// The skin of all vertices. Its bones are the joints of each node with a skin, and each node without one, in the order
 /// of the nodes drawn.
 Skin joined_skin(const Document& document);

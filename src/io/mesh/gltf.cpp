@@ -90,6 +90,7 @@ Mesh read_gltf(const fs::path& path, std::string_view bytes, MeshReading& readin
   const Document document = gltf::read_document(path, bytes);
   if (document.drawn.empty()) document.fail("its scene has no mesh");
   reading.info.notes = document.notes;
+  if (reading.wants_labels) reading.labels = gltf::vertex_labels(document);
   Mesh mesh{gltf::bound(document, gltf::at_rest(document)), gltf::joined(document).facets};
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
     if (!is_finite(mesh.positions[v]))

@@ -40,6 +40,14 @@ Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info) {
   return mesh;
 }
 
+Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info, MeshWeld& weld) {
+  MeshReading reading{.wants_labels = true};
+  const Mesh mesh = read_mesh_as(path, reading);
+  info = std::move(reading.info);
+  weld = weld_vertices(mesh, reading.labels);
+  return welded(mesh, weld);
+}
+
 Mesh detail::read_mesh_as(const std::filesystem::path& path, MeshReading& reading) {
   const StandardFloats standard;
   const std::string extension = lower_extension(path);

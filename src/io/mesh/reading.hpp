@@ -21,6 +21,10 @@ struct MeshReading {
   /// frame of its motion, whose polygons may have become concave.
   std::span<const Facet> cut_like = {};
   MeshInfo info = {};
+  /// Whether the reader sets `labels`: a number per vertex, for weld_vertices(). They stay empty in formats whose
+  /// vertices have no more than a position.
+  bool wants_labels = false;
+  std::vector<std::uint32_t> labels = {};
 };
 
 /// "1 face" or "3 faces".

@@ -77,7 +77,16 @@ bool is_frame_of(const std::string& name, std::size_t frame_count, const std::st
 }  // namespace
 
 Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& options)
-    : vertex_count_(mesh.vertex_count()), facets_(mesh.facets.begin(), mesh.facets.end()) {
+    : vertex_count_(options.weld != nullptr ? options.weld->new_vertex.size() : mesh.vertex_count()),
+      facets_(mesh.facets.begin(), mesh.facets.end()) {
+  if (options.weld != nullptr) {
+    if (options.weld->old_vertex.size() != mesh.vertex_count())
+      throw std::invalid_argument("MotionOptions::weld makes " + std::to_string(options.weld->old_vertex.size()) +
+                                  " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
+    weld_ = *options.weld;
+  }
+  const std::vector<Vec3> of_file(weld_ ? vertex_count_ : 0);
+  const MeshView in_file = weld_ ? MeshView{of_file, mesh.facets} : mesh;
   std::error_code ignored;
   const std::string name = path.filename().string();
   if (fs::is_directory(path, ignored)) {
@@ -99,9 +108,10 @@ Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& 
     size_of_file(path);
     files_ = {path};
     if (is_point_cache(extension))
-      source_ = open_point_cache(path, mesh);
+      source_ = open_point_cache(path, in_file);
     else if (is_array)
-      source_ = std::make_shared<ArrayFrames>(extension == ".npz" ? motion_in_archive(path) : ByteSource(path), mesh);
+      source_ =
+          std::make_shared<ArrayFrames>(extension == ".npz" ? motion_in_archive(path) : ByteSource(path), in_file);
     else if (format->open_frames != nullptr)
       source_ = format->open_frames(path, options);
     if (source_ && !is_array) require_frames_of(path, source_->vertex_count(), source_->facets());
@@ -119,16 +129,36 @@ void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, s
     differs("has " + std::to_string(vertex_count) + " vertices, but the mesh has " + std::to_string(vertex_count_));
   if (facets.size() != facets_.size())
     differs("has " + std::to_string(facets.size()) + " facets, but the mesh has " + std::to_string(facets_.size()));
-  const auto [own, rest] = std::mismatch(facets.begin(), facets.end(), facets_.begin());
+  const auto is_same = [&](Facet own, const Facet& rest) {
+    for (std::uint32_t& v : own) v = weld_ ? weld_->new_vertex[v] : v;
+    return own == rest;
+  };
+  const auto [own, rest] = std::mismatch(facets.begin(), facets.end(), facets_.begin(), is_same);
   if (own != facets.end())
     differs("facet " + std::to_string(rest - facets_.begin()) + ", counted from 0, has other vertices than the mesh's");
 }
 
 std::vector<Vec3> Motion::frame(std::size_t i) const {
+  if (!weld_) return unwelded_frame(i);
+  const std::vector<Vec3> positions = unwelded_frame(i);
+  for (std::uint32_t v = 0; v < positions.size(); ++v) {
+    const std::uint32_t first = weld_->old_vertex[weld_->new_vertex[v]];
+    // mutant weld-moves-apart: `positions[v] != positions[first]` -> `false`
+    if (positions[v] != positions[first])
+      throw FileError((source_ ? files_.front() : files_[i]).string() + ": frame " + std::to_string(i) + ": vertices " +
+                      std::to_string(first) + " and " + std::to_string(v) +
+                      " of the unwelded mesh are merged, but they are at different positions; read the mesh without "
+                      "welding");
+  }
+  return welded_positions(positions, *weld_);
+}
+
+std::vector<Vec3> Motion::unwelded_frame(std::size_t i) const {
   assert(i < frame_count_);
   if (source_) return source_->frame(i);
   // A polygon that has become concave is still cut as in the mesh at rest.
-  MeshReading reading{.cut_like = facets_};
+  MeshReading reading;
+  if (!weld_) reading.cut_like = facets_;
   Mesh mesh = read_mesh_as(files_[i], reading);
   require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
   return std::move(mesh.positions);

@@ -66,6 +66,20 @@ Skin read_skin(const fs::path& path, const MeshView& mesh) {
   return skin;
 }
 
+Skin read_skin(const fs::path& path, const MeshView& mesh, const MeshWeld& weld) {
+  if (weld.old_vertex.size() != mesh.vertex_count())
+    throw std::invalid_argument("the weld makes " + std::to_string(weld.old_vertex.size()) +
+                                " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
+  const std::vector<Vec3> of_file(weld.new_vertex.size());
+  const Skin skin = read_skin(path, MeshView{of_file, mesh.facets});
+  const std::vector<std::uint32_t> labels = skin_labels(skin);
+  for (std::uint32_t v = 0; v < labels.size(); ++v)
+    if (const std::uint32_t first = weld.old_vertex[weld.new_vertex[v]]; labels[v] != labels[first])
+      throw FileError(path.string() + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
+                      " of the unwelded mesh are merged, but they have different weights");
+  return skin_of_vertices(skin, weld.old_vertex);
+}
+
 BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const MotionOptions& options) {
   const StandardFloats standard;
   if (!is_gltf(path)) return bone_frames_of(path, bone_count);

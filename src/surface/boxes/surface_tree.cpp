@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "geometry/hash.hpp"
+#include "geometry/index_table.hpp"
 #include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
@@ -203,6 +204,22 @@ std::span<const Facet> SurfaceTree::facets() const {
 std::span<const std::array<std::uint32_t, 2>> SurfaceTree::edges() const {
   return state_->mesh.edges;
 }
+std::size_t SurfaceTree::duplicate_vertices() const {
+  IndexTable places;
+  std::size_t count = 0;
+  const std::vector<Vec3>& rest = state_->mesh.rest;
+  const auto hash_of = [&](std::uint32_t v) { return hash_of_numbers(rest[v].x, rest[v].y, rest[v].z); };
+  for (std::uint32_t v = 0; v < rest.size(); ++v) {
+    if (state_->blocks.slot_of_vertex[v] == SurfaceTreeState::no_slot) continue;
+    const auto is_here = [&](std::uint32_t w) { return rest[w] == rest[v]; };
+    if (places.find(hash_of(v), is_here) != IndexTable::none)
+      ++count;
+    else
+      places.add(v, hash_of);
+  }
+  return count;
+}
+
 Vec3 SurfaceTree::from(std::uint32_t vertex) const {
   return state_->from_of(vertex);
 }

@@ -6,7 +6,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <morula/geometry/box.hpp>
 #include <optional>
 #include <span>
 
@@ -82,51 +81,6 @@ class BlockRings {
   RingSearch search_;
   std::vector<std::uint32_t> reached_;
   std::vector<std::uint32_t> reached_from_;  // by vertex, a bit per start; 0 for all vertices that are not in reached_
-};
-
-/// Blocks [begin, end).
-struct BlockRange {
-  std::uint32_t begin, end;
-};
-
-/// Boxes at rest: box i of level k contains boxes 8 i … 8 i + 7 of level k − 1, and level 0 holds the boxes of blocks.
-class RestBoxes {
- public:
-  explicit RestBoxes(const SurfaceTreeState& s) {
-    std::vector<Box>& blocks = levels_.emplace_back(s.block_count());
-    for (std::size_t i = 0; i < s.blocks.order.size(); ++i)
-      for (const std::uint32_t v : s.blocks.facets_in_order[i]) blocks[i / 8].add(s.mesh.rest[v]);
-    while (levels_.back().size() > 1) {
-      std::vector<Box> next((levels_.back().size() + 7) / 8);
-      for (std::size_t i = 0; i < levels_.back().size(); ++i) next[i / 8].add(levels_.back()[i]);
-      levels_.push_back(std::move(next));
-    }
-  }
-  /// Adds, ascending, the blocks from `block` on that are surely near it, and the blocks that are neither surely near
-  /// nor surely apart.
-  void find(const ExclusionTest& test, std::uint32_t block, std::vector<BlockRange>& near,
-            std::vector<std::uint32_t>& in_doubt) const {
-    find(test, block, levels_.size() - 1, 0, near, in_doubt);
-  }
-
- private:
-  void find(const ExclusionTest& test, std::uint32_t block, std::size_t level, std::uint32_t i,
-            std::vector<BlockRange>& near, std::vector<std::uint32_t>& in_doubt) const {
-    const std::size_t size = std::size_t{1} << (3 * level);
-    const auto end = static_cast<std::uint32_t>(std::min((std::size_t{i} + 1) * size, levels_[0].size()));
-    const Box &here = levels_[0][block], &there = levels_[level][i];
-    if (end <= block || test.are_surely_apart(here, there)) return;
-    if (test.are_surely_near(here, there)) {
-      near.push_back({std::max(block, static_cast<std::uint32_t>(i * size)), end});
-    } else if (level == 0) {
-      in_doubt.push_back(i);
-    } else {
-      const auto children = std::min<std::size_t>(8 * std::size_t{i} + 8, levels_[level - 1].size());
-      for (std::uint32_t child = 8 * i; child < children; ++child) find(test, block, level - 1, child, near, in_doubt);
-    }
-  }
-
-  std::vector<std::vector<Box>> levels_;
 };
 
 /// A feature of a block.
@@ -240,13 +194,13 @@ const std::uint64_t ExcludedPairs::all_[most_masks] = {all_bits, all_bits, all_b
 
 /// The input of all rows of a table, the same for all threads. ExcludedPairs() makes it once.
 struct ExclusionSource {
-  ExclusionSource(const SurfaceTreeState& s, const ExclusionRule& of)
-      : surface(s), rule(of), test(s, of), boxes(s), blocks_of_vertices(s) {}
+  ExclusionSource(const SurfaceTreeState& s, const ExclusionRule& of, const RestBoxes& of_blocks)
+      : surface(s), rule(of), test(s, of), boxes(of_blocks), blocks_of_vertices(s) {}
 
   const SurfaceTreeState& surface;
   const ExclusionRule& rule;
   const ExclusionTest test;
-  const RestBoxes boxes;
+  const RestBoxes& boxes;
   const BlocksOfVertices blocks_of_vertices;
 };
 
@@ -369,8 +323,16 @@ class ExclusionRows {
   BlockPlaces places_a_, places_b_;  // places of the row's block and of the block that is added
 };
 
-ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers) : rule_(rule) {
-  const ExclusionSource source(s, rule_);
+ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers, Table table)
+    : rule_(rule), boxes_(s) {
+  const ExclusionRule in_rows{rule.rings, table == Table::whole ? rule.rest_distance : 0, rule.features};
+  if (in_rows.excludes_any()) make_rows(s, in_rows, workers);
+  if (rule.rest_distance > 0 && !(is_kept_ && table == Table::whole))
+    points_ = RestPoints(s, rule.rest_distance, ExclusionTest(s, rule).rounding(), rule.features);
+}
+
+void ExcludedPairs::make_rows(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers) {
+  const ExclusionSource source(s, rule, boxes_);
   const std::size_t blocks = s.block_count(), most_bytes = most_bytes_per_facet * s.blocks.order.size();
   // There are few parts, because each holds a number per vertex.
   const std::size_t blocks_at_once = std::max<std::size_t>(16, (blocks + 63) / 64);
@@ -401,13 +363,36 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
     masks_.insert(masks_.end(), rows->masks.begin(), rows->masks.end());
   }
   entries_.shrink_to_fit(), masks_.shrink_to_fit();
+  make_nodes(most_bytes);
+}
+
+void ExcludedPairs::make_nodes(std::size_t most_bytes) {
+  std::vector<std::uint32_t> begin{0};
+  std::vector<ExcludedNodes::Run> runs;
+  for (std::size_t row = 0; row + 1 < begin_.size(); ++row) {
+    for (std::uint32_t i = begin_[row]; i < begin_[row + 1]; ++i)
+      if (entries_[i].masks == no_masks) runs.push_back({entries_[i].first, entries_[i].last});
+    begin.push_back(static_cast<std::uint32_t>(runs.size()));
+  }
+  const std::size_t used = bytes();
+  nodes_ = ExcludedNodes(std::move(begin), std::move(runs), most_bytes > used ? most_bytes - used : 0);
+}
+
+// A box holds all vertices of the facets below its node, and so every point of the features of its blocks. Where
+// are_surely_near() is true of two boxes, are_near_at_rest() is true of all pairs of features in them.
+bool ExcludedPairs::are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b) const {
+  if (is_kept_ && (a.is_block() ? are_all(of(a.number, b.number)) : nodes_.hold(a.height, a.number, b.number)))
+    return true;
+  return ExclusionTest(s, rule_).are_surely_near(boxes_.of(a), boxes_.of(b));
 }
 
 std::size_t ExcludedPairs::bytes() const {
-  return begin_.size() * sizeof(begin_[0]) + entries_.size() * sizeof(Entry) + masks_.size() * sizeof(masks_[0]);
+  return begin_.size() * sizeof(begin_[0]) + entries_.size() * sizeof(Entry) + masks_.size() * sizeof(masks_[0]) +
+         nodes_.bytes() + points_.bytes();
 }
 
 const std::uint64_t* ExcludedPairs::of(std::uint32_t a, std::uint32_t b) const {
+  if (!is_kept_) return none_;
   const auto begin = entries_.begin() + begin_[a], end = entries_.begin() + begin_[a + 1];
   const auto at =
       std::lower_bound(begin, end, b, [](const Entry& entry, std::uint32_t block) { return entry.last < block; });
@@ -437,7 +422,7 @@ std::shared_ptr<const ExcludedPairs> excluded_pairs(const SurfaceTreeState& surf
   if (auto found = find_table(tables, rule)) return found;
   // The lock is not held here, because workers may do other work for this surface in between. Two threads may make the
   // same table.
-  auto made = std::make_shared<const ExcludedPairs>(surface, rule, workers);
+  auto made = std::make_shared<const ExcludedPairs>(surface, rule, workers, ExcludedPairs::Table::rings);
   if (auto found = find_table(tables, rule)) return found;
   const std::lock_guard lock(tables.mutex);
   tables.latest_first.insert(tables.latest_first.begin(), made);

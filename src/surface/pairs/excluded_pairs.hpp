@@ -16,6 +16,9 @@
 #include <vector>
 
 #include "surface/boxes/feature_boxes.hpp"
+#include "surface/pairs/excluded_nodes.hpp"
+#include "surface/pairs/near_points.hpp"
+#include "surface/pairs/rest_boxes.hpp"
 
 namespace morula::detail {
 
@@ -33,16 +36,17 @@ struct ExclusionRule {
 class ExclusionTest {
  public:
   ExclusionTest(const SurfaceTreeState& surface, const ExclusionRule& rule);
-  bool excludes(const FeaturePair& pair) const { return are_neighbors(pair) || are_near_at_rest(pair); }
+  bool excludes(const FeaturePair& pair) const { return are_near_at_rest(pair) || are_neighbors(pair); }
   bool are_near_at_rest(const FeaturePair& pair) const;
+  /// Whether a vertex of the one is at most so many edges from a vertex of the other.
+  bool are_neighbors(const FeaturePair& pair) const;
+  /// The allowance for rounding of distances at rest, mesh units.
+  double rounding() const { return rounding_; }
   /// Whether all features in these boxes are farther apart at rest; whether all are as near.
   bool are_surely_apart(const Box& a, const Box& b) const;
   bool are_surely_near(const Box& a, const Box& b) const;
 
  private:
-  /// Whether a vertex of the one is at most so many edges from a vertex of the other.
-  bool are_neighbors(const FeaturePair& pair) const;
-
   const SurfaceTreeState& surface_;
   ExclusionRule rule_;
   double rounding_;
@@ -55,18 +59,28 @@ class ExcludedPairs {
   /// The most vertices in the rings about a vertex; with more, no table is made, since that would take too long.
   static constexpr std::size_t most_vertices_in_rings = 4096;
 
-  ExcludedPairs(const SurfaceTreeState& surface, const ExclusionRule& rule, Workers& workers);
+  /// The pairs of the table: of the whole rule, or of its rings alone. The search then excludes pairs that are near at
+  /// rest by their boxes and points, and FeatureFilter tests the others one by one: a table of them takes longer than
+  /// many queries.
+  enum class Table : std::uint8_t { whole, rings };
+  ExcludedPairs(const SurfaceTreeState& surface, const ExclusionRule& rule, Workers& workers,
+                Table table = Table::whole);
   const ExclusionRule& rule() const { return rule_; }
-  /// False when the table would be too large; it then has no rows.
+  /// False when the table would be too large, or has no rule; it then has no rows.
   bool is_kept() const { return is_kept_; }
+  /// Points that prove that pairs outside of the table are near at rest; null without any.
+  const RestPoints* points() const { return points_.are_made() ? &points_ : nullptr; }
   std::size_t bytes() const;
 
   /// 64 bits for each eight features against eight others of two blocks, a <= b. With Features::facets facets against
   /// facets alone. Else groups of vertices of a against facets of b; if b is another block, facets of a against groups
-  /// of vertices of b; then for each group of edges of a all groups of edges of b.
+  /// of vertices of b; then for each group of edges of a all groups of edges of b. Without a table, none().
   const std::uint64_t* of(std::uint32_t a, std::uint32_t b) const;
   /// The value that of() returns when no pair is excluded.
   static const std::uint64_t* none() { return none_; }
+  /// Whether all pairs of features of the blocks below two nodes of equal height are excluded, a not after b, as far as
+  /// the table or the boxes at rest show it. s: the surface of the table.
+  bool are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b) const;
   /// Whether a value of of() excludes all pairs.
   static bool are_all(const std::uint64_t* masks) { return masks == all_; }
 
@@ -82,11 +96,17 @@ class ExcludedPairs {
   };
   friend class ExclusionRows;
 
+  void make_rows(const SurfaceTreeState& s, const ExclusionRule& rule, Workers& workers);
+  void make_nodes(std::size_t most_bytes);
+
   ExclusionRule rule_;
+  RestBoxes boxes_;
   bool is_kept_ = false;
   std::vector<std::uint32_t> begin_;  // row of block b: entries_[begin_[b] … begin_[b + 1]), ascending
   std::vector<Entry> entries_;
   std::vector<std::uint64_t> masks_;
+  ExcludedNodes nodes_;
+  RestPoints points_;
 };
 
 /// The table of a surface for a rule that excludes at least one pair. The surface keeps the last four. Any number of

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <string>
@@ -76,6 +78,31 @@ bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, doub
   return nearest_points(pair, std::span(a).first(in_a.size()), std::span(b).first(in_b.size())).distance <= distance;
 }
 
+// Features are no farther apart than two of their vertices, and no nearer than their boxes. The allowance of the test
+// exceeds the error of both lengths, so this is the same as are_within_at_rest().
+bool RestTest::is_near(const SurfaceTreeState& s, const FeaturePair& pair) const {
+  const FeatureVertices in_a(s, feature_a(pair.kind), pair.a), in_b(s, feature_b(pair.kind), pair.b);
+  double least = std::numeric_limits<double>::infinity();
+  Box box_a, box_b;
+  for (const std::uint32_t v : in_a) box_a.add(s.mesh.rest[v]);
+  for (const std::uint32_t w : in_b) {
+    const Vec3& q = s.mesh.rest[w];
+    box_b.add(q);
+    for (const std::uint32_t v : in_a) least = std::min(least, squared_length(s.mesh.rest[v] - q));
+  }
+  if (least <= surely_near_) return true;
+  const Vec3 gap = max(max(box_a.lower - box_b.upper, box_b.lower - box_a.upper), Vec3{});
+  if (squared_length(gap) > surely_apart_) return false;
+  return are_within_at_rest(s, pair, distance_);
+}
+
+RestTest::RestTest(double distance, double rounding) : distance_(distance) {
+  // Squares that underflow or overflow decide nothing.
+  const double near = distance - rounding, apart = distance + rounding;
+  if (near > 0x1p-450) surely_near_ = near * near * (1 - 0x1p-50);
+  if (apart > 0x1p-450 && apart < 0x1p450) surely_apart_ = apart * apart * (1 + 0x1p-50);
+}
+
 void FeatureFilter::require_usable(const PairFilter& filter) {
   if (!(filter.rest_distance >= 0) || !std::isfinite(filter.rest_distance))
     throw std::invalid_argument("PairFilter::rest_distance " + std::to_string(filter.rest_distance) +
@@ -116,8 +143,10 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
     masks_b_.start(filter.masks_b, b);
   const ExclusionRule rule{filter.rings, filter.rest_distance, features};
   excluded_ = is_one && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
-  tests_each_ = excluded_ != nullptr && !excluded_->is_kept();
-  const bool within = is_one && (filter.same_component || tests_each_);
+  tests_rings_ = excluded_ != nullptr && rule.rings > 0 && !excluded_->is_kept();
+  rest_test_ = RestTest(rule.rest_distance, ExclusionTest(a, rule).rounding());
+  tests_rest_ = excluded_ != nullptr && rule.rest_distance > 0;
+  const bool within = is_one && (filter.same_component || tests_rings_ || tests_rest_);
   accepts_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.accepts;
   return {};
 }
@@ -127,7 +156,8 @@ bool FeatureFilter::accepts_one(const FeaturePair& pair) const {
   if (b_ == a_) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
     if (filter_->same_component && a_->mesh.component[in_a[0]] == a_->mesh.component[in_b[0]]) return false;
-    if (tests_each_ && ExclusionTest(*a_, excluded_->rule()).excludes(pair)) return false;
+    if (tests_rest_ && rest_test_.is_near(*a_, pair)) return false;
+    if (tests_rings_ && ExclusionTest(*a_, excluded_->rule()).are_neighbors(pair)) return false;
   }
   if ((masks_a_.are_given() || masks_b_.are_given()) &&
       // mutant feature-mask-there: `(masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0` -> `false`

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <morula/surface/feature_pairs.hpp>
 #include <morula/surface/proximity.hpp>
@@ -57,6 +58,20 @@ ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, s
 /// vertices, edges and facets; 0 where they cross.
 bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance);
 
+/// are_within_at_rest() for one distance; vertices and boxes decide most pairs.
+class RestTest {
+ public:
+  RestTest() = default;
+  /// rounding: the allowance of ExclusionTest.
+  RestTest(double distance, double rounding);
+  bool is_near(const SurfaceTreeState& s, const FeaturePair& pair) const;
+
+ private:
+  double distance_ = 0;
+  double surely_near_ = -1;                                        // squared
+  double surely_apart_ = std::numeric_limits<double>::infinity();  // squared
+};
+
 class FeatureFilter {
  public:
   /// Throws std::invalid_argument, naming the option, for an option that is out of range by itself.
@@ -65,10 +80,8 @@ class FeatureFilter {
   /// surfaces. Makes the table of excluded pairs if there is none.
   Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b, Features features,
                Workers& workers);
-  /// The pairs that the search has to drop by itself, without a call of accepts(); null if there are none.
-  const ExcludedPairs* excluded() const {
-    return excluded_ != nullptr && excluded_->is_kept() ? excluded_.get() : nullptr;
-  }
+  /// The pairs that the search drops without a call of accepts(), as far as it finds them; null if there are none.
+  const ExcludedPairs* excluded() const { return excluded_.get(); }
   /// Whether a pair that shares no vertex is kept.
   bool accepts(const FeaturePair& pair) const { return accepts_all_ || accepts_one(pair); }
 
@@ -89,7 +102,8 @@ class FeatureFilter {
   Masks masks_a_, masks_b_;
   std::shared_ptr<const ExcludedPairs> excluded_;  // for one surface with itself, if the filter excludes any pair
   bool accepts_all_ = false;
-  bool tests_each_ = false;  // whether each pair is tested, without a table of excluded pairs
+  RestTest rest_test_;
+  bool tests_rings_ = false, tests_rest_ = false;  // the rules by which each pair is tested, without a table of them
 };
 
 }  // namespace morula::detail

@@ -119,11 +119,14 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
   if (is_height_field(pair)) return;
   const BoxNode &a = pair.a, &b = pair.b;
   const std::size_t first = below.size();
+  const auto push = [&](const NodePair& pair_below) {
+    if (!is_excluded(pair_below)) below.push_back(pair_below);
+  };
   // Bit 8 i + j: child i of a and child j of b, where a node that is not replaced counts as its own child 0.
   const auto push_near = [&](std::uint64_t bits, const auto& child_of_a, const auto& child_of_b) {
     for (; bits != 0; bits &= bits - 1) {
       const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
-      below.push_back({child_of_a(bit / 8), child_of_b(bit % 8)});
+      push({child_of_a(bit / 8), child_of_b(bit % 8)});
     }
   };
   const auto in_a = [&](std::uint32_t i) { return a.child(i); };
@@ -133,7 +136,7 @@ void PairSearch::expand(const NodePair& pair, std::vector<NodePair>& below) cons
     constexpr std::uint64_t above_diagonal = 0x0080c0e0f0f8fcfe;
     const std::uint32_t count = a.child_count(this->a());
     // mutant surface-last-box: `i <` -> `i + 1 <`
-    for (std::uint32_t i = 0; i < count; ++i) below.push_back({a.child(i), a.child(i)});
+    for (std::uint32_t i = 0; i < count; ++i) push({a.child(i), a.child(i)});
     push_near(are_near_(a.boxes(boxes_.a()), b.boxes(boxes_.b())) & above_diagonal, in_a, in_b);
   } else if (a.height == b.height) {
     push_near(are_near_(a.boxes(boxes_.a()), b.boxes(boxes_.b())), in_a, in_b);

@@ -7,6 +7,7 @@
 //   a higher than b           children of a whose boxes are near b's, each with b; and the other way round
 //   a with itself each child with itself, and pairs of two children as above; nothing if a is proven to
 //                             be a height field
+//   two nodes of which every pair of features is excluded   nothing
 //   two blocks                pairs of features, which are compared group by group
 #pragma once
 
@@ -99,6 +100,9 @@ class PairSearch {
   bool is_height_field(const NodePair& pair) const {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
   }
+  bool is_excluded(const NodePair& pair) const {
+    return excluded_ != nullptr && excluded_->are_all(a(), pair.a, pair.b);
+  }
   /// If a budget bounds the work, only the smallest regions are tested.
   bool is_sought_now(const NodePair& pair) const { return may_be_height_field(pair) && pair.a.height == 1; }
   /// Groups to be tested for a pair of nodes.
@@ -134,16 +138,28 @@ class PairSearch {
   void compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
   template <class Find>
   void compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
+  /// The points at rest of the groups of two features of blocks; null without any.
+  struct Points {
+    const PointGroup *a = nullptr, *b = nullptr;
+  };
+  template <class Of>
+  Points points(const BlockPair& pair, const Of& of_a, const Of& of_b) const {
+    const RestPoints* const all = excluded_ != nullptr ? excluded_->points() : nullptr;
+    return all == nullptr ? Points{} : Points{(all->*of_a)(pair.a), (all->*of_b)(pair.b)};
+  }
   /// Tests all groups of i against all of j. excluded: 64 bits for each i and j, and the end of all these masks.
   template <class GroupA, class GroupB, class Found>
   void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
-                      const std::uint64_t*& excluded, const Found& found) const {
+                      const Points& points, const std::uint64_t*& excluded, const Found& found) const {
     for (std::uint32_t i = 0; i < groups_a; ++i)
-      for (std::uint32_t j = 0; j < groups_b; ++j, ++excluded)
-        for (std::uint64_t bits = are_near_(group_a(i), group_b(j)) & ~*excluded; bits != 0; bits &= bits - 1) {
+      for (std::uint32_t j = 0; j < groups_b; ++j, ++excluded) {
+        std::uint64_t bits = are_near_(group_a(i), group_b(j)) & ~*excluded;
+        if (bits != 0 && points.a != nullptr) bits &= ~excluded_->points()->are_near(points.a[i], points.b[j]);
+        for (; bits != 0; bits &= bits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
           found(8 * i + bit / 8, 8 * j + bit % 8);
         }
+      }
   }
 
   /// One of the two surfaces, in its state when start() filled it; fill_boxes() makes the requested boxes.
@@ -212,7 +228,8 @@ void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excl
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
-  compare_groups(1, facets_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
+  const Points at_rest = points(pair, &RestPoints::facets, &RestPoints::facets);
+  compare_groups(1, facets_of_a, 1, facets_of_b, at_rest, excluded, [&](std::uint32_t i, std::uint32_t j) {
     if (one_block && i >= j) return;
     std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
     if (with_itself) {
@@ -237,13 +254,16 @@ void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::ui
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
   const auto vertices_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.vertices(a, i); };
   const auto vertices_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.vertices(b, i); };
-  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, excluded, [&](std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t vertex = in_a.vertex(a, i);
-    if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
-    find(FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
-  });
+  const Points vertices_first = points(pair, &RestPoints::vertices, &RestPoints::facets);
+  const Points facets_first = points(pair, &RestPoints::facets, &RestPoints::vertices);
+  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, vertices_first, excluded,
+                 [&](std::uint32_t i, std::uint32_t j) {
+                   const std::uint32_t vertex = in_a.vertex(a, i);
+                   if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
+                   find(FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
+                 });
   if (!one_block) {
-    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, excluded,
+    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, facets_first, excluded,
                    [&](std::uint32_t i, std::uint32_t j) {
                      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
                      if (with_itself) {
@@ -264,7 +284,8 @@ void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* exclu
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
   const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
-  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, excluded,
+  const Points at_rest = points(pair, &RestPoints::edges, &RestPoints::edges);
+  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, at_rest, excluded,
                  [&](std::uint32_t i, std::uint32_t j) {
                    if (one_block && i >= j) return;
                    std::uint32_t e = in_a.edge(a, i), f = in_b.edge(b, j);

@@ -1,0 +1,346 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Searches that leave out pairs of nodes whose features a filter excludes: against runs counted block by block, and
+// against queries that find all pairs and drop the excluded ones afterwards, by hops and distances of their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <morula/deform/deformation.hpp>
+#include <morula/geometry/sample_bodies.hpp>
+#include <morula/surface/proximity.hpp>
+#include <morula/surface/surface_crossings.hpp>
+#include <queue>
+
+#include "surface/pairs/excluded_nodes.hpp"
+#include "surface/pairs/excluded_pairs.hpp"
+#include "surfaces.hpp"
+
+namespace morula {
+namespace {
+
+using detail::ExcludedNodes;
+using detail::ExcludedPairs;
+using detail::Features;
+
+/// For every pair of blocks a <= b, whether it is excluded, at a b.
+using Excluded = std::vector<std::vector<bool>>;
+
+Excluded random_blocks(std::uint32_t count, Random& random) {
+  Excluded excluded(count, std::vector<bool>(count));
+  for (std::uint32_t a = 0; a < count; ++a)
+    for (std::uint32_t b = a; b < count; ++b) excluded[a][b] = true;
+  // A few holes, so that most pairs of nodes have none.
+  const std::size_t holes = static_cast<std::size_t>(random.uniform(0, 12));
+  for (std::size_t k = 0; k < holes; ++k) {
+    const auto a = static_cast<std::uint32_t>(random.uniform(0, count));
+    const auto b = static_cast<std::uint32_t>(random.uniform(a, count));
+    const auto end = std::min<std::uint32_t>(count, b + static_cast<std::uint32_t>(random.uniform(1, 20)));
+    for (std::uint32_t i = b; i < end; ++i) excluded[a][i] = false;
+  }
+  return excluded;
+}
+
+TEST(ExcludedNodes, hold_the_pairs_of_which_every_pair_of_blocks_is_excluded) {
+  Random random(11);
+  std::size_t held = 0, open = 0;
+  for (const std::uint32_t count : {1u, 2u, 7u, 8u, 9u, 16u, 63u, 64u, 65u, 100u, 513u})
+    for (int round = 0; round < 8; ++round) {
+      const Excluded excluded = random_blocks(count, random);
+      std::vector<std::uint32_t> begin{0};
+      std::vector<ExcludedNodes::Run> runs;
+      for (std::uint32_t a = 0; a < count; ++a) {
+        for (std::uint32_t b = a; b < count; ++b) {
+          if (!excluded[a][b]) continue;
+          if (runs.size() > begin.back() && runs.back().last + 1 == b)
+            runs.back().last = b;
+          else
+            runs.push_back({b, b});
+        }
+        begin.push_back(static_cast<std::uint32_t>(runs.size()));
+      }
+      const ExcludedNodes nodes(begin, runs, 1u << 30), none(begin, runs, 0);
+      std::uint32_t height = 1;
+      for (std::uint32_t size = 8; height < 5; size *= 8, ++height) {
+        const std::uint32_t in_height = (count + size - 1) / size;
+        for (std::uint32_t a = 0; a < in_height; ++a)
+          for (std::uint32_t b = a; b < in_height; ++b) {
+            bool all = true;
+            for (std::uint32_t x = a * size; x < std::min(count, (a + 1) * size); ++x)
+              for (std::uint32_t y = std::max(x, b * size); y < std::min(count, (b + 1) * size); ++y)
+                all = all && excluded[x][y];
+            ASSERT_EQ(nodes.hold(height, a, b), all && count > size / 8)
+                << count << " blocks, height " << height << ": " << a << ' ' << b;
+            ASSERT_FALSE(none.hold(height, a, b));
+            (all ? held : open) += 1;
+          }
+        if (in_height == 1) break;
+      }
+    }
+  EXPECT_GT(held, 1000u);
+  EXPECT_GT(open, 100u);
+}
+
+/// Hops along edges from one vertex to all, far ones last.
+std::vector<std::uint32_t> hops_from(const Mesh& mesh, std::uint32_t start) {
+  std::vector<std::vector<std::uint32_t>> next(mesh.vertex_count());
+  for (const test::Vertices& e : test::plain_edges(mesh)) next[e[0]].push_back(e[1]), next[e[1]].push_back(e[0]);
+  std::vector<std::uint32_t> hops(mesh.vertex_count(), 1u << 30);
+  std::queue<std::uint32_t> queue;
+  hops[start] = 0;
+  for (queue.push(start); !queue.empty(); queue.pop())
+    for (const std::uint32_t w : next[queue.front()])
+      if (hops[w] == 1u << 30) hops[w] = hops[queue.front()] + 1, queue.push(w);
+  return hops;
+}
+
+/// The pairs that a filter keeps, by hops and distances of its own. Pairs within rounding of the distance are kept, and
+/// put into `unsure`.
+class Kept {
+ public:
+  explicit Kept(const Mesh& mesh) : mesh_(mesh) {
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) hops_.push_back(hops_from(mesh, v));
+  }
+  enum class Answer { kept, dropped, unsure };
+  Answer of(const test::PlainPair& pair, const PairFilter& filter) const {
+    for (const std::uint32_t v : pair.a)
+      for (const std::uint32_t w : pair.b)
+        if (filter.rings > 0 && hops_[v][w] <= filter.rings) return Answer::dropped;
+    if (filter.rest_distance == 0) return Answer::kept;
+    const long double distance = test::plain_distance(mesh_.positions, pair.a, pair.b);
+    if (std::abs(distance - filter.rest_distance) < 1e-12L) return Answer::unsure;
+    return distance < filter.rest_distance ? Answer::dropped : Answer::kept;
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<std::vector<std::uint32_t>> hops_;
+};
+
+void expect_pairs_of(const Kept& kept, const PairFilter& filter, const std::vector<test::PlainPair>& all,
+                     const std::vector<test::PlainPair>& found) {
+  for (const test::PlainPair& pair : all) {
+    const bool is_found = std::binary_search(found.begin(), found.end(), pair);
+    const Kept::Answer answer = kept.of(pair, filter);
+    if (answer == Kept::Answer::unsure) continue;
+    ASSERT_EQ(is_found, answer == Kept::Answer::kept) << filter.rings << ' ' << filter.rest_distance;
+  }
+  ASSERT_LE(found.size(), all.size());
+}
+
+struct Crumpled {
+  Mesh mesh = sample_body("limb", 12);
+  std::vector<Vec3> positions = deform(mesh, {Poke{.push = {0, 0, -0.5}, .radius = 0.5}, Bend{60}}, 1.0);
+  double size = bounding_box(mesh).diagonal();
+};
+
+std::vector<PairFilter> filters_by_size(double size) {
+  return {{.rest_distance = 0.02 * size}, {.rings = 3},
+          {.rest_distance = 0.1 * size},  {.rings = 2, .rest_distance = 0.05 * size},
+          {.rest_distance = 0.4 * size},  {.rings = 12},
+          {.rest_distance = 5 * size},    {}};
+}
+
+// Options change from run to run, and budgets end runs; a search that leaves out nodes goes on to the same pairs.
+TEST(PrunedPairs, are_those_of_all_pairs_that_the_filter_keeps) {
+  const Crumpled body;
+  SurfaceTree tree(body.mesh);
+  ASSERT_TRUE(tree.update(body.positions));
+  const Kept kept(body.mesh);
+  ProximityOptions options{.distance = 0.03 * body.size};
+  ProximityQuery plain(options), again(options);
+  ASSERT_TRUE(plain.run(tree).finished);
+  const auto all = test::plain_pairs(tree, tree, plain.pairs());
+  ASSERT_GT(all.size(), 3000u);
+  for (int round = 0; round < 2; ++round)
+    for (const PairFilter& filter : filters_by_size(body.size)) {
+      options.filter = filter;
+      again.set_options(options);
+      Workers workers(round == 0 ? 1 : 3);
+      ASSERT_TRUE(again.run(tree, workers).finished);
+      const std::vector<ProximityPair> found(again.pairs().begin(), again.pairs().end());
+      expect_pairs_of(kept, filter, all, test::plain_pairs(tree, tree, found));
+      if (testing::Test::HasFatalFailure()) return;
+      ProximityOptions by_budget = options;
+      by_budget.budget = 6400;
+      ProximityQuery bit_by_bit(by_budget);
+      SurfaceQueryStatus status = bit_by_bit.run(tree);
+      for (int calls = 0; status && !status.finished && calls < 100000; ++calls) status = bit_by_bit.resume();
+      ASSERT_TRUE(status.finished);
+      ASSERT_TRUE(std::equal(found.begin(), found.end(), bit_by_bit.pairs().begin(), bit_by_bit.pairs().end(),
+                             [](const ProximityPair& p, const ProximityPair& q) {
+                               return p == q && p.distance == q.distance && p.point_a == q.point_a;
+                             }));
+    }
+}
+
+// A resumed query reads the filter again: each pair is decided by the filter of the call that comes to it.
+TEST(PrunedPairs, of_calls_with_several_filters_are_decided_by_one_of_them) {
+  const Crumpled body;
+  SurfaceTree tree(body.mesh);
+  ASSERT_TRUE(tree.update(body.positions));
+  const Kept kept(body.mesh);
+  const std::vector<PairFilter> filters = filters_by_size(body.size);
+  ProximityOptions options{.distance = 0.03 * body.size};
+  ProximityQuery plain(options);
+  ASSERT_TRUE(plain.run(tree).finished);
+  const auto all = test::plain_pairs(tree, tree, plain.pairs());
+  for (std::size_t first = 0; first < filters.size(); ++first) {
+    const PairFilter &one = filters[first], &other = filters[(first + 3) % filters.size()];
+    options.budget = 64000;
+    options.filter = one;
+    ProximityQuery query(options);
+    SurfaceQueryStatus status = query.run(tree);
+    for (int calls = 1; status && !status.finished && calls < 100000; ++calls) {
+      options.filter = calls % 2 == 0 ? one : other;
+      query.set_options(options);
+      status = query.resume();
+    }
+    ASSERT_TRUE(status.finished);
+    const auto found = test::plain_pairs(tree, tree, query.pairs());
+    for (const test::PlainPair& pair : all) {
+      const bool is_found = std::binary_search(found.begin(), found.end(), pair);
+      const Kept::Answer by_one = kept.of(pair, one), by_other = kept.of(pair, other);
+      if (by_one == by_other && by_one != Kept::Answer::unsure) {
+        ASSERT_EQ(is_found, by_one == Kept::Answer::kept) << first;
+      }
+    }
+  }
+}
+
+// Without a table only the boxes at rest decide of nodes: all pairs below them are excluded one by one as well, also
+// where a unit is all that coordinates can resolve.
+TEST(PrunedPairs, of_nodes_without_a_table_are_excluded_one_by_one) {
+  Random random(5);
+  constexpr std::uint32_t facets = 120;
+  std::size_t held = 0, open = 0;
+  for (const double far : {0.0, 0x1p51}) {
+    Mesh mesh;
+    const auto whole = [&](double r) { return std::floor(random.uniform(-r, r + 1)); };
+    for (std::uint32_t f = 0; f < facets; ++f) {
+      const Vec3 middle{whole(20), whole(20), whole(20)};
+      for (int k = 0; k < 3; ++k)
+        mesh.positions.push_back(middle + Vec3{whole(20) + far, whole(20) + far, whole(20) - far});
+      mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+    }
+    const SurfaceTree tree(mesh);
+    const detail::SurfaceTreeState& s = detail::state_of(tree);
+    for (double r = 60; r < 200; r += 3.3) {
+      const ExcludedPairs table(s, {0, r, Features::all}, serial_workers(), ExcludedPairs::Table::rings);
+      ASSERT_FALSE(table.is_kept());
+      const detail::ExclusionTest test(s, {0, r, Features::all});
+      for (std::uint32_t a = 0; a < s.block_count(); ++a)
+        for (std::uint32_t b = a; b < s.block_count(); ++b) {
+          const bool are_all = table.are_all(s, {a, 0}, {b, 0});
+          (are_all ? held : open) += 1;
+          if (!are_all) continue;
+          for (std::uint32_t i = 8 * a; i < std::min<std::uint32_t>(8 * a + 8, facets); ++i)
+            for (std::uint32_t j = 8 * b; j < std::min<std::uint32_t>(8 * b + 8, facets); ++j)
+              for (const std::uint32_t v : s.blocks.facets_in_order[i])
+                ASSERT_TRUE(test.excludes({PairKind::vertex_facet, v, s.blocks.order[j]})) << far << ' ' << r;
+        }
+    }
+  }
+  EXPECT_GT(held, 100u);
+  EXPECT_GT(open, 100u);
+}
+
+// Points prove only what the distance of the pair confirms, however coarse coordinates are; and all kernels agree.
+TEST(RestPoints, are_near_only_where_their_features_are) {
+  Random random(6);
+  std::size_t near = 0, open = 0;
+  for (int round = 0; round < 16; ++round) {
+    Mesh mesh = test::random_soup(60, 90, 3, random).mesh;
+    // Far away a float resolves no more than the distances that decide.
+    const double far = round % 4 == 0 ? 0 : std::ldexp(1.0, 17 + round % 4), unit = round < 8 ? 1 : 0x1p-40;
+    for (Vec3& p : mesh.positions) {
+      p = p + Vec3{far * random.uniform(-1, 1), 0, 0} + Vec3{0, 0.3 * random.uniform(), 0.3 * random.uniform()};
+      p = p * unit;
+    }
+    const SurfaceTree tree(mesh);
+    const detail::SurfaceTreeState& s = detail::state_of(tree);
+    for (const double share : {0.5, 1.0, 2.5, 4.0, 0.01 * far, 0.3 * far}) {
+      if (share == 0) continue;
+      const double r = share * unit;
+      const detail::ExclusionTest test(s, {0, r, Features::all});
+      const detail::RestPoints points(s, r, test.rounding(), Features::all);
+      if (!points.are_made()) continue;
+      detail::FeatureBoxes places;
+      places.start(s, s.boxes, Features::all);
+      const auto check = [&](std::uint64_t bits, std::uint32_t i, std::uint32_t j, const FeaturePair& pair) {
+        const bool is_near = (bits >> (8 * (i % 8) + j % 8) & 1) != 0;
+        (is_near ? near : open) += 1;
+        ASSERT_TRUE(!is_near || test.are_near_at_rest(pair)) << far << ' ' << r;
+      };
+      for (std::uint32_t a = 0; a < s.block_count(); ++a)
+        for (std::uint32_t b = a; b < s.block_count(); ++b) {
+          const auto edges = [&](std::uint32_t k) {
+            return s.blocks.own_edges_begin[k + 1] - s.blocks.own_edges_begin[k];
+          };
+          for (std::uint32_t i = 0; i < edges(a); ++i)
+            for (std::uint32_t j = 0; j < edges(b); ++j)
+              check(points.are_near(points.edges(a)[i / 8], points.edges(b)[j / 8]), i, j,
+                    {PairKind::edge_edge, places.edge(a, i), places.edge(b, j)});
+          const auto facets = std::min<std::uint32_t>(8, static_cast<std::uint32_t>(mesh.facets.size()) - 8 * b);
+          for (std::uint32_t i = 0; i < s.blocks.own_vertices[a + 1] - s.blocks.own_vertices[a]; ++i)
+            for (std::uint32_t j = 0; j < facets; ++j)
+              check(points.are_near(points.vertices(a)[i / 8], points.facets(b)[0]), i, j,
+                    {PairKind::vertex_facet, places.vertex(a, i), places.facet(b, j)});
+          for (const detail::NearPoints kernel : detail::all_near_points())
+            ASSERT_EQ(
+                kernel(points.facets(a)[0], points.facets(b)[0], static_cast<float>(r * r)),
+                detail::all_near_points()[0](points.facets(a)[0], points.facets(b)[0], static_cast<float>(r * r)));
+        }
+    }
+  }
+  EXPECT_GT(near, 10000u);
+  EXPECT_GT(open, 10000u);
+}
+
+// Facets shrunk to points, so that their distance is that of the points, a little above the distance at rest.
+TEST(RestPoints, pay_for_the_rounding_of_floats) {
+  Random random(7);
+  std::size_t checked = 0;
+  Mesh mesh;
+  for (std::uint32_t f = 0; f < 64; ++f) {
+    const Vec3 here{0x1p17 + random.uniform(), random.uniform() - 0x1p17, 0x1p16 * (f % 2) + random.uniform()};
+    mesh.positions.insert(mesh.positions.end(), 3, here);
+    mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  const SurfaceTree tree(mesh);
+  const detail::SurfaceTreeState& s = detail::state_of(tree);
+  for (std::uint32_t i = 0; i < 64; ++i)
+    for (std::uint32_t j = i + 1; j < 64; ++j) {
+      const Vec3 from = mesh.positions[s.blocks.facets_in_order[i][0]],
+                 to = mesh.positions[s.blocks.facets_in_order[j][0]];
+      const double r = length(to - from) * (1 - 0x1p-20);
+      const detail::ExclusionTest test(s, {0, r, Features::facets});
+      const detail::RestPoints points(s, r, test.rounding(), Features::facets);
+      if (!points.are_made()) continue;
+      ++checked;
+      const std::uint64_t bits = points.are_near(points.facets(i / 8)[0], points.facets(j / 8)[0]);
+      ASSERT_EQ(bits >> (8 * (i % 8) + j % 8) & 1, 0u) << length(to - from);
+    }
+  EXPECT_GT(checked, 1000u);
+}
+
+// The counts of tests are the same on every machine.
+TEST(PrunedPairs, save_most_tests_where_nearly_all_near_pairs_are_excluded) {
+  const Mesh mesh = sample_body("limb", 40);
+  const double size = bounding_box(mesh).diagonal();
+  SurfaceTree tree(mesh);
+  ASSERT_TRUE(tree.update(deform(mesh, {Bend{20}}, 1.0)));
+  ProximityQuery all({.distance = 0.06 * size});
+  const SurfaceQueryStatus plain = all.run(tree);
+  ASSERT_TRUE(plain.finished);
+  for (const PairFilter& filter : {PairFilter{.rest_distance = 0.3 * size}, PairFilter{.rings = 16}}) {
+    ProximityQuery query({.distance = 0.06 * size, .filter = filter});
+    const SurfaceQueryStatus pruned = query.run(tree);
+    ASSERT_TRUE(pruned.finished);
+    EXPECT_LT(20 * query.pairs().size(), all.pairs().size());
+    EXPECT_LT(2 * pruned.box_tests, plain.box_tests) << filter.rings;
+  }
+}
+
+}  // namespace
+}  // namespace morula
