@@ -28,6 +28,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/geometry/sampling.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/geometry/solid_surface.hpp>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
@@ -40,9 +41,11 @@
 #include <morula/io/whole_output.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/parallel/interrupt.hpp>
+#include <morula/parallel/snapshots.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
+#include <morula/surface/haptic_probe.hpp>
 #include <morula/surface/modal_certificate.hpp>
 #include <morula/surface/obstacles.hpp>
 #include <morula/surface/proximity.hpp>

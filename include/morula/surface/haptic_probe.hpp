@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Haptic probe: a proxy that stays on its side of a surface while the device point goes through it.
+//
+//   morula::HapticProbe probe({.radius = 0.01, .stiffness = 400});
+//   while (running) {                                                     // about 1,000 times a second
+//     const morula::HapticStep step = probe.step(collider, device_point());
+//     if (!step.status) std::puts(message(step.status).c_str());
+//     send_to_device(step.force);                                         // stiffness × (proxy − device point)
+//   }
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <morula/collide/collider.hpp>
+#include <morula/geometry/triangle.hpp>
+#include <optional>
+#include <span>
+
+namespace morula {
+
+struct HapticOptions {
+  double radius = 0;  ///< radius of the ball that touches, mesh units; 0: a point
+  /// Distance that the proxy keeps from the surface besides the radius, mesh units: more than 2^-36 of the body's
+  /// largest |coordinate|. No value: 2^-20 of the radius of the root's sphere in the first step.
+  std::optional<double> skin{};
+  double stiffness = 1;  ///< force per mesh unit between proxy and device point; 0 or more
+  /// true: each part of the force has the direction of vertex normals (weighted by area, interpolated) instead of that
+  /// of the facet, so the direction does not jump between facets. The position of the proxy does not depend on it.
+  bool smooth_normals = false;
+  double friction = 0;        ///< coefficient of Coulomb friction; 0: the proxy slides freely
+  std::size_t max_moves = 8;  ///< largest number of straight moves toward the device point in a step, 1 or more
+};
+
+/// The result of a step. Positions and vectors are in the world.
+struct [[nodiscard]] HapticStep {
+  Status status;
+  Vec3 proxy{};          ///< center of the proxy
+  Vec3 force{};          ///< force on the device: stiffness × (proxy − device point), with smooth_normals turned
+  bool touches = false;  ///< a facet is within radius + skin of the proxy, up to a sixteenth of the skin
+  /// true: no move brings the proxy nearer to the device point. false: it needs more moves, in the next step.
+  bool settled = false;
+  /// true: the surface moved together around the proxy until it had no room, or moved too far in one step. The proxy is
+  /// then on its side of the facet that was nearest, and may be on the other side of another one.
+  bool jammed = false;
+  bool certified = false;  ///< SphereState::covers of the body; if false, facets may be missed
+  /// Contact point: the point of the surface nearest to the proxy. No value if the proxy does not touch.
+  std::optional<SurfacePoint> contact{};
+  Vec3 normal{};                                  ///< unit vector from the contact point to the proxy; 0 if none
+  std::size_t moves = 0;                          ///< number of straight moves
+  std::size_t sphere_tests = 0, facet_tests = 0;  ///< numbers of tests of spheres and of facets
+};
+
+/// A god-object [zilles1995] with a radius [ruspini1997] for one body.
+///
+/// The proxy starts at the device point. Each step moves it toward the device point on straight lines: it goes until a
+/// facet is at radius + skin, then along the planes of contact toward their point nearest to the device point. At rest
+/// it is the constrained nearest point for one, two or three planes of contact.
+///
+/// Guarantee: on its way in a step, the center passes through no facet, however fast the device point moves. From every
+/// facet it keeps radius + 7/8 of the skin, or its distance at the beginning of the step if that is less, up to 1/64 of
+/// the skin per move. It needs no inside: surfaces may be open or thin, and both sides hold the proxy. If vertices move
+/// between steps, the proxy is carried with the facet it touches, and pushed where the surface meets it, so that it
+/// passes through no facet while vertices and proxy move on straight lines; HapticStep::jammed reports where there is
+/// no such way. A transform of the body carries the proxy as if it were a part of the body. All this holds in the
+/// body's coordinates, for a body that covers its surface (SphereState::covers).
+///
+/// One thread may use a probe at a time. The body must stay unchanged during a call; Snapshots pass bodies from the
+/// thread of a solver. Memory grows to that of one position per vertex and of the facets near the proxy; after that a
+/// step allocates nothing. Cost: one ball query and a capsule query for each move, at most max_moves; after a motion of
+/// vertices also linear in vertices, and about 1 us per facet within reach of the motion.
+class HapticProbe {
+ public:
+  /// Throws std::invalid_argument, naming the option: a radius, skin, stiffness or friction that is negative or not
+  /// finite, a skin of 0, and max_moves of 0.
+  explicit HapticProbe(HapticOptions options = {});
+  ~HapticProbe();
+  HapticProbe(HapticProbe&&) noexcept;
+  HapticProbe& operator=(HapticProbe&&) noexcept;
+  const HapticOptions& options() const;
+
+  /// Moves the proxy toward the device point, in world coordinates. In the first step, and after reset(), the proxy
+  /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it.
+  ///
+  /// body: the same body in every step, or another object of the same mesh, such as a copy of the body in another
+  /// snapshot: positions are compared with those of the last step. Rejected, with no change: a body that queries
+  /// reject; a point that is not finite or has a |coordinate| of 2^200 or more (bad_shape); another number of vertices
+  /// or facets than in the last step (other_bodies); a skin below 2^-36 of the body's largest |coordinate|
+  /// (bad_option).
+  HapticStep step(const Collider& body, const Vec3& device);
+  /// Forgets the proxy: the next step starts at its device point.
+  void reset();
+  /// Centers of the proxy in the last step, in the body's coordinates: at its beginning, after it followed the surface,
+  /// and after every move. From the second one on, the proxy moved along the straight lines between them. Valid until
+  /// the next step.
+  std::span<const Vec3> path() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morula

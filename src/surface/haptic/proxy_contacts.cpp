@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "surface/haptic/proxy_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace morula::detail {
+namespace {
+
+/// Where a facet is nearest to a point.
+struct Approach {
+  TrianglePoint nearest;
+  double distance;
+  Vec3 normal;  // from the facet to the point; the facet's own where they meet
+};
+
+Approach approach(const Triangle& t, const Vec3& p) {
+  Approach made{closest_point(t, p), 0, {}};
+  made.distance = std::sqrt(made.nearest.squared_distance);
+  const Vec3 away = p - made.nearest.point;
+  made.normal = made.distance > 0 ? away / made.distance : normalized(area_vector(t));
+  return made;
+}
+
+/// Whether a nearest point is also on another facet that is nearer to the center, or as near and before it.
+bool is_hidden(const ProxyContact& contact, const std::vector<ProxyContact>& all, const std::vector<NearFacet>& near,
+               double tolerance) {
+  for (const ProxyContact& nearer : all) {
+    if (nearer.facet == contact.facet || nearer.distance > contact.distance) continue;
+    if (nearer.distance == contact.distance && nearer.facet > contact.facet) continue;
+    if (closest_point(near[nearer.place].corners, contact.point).squared_distance <= tolerance * tolerance) return true;
+  }
+  return false;
+}
+
+// The distance of a point that moves on a line to a convex set is a convex function f of the time. While f falls, its
+// tangent meets the value sought not later than f does, so Newton's steps from the left never pass the time sought, and
+// f stays above the value up to there. Where f does not fall, it never falls again. Rounding: points of the line and
+// distances are off by a few 2^-53 of the coordinates, which is less than 2^-14 of the skin.
+double time_until_near(const Triangle& t, const Vec3& center, const Vec3& move, double end, const KeptDistances& kept) {
+  constexpr int most_steps = 32;
+  double time = 0, value = 0;
+  for (int steps = 0; steps < most_steps; ++steps) {
+    const Approach now = approach(t, center + time * move);
+    // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
+    if (steps == 0) value = std::min(kept.stop, now.distance - std::min(kept.skin, now.distance) / 64);
+    const double speed = -dot(now.normal, move);
+    if (!(speed > 0)) return end;
+    const double gap = now.distance - value;
+    if (!(gap > kept.skin * 0x1p-12)) return time;
+    time += gap / speed;
+    if (!(time < end)) return end;
+  }
+  return time;
+}
+
+}  // namespace
+
+// A facet is convex: from a point of it that is not its nearest one, the distance to the center falls toward that one.
+// So a nearest point of one facet that lies on a nearer facet is no least distance of the surface. If it lies beside
+// that facet by less than the tolerance, a contact is lost that free_share() respects nevertheless.
+void find_contacts(const std::vector<NearFacet>& near, const Vec3& center, const KeptDistances& kept,
+                   std::vector<ProxyContact>& contacts) {
+  contacts.clear();
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const Approach found = approach(near[k].corners, center);
+    if (found.distance > kept.touching) continue;
+    contacts.push_back(
+        {near[k].facet, found.nearest.barycentric, found.nearest.point, found.normal, found.distance, k});
+  }
+  for (ProxyContact& contact : contacts) contact.hidden = is_hidden(contact, contacts, near, kept.skin * 0x1p-10);
+  std::erase_if(contacts, [](const ProxyContact& contact) { return contact.hidden; });
+}
+
+double free_share(const std::vector<NearFacet>& near, const Vec3& center, const Vec3& move, const KeptDistances& kept) {
+  double share = 1;
+  for (const NearFacet& facet : near)
+    share = std::min(share, time_until_near(facet.corners, center, move, share, kept));
+  return share;
+}
+
+TriangleFrame::TriangleFrame(const Triangle& t) {
+  along = normalized(t[1] - t[0]);
+  normal =
+      normalized(area_vector(t), normalized(cross(along, std::abs(along.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0})));
+  across = cross(normal, along);
+}
+
+}  // namespace morula::detail

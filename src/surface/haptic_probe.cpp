@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <morula/collide/primitives.hpp>
+#include <morula/geometry/connectivity.hpp>
+#include <morula/surface/haptic_probe.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "parallel/float_environment.hpp"
+#include "surface/haptic/half_spaces.hpp"
+#include "surface/haptic/proxy_contacts.hpp"
+#include "surface/haptic/surface_follower.hpp"
+
+namespace morula {
+using namespace detail;
+namespace {
+
+void require_haptic_number(double value, const char* name) {
+  if (!(value >= 0) || !std::isfinite(value))
+    throw std::invalid_argument(std::string("HapticOptions::") + name + " must be finite and at least 0, not " +
+                                std::to_string(value));
+}
+
+const HapticOptions& usable(const HapticOptions& options) {
+  require_haptic_number(options.radius, "radius");
+  require_haptic_number(options.stiffness, "stiffness");
+  require_haptic_number(options.friction, "friction");
+  if (options.skin) {
+    require_haptic_number(*options.skin, "skin");
+    if (*options.skin == 0) throw std::invalid_argument("HapticOptions::skin must be more than 0");
+  }
+  if (options.max_moves == 0) throw std::invalid_argument("HapticOptions::max_moves must be 1 or more");
+  return options;
+}
+
+/// Facets around vertices, for their normals.
+class VertexNormals {
+ public:
+  void start(const Collider& body) {
+    const Connectivity surface = connectivity(body.surface());
+    begin_ = surface.fan_begin, facets_ = surface.fan_facets;
+  }
+  /// The unit normal at a point of a facet on the side of `side`; `side` itself where the two have no acute angle.
+  Vec3 at(const Collider& body, const ProxyContact& contact) const {
+    const Facet& f = body.mesh_facets()[contact.facet];
+    Vec3 sum;
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vec3 around;
+      for (std::uint32_t i = begin_[f[k]]; i < begin_[f[k] + 1]; ++i) around += area_vector(body.triangle(facets_[i]));
+      sum += contact.barycentric[k] * normalized(around, Vec3{});
+    }
+    const Vec3 normal = normalized(sum, Vec3{});
+    if (dot(area_vector(body.triangle(contact.facet)), contact.normal) < 0)
+      return dot(normal, contact.normal) < 0 ? -normal : contact.normal;
+    return dot(normal, contact.normal) > 0 ? normal : contact.normal;
+  }
+
+ private:
+  std::vector<std::uint32_t> begin_, facets_;
+};
+
+}  // namespace
+
+struct HapticProbe::State {
+  explicit State(const HapticOptions& given) : options(usable(given)) {}
+
+  HapticStep step(const Collider& placed, const Vec3& device);
+  Status start(const Collider& body, const Vec3& goal, const Status& usable_so_far);
+  void follow(const Collider& body, HapticStep& result);
+  void approach(const Collider& body, const Vec3& goal, HapticStep& result);
+  NearestKept wanted(const Vec3& goal);
+  double move_freely(const Collider& body, const Vec3& move, HapticStep& result);
+  template <class Shape>
+  bool gather(const Collider& body, const Shape& shape, HapticStep& result);
+  Vec3 force_on_device(const Collider& body, const Vec3& goal, const NearestKept& held) const;
+
+  HapticOptions options;
+  bool is_started = false;
+  Vec3 center;  // in the body's coordinates
+  double skin = 0;
+  SurfaceFollower surface;
+  VertexNormals normals;
+  TouchQuery touch;
+  std::vector<NearFacet> near;
+  std::vector<ProxyContact> contacts;
+  std::vector<KeptSide> sides;
+  std::vector<Vec3> path;
+  NearestKept last_wanted;  // the planes that hold the proxy at the end of the step
+
+  KeptDistances kept() const { return {options.radius, skin}; }
+};
+
+// Everything that may throw precedes the change of is_started.
+Status HapticProbe::State::start(const Collider& body, const Vec3& goal, const Status& usable_so_far) {
+  using Code = Status::Code;
+  if (!usable_so_far) return usable_so_far;
+  const bool is_same =
+      is_started && surface.vertex_count() == body.vertex_count() && surface.facet_count() == body.mesh_facets().size();
+  if (is_started && !is_same) return {Code::other_bodies};
+  const Sphere root = body.sphere_state().sphere(0);
+  const double size = max_norm(root.center) + root.radius;
+  const double wanted_skin = is_started ? skin : options.skin.value_or(0x1p-20 * root.radius);
+  if (!(wanted_skin > 0x1p-36 * size)) return {Code::bad_option};
+  if (is_started) return {};
+  surface.start(body);
+  if (options.smooth_normals) normals.start(body);
+  path.reserve(options.max_moves + 2);
+  skin = wanted_skin, center = goal, is_started = true;
+  return {};
+}
+
+// Lists the facets that touch the shape. False for a shape that the query rejects.
+template <class Shape>
+bool HapticProbe::State::gather(const Collider& body, const Shape& shape, HapticStep& result) {
+  const Touch& found = touch.run(body, shape, {.collect_all = true});
+  result.sphere_tests += found.sphere_tests, result.facet_tests += found.facet_tests;
+  near.clear();
+  for (const TouchingFacet& facet : found.facets) near.push_back({facet.point.facet, body.triangle(facet.point.facet)});
+  return bool(found.status);
+}
+
+void HapticProbe::State::follow(const Collider& body, HapticStep& result) {
+  const auto followed = surface.follow(body, touch, center, kept());
+  result.sphere_tests += surface.sphere_tests(), result.facet_tests += surface.facet_tests();
+  if (!followed.moved) return;
+  center = followed.center, result.jammed = followed.jammed;
+  surface.accept();
+}
+
+// The point to which the proxy is to go: nearest to the goal beyond the planes of contact. With friction it stays as
+// long as the goal is in the friction cone, and else stops where the cone reaches it [ruspini1997].
+NearestKept HapticProbe::State::wanted(const Vec3& goal) {
+  const KeptDistances distances = kept();
+  const double tolerance = skin / 64;
+  sides.clear();
+  for (const ProxyContact& contact : contacts) sides.push_back({contact.normal, distances.rest - contact.distance});
+  const bool is_too_near = std::any_of(contacts.begin(), contacts.end(), [&](const ProxyContact& contact) {
+    return contact.distance < distances.rest - skin / 4;
+  });
+  NearestKept nearest = nearest_kept(is_too_near ? Vec3{} : goal - center, sides, tolerance);
+  if (!nearest.exists) {
+    nearest.point = Vec3{};
+    return nearest;
+  }
+  if (is_too_near || options.friction == 0 || nearest.active_count == 0) return nearest;
+  const double pressure = length(nearest.point - (goal - center));
+  const NearestKept here = nearest_kept(Vec3{}, sides, tolerance);
+  const Vec3 slide = nearest.point - here.point;
+  const double way = length(slide), held = options.friction * pressure;
+  nearest.point = here.exists && way > held ? here.point + slide * ((way - held) / way) : here.point;
+  return nearest;
+}
+
+// The share of a move that is free, 0 to 1, with the facets near it in `near`.
+//
+// All facets are in the root's sphere, so of a long move only the part that can meet it is tested. Points of a move
+// from far away, and their distances, are off by less than `pad`: such a move keeps that much more distance, and the
+// next one starts nearby. For a center near the body the pad is below 2^-44 of its size, which is less than 2^-8 of the
+// skin.
+double HapticProbe::State::move_freely(const Collider& body, const Vec3& move, HapticStep& result) {
+  const Sphere root = body.sphere_state().sphere(0);
+  const double reach = 2 * (distance(center, root.center) + root.radius + kept().touching), way = length(move);
+  const double tested = way > reach ? reach / way : 1;
+  const double pad = 0x1p-48 * (max_norm(center) + reach);
+  const KeptDistances distances(options.radius + (pad > skin / 64 ? pad : 0), skin);
+  const Vec3 part = tested * move;
+  if (!gather(body, Capsule{center, center + part, distances.touching}, result)) return 0;
+  const double share = free_share(near, center, part, distances);
+  return share < 1 ? share * tested : 1;
+}
+
+void HapticProbe::State::approach(const Collider& body, const Vec3& goal, HapticStep& result) {
+  const double least_move = skin / 64;
+  if (!gather(body, Sphere{center, kept().touching}, result)) return;
+  find_contacts(near, center, kept(), contacts);
+  for (;; ++result.moves) {
+    last_wanted = wanted(goal);
+    const Vec3 move = last_wanted.point;
+    result.settled = length(move) <= least_move;
+    if (result.settled || result.moves == options.max_moves) return;
+    const double share = move_freely(body, move, result);
+    center = share < 1 ? center + share * move : center + move;
+    path.push_back(center);
+    find_contacts(near, center, kept(), contacts);
+  }
+}
+
+// In a settled contact without friction, proxy − goal is the sum of weight × normal over the planes that hold the
+// proxy.
+Vec3 HapticProbe::State::force_on_device(const Collider& body, const Vec3& goal, const NearestKept& held) const {
+  Vec3 reach = center - goal;
+  if (options.smooth_normals && held.exists)
+    for (std::size_t k = 0; k < held.active_count; ++k) {
+      const ProxyContact& contact = contacts[held.active[k]];
+      reach += held.weight[k] * (normals.at(body, contact) - contact.normal);
+    }
+  return options.stiffness * reach;
+}
+
+HapticStep HapticProbe::State::step(const Collider& placed, const Vec3& device) {
+  HapticStep result;
+  result.status = askable(placed);
+  if (result.status && !(is_finite(device) && max_norm(device) < 0x1p200)) result.status = {Status::Code::bad_shape};
+  if (!result.status) return result;
+  // In its own coordinates a body that moves rigidly rests, and the device point moves instead.
+  Collider body = placed;
+  body.set_transform({});
+  const RigidTransform& transform = placed.transform();
+  const Vec3 goal = transform.inverse_rotate(device - transform.translation);
+  result.status = start(body, goal, result.status);
+  if (!result.status) return result;
+  result.certified = body.sphere_state().covers;
+  path.clear();
+  path.push_back(center);
+  follow(body, result);
+  path.push_back(center);
+  approach(body, goal, result);
+  const auto nearest = std::min_element(contacts.begin(), contacts.end(),
+                                        [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  if (nearest != contacts.end()) {
+    result.touches = true;
+    result.contact = SurfacePoint{nearest->facet, nearest->barycentric, transform(nearest->point)};
+    result.normal = transform.rotate(nearest->normal);
+  }
+  result.proxy = transform(center);
+  result.force = transform.rotate(force_on_device(body, goal, last_wanted));
+  return result;
+}
+
+HapticProbe::HapticProbe(HapticOptions options) : state_(std::make_unique<State>(options)) {}
+HapticProbe::~HapticProbe() = default;
+HapticProbe::HapticProbe(HapticProbe&&) noexcept = default;
+HapticProbe& HapticProbe::operator=(HapticProbe&&) noexcept = default;
+
+const HapticOptions& HapticProbe::options() const {
+  return state_->options;
+}
+
+HapticStep HapticProbe::step(const Collider& body, const Vec3& device) {
+  const StandardFloats standard;
+  return state_->step(body, device);
+}
+
+void HapticProbe::reset() {
+  state_->is_started = false;
+  state_->path.clear();
+}
+
+std::span<const Vec3> HapticProbe::path() const {
+  return state_->path;
+}
+
+}  // namespace morula
