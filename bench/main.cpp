@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 16> scenarios{{
+constexpr std::array<NamedScenario, 17> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -34,6 +34,7 @@ constexpr std::array<NamedScenario, 16> scenarios{{
     {"collide", run_collide},
     {"volumes", run_volumes},
     {"distance", run_distance},
+    {"haptic", run_haptic},
     {"peers", run_peers},
     {"crossings", run_crossings},
     {"self", run_self},

@@ -81,6 +81,7 @@ std::vector<Result> run_query(const Input& input, const Settings& settings);
 std::vector<Result> run_collide(const Input& input, const Settings& settings);
 std::vector<Result> run_volumes(const Input& input, const Settings& settings);
 std::vector<Result> run_distance(const Input& input, const Settings& settings);
+std::vector<Result> run_haptic(const Input& input, const Settings& settings);
 std::vector<Result> run_peers(const Input& input, const Settings& settings);
 std::vector<Result> run_crossings(const Input& input, const Settings& settings);
 std::vector<Result> run_self(const Input& input, const Settings& settings);

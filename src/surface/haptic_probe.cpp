@@ -126,7 +126,7 @@ void HapticProbe::State::follow(const Collider& body, HapticStep& result) {
   result.sphere_tests += surface.sphere_tests(), result.facet_tests += surface.facet_tests();
   if (!followed.moved) return;
   center = followed.center, result.jammed = followed.jammed;
-  surface.accept();
+  surface.accept(body);
 }
 
 // The point to which the proxy is to go: nearest to the goal beyond the planes of contact. With friction it stays as

@@ -41,7 +41,23 @@ void SurfaceFollower::start(const Collider& body) {
   before_.assign(vertices, {});
   after_.assign(vertices, {});
   copy_positions(body);
-  before_ = after_;
+  accept(body);
+  after_ = before_;
+}
+
+void SurfaceFollower::accept(const Collider& body) {
+  before_.swap(after_);
+  source_ = body.sphere_state().shared;
+  frame_ = body.sphere_state().frame;
+  first_vertex_ = body.positions().address(0);
+}
+
+// Every state of a source has another frame, and positions that a state was updated with do not change. States that
+// nobody shares may be anywhere and have any frame: their positions are compared.
+bool SurfaceFollower::has_same_state(const Collider& body) const {
+  const std::weak_ptr<const void>& source = body.sphere_state().shared;
+  return !source.expired() && !source.owner_before(source_) && !source_.owner_before(source) &&
+         body.sphere_state().frame == frame_ && body.positions().address(0) == first_vertex_;
 }
 
 // Returns the largest distance that a vertex has moved.
@@ -60,8 +76,12 @@ double SurfaceFollower::copy_positions(const Collider& body) {
 SurfaceFollower::Followed SurfaceFollower::follow(const Collider& body, TouchQuery& touch, const Vec3& center,
                                                   const KeptDistances& kept) {
   sphere_tests_ = facet_tests_ = 0;
+  if (has_same_state(body)) return {center, false, false};
   const double farthest = copy_positions(body);
-  if (farthest == 0) return {center, false, false};
+  if (farthest == 0) {
+    accept(body);
+    return {center, false, false};
+  }
   const auto facets = body.mesh_facets();
   const auto corners = [&](const std::vector<Vec3>& at, std::uint32_t facet) {
     const Facet& f = facets[facet];

@@ -3,6 +3,7 @@
 // Carries the proxy of a haptic probe from the positions of one step to those of the next.
 #pragma once
 
+#include <memory>
 #include <morula/collide/primitives.hpp>
 #include <vector>
 
@@ -26,16 +27,23 @@ class SurfaceFollower {
   /// The center when vertices have moved from the remembered positions to those of the body. body: without a transform.
   /// Keeps the remembered positions until accept().
   Followed follow(const Collider& body, TouchQuery& touch, const Vec3& center, const KeptDistances& kept);
-  /// Remembers the positions of the last follow().
-  void accept() { before_.swap(after_); }
+  /// Remembers the positions of the last follow(), which are the body's.
+  void accept(const Collider& body);
   std::size_t sphere_tests() const { return sphere_tests_; }
   std::size_t facet_tests() const { return facet_tests_; }
 
  private:
   double copy_positions(const Collider& body);
+  bool has_same_state(const Collider& body) const;
   Followed slices(const Vec3& start, double longest, const KeptDistances& kept);
   double free_time(const Vec3& center, const Vec3& move, const KeptDistances& kept);
   Vec3 wanted_move(const Vec3& center, const KeptDistances& kept);
+
+  // The state whose positions are remembered. The weak pointer keeps the numbers of a state that ended from meaning
+  // another one.
+  std::weak_ptr<const void> source_;
+  std::uint64_t frame_ = 0;
+  const std::byte* first_vertex_ = nullptr;
 
   std::size_t facet_count_ = 0;
   std::vector<std::uint32_t> used_;     // vertices of facets
