@@ -62,7 +62,7 @@ int run(int argc, char** argv) {
   app.add_option("--scenario", wanted,
                  "build, update, modal, rebuild, measure, query, volumes, collide, crossings, self, proximity, swept, "
                  "filters, scene, "
-                 "distance, peers; may be repeated "
+                 "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,

@@ -15,6 +15,17 @@ namespace morula::python {
 
 namespace {
 
+/// Solids from rows of corners; none from None.
+template <class Solid>
+std::vector<Solid> solids_of(nb::handle given, const char* name) {
+  if (given.is_none()) return {};
+  constexpr std::size_t columns = std::tuple_size_v<Solid>;
+  const std::vector<std::uint32_t> corners = index_rows_of(given, name, columns);
+  std::vector<Solid> solids(corners.size() / columns);
+  for (std::size_t k = 0; k < corners.size(); ++k) solids[k / columns][k % columns] = corners[k];
+  return solids;
+}
+
 Triangle triangle_of(const ArrayGiven& given, const char* name) {
   const std::vector<Vec3> corners = points_of(given.object, name);
   if (corners.size() != 3)
@@ -150,6 +161,23 @@ void bind_connectivity(nb::module_& m) {
       },
       nb::arg("mesh"),
       "A mesh without the vertices that no facet uses, and the former numbers of its vertices, ascending.");
+  m.def(
+      "solid_surface",
+      [](ArrayGiven given, nb::handle tetrahedra_given, nb::handle hexahedra_given) {
+        const std::vector<Vec3> points = points_of(given.object, "points");
+        const auto tetrahedra = solids_of<Tetrahedron>(tetrahedra_given, "tetrahedra");
+        const auto hexahedra = solids_of<Hexahedron>(hexahedra_given, "hexahedra");
+        UsedVertices surface = without_gil([&] { return solid_surface(points, tetrahedra, hexahedra); });
+        return std::make_tuple(std::move(surface.mesh), own_indices(std::move(surface.index)));
+      },
+      nb::arg("points"), nb::arg("tetrahedra") = nb::none(), nb::arg("hexahedra") = nb::none(),
+      nb::sig("def solid_surface(points: morula.typing.FloatArray, tetrahedra: morula.typing.Array | None = None, "
+              "hexahedra: morula.typing.Array | None = None) -> tuple[Mesh, numpy.ndarray]"),
+      with_arguments(doc::solid_surface,
+                     {{"points", "(n, 3)"},
+                      {"tetrahedra", "(m, 4) integers, or None"},
+                      {"hexahedra", "(k, 8) integers, or None. Returns the mesh and the numbers of its vertices"}})
+          .c_str());
 }
 
 }  // namespace

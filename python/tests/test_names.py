@@ -29,7 +29,7 @@ ELSEWHERE = {
     "ModalCertificateOptions": "ModalCertificate", "ClumpOptions": "fit_clump", "ClumpKind": "fit_clump",
     "RepairOptions": "repair", "RepairedMesh": "repair", "UsedVertices": "used_vertices", "Contact": "Contacts",
     "ContactSurface": "ContactSurfaces", "Crossing": "Crossings", "FrontPair": "FrontPairs",
-    "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
+    "HapticOptions": "HapticProbe", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",
     "VtpArray": "write_vtp", "VtpData": "write_vtp", "PvdEntry": "write_pvd", "MeshFileKind": "file_formats",
     "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "SphereState": "PosedSpheres", "Method": "all_methods",
@@ -53,7 +53,7 @@ LEFT_OUT = {
     "geometry/reproducible.hpp": "numpy; what needs its bits is in C++",
     "geometry/scale.hpp": "checks that every function makes", "geometry/status.hpp": "a refusal is an exception",
     "io/file_reference.hpp": "readers ask it", "io/whole_output.hpp": "every writer of the package writes whole files",
-    "parallel/interrupt.hpp": "Ctrl-C", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
+    "parallel/interrupt.hpp": "Ctrl-C", "parallel/snapshots.hpp": "a template for threads of C++; a body of Python is locked while a call reads it", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
     "collide/budget.hpp": "an int, a timedelta or a text",
     "tree/walk.hpp": "a template over functions: each step would call Python",
 }

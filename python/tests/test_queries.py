@@ -4,6 +4,7 @@
 
 import datetime
 import itertools
+import math
 import subprocess
 import sys
 
@@ -338,3 +339,44 @@ def test_posed_spheres_are_asked_as_bodies_are(model):
     assert not morula.overlap(collider, other)
     with pytest.raises(ValueError):
         morula.crossings(collider, other)
+
+
+def test_the_surface_of_tetrahedra_has_their_outer_faces_and_the_numbers_of_their_points():
+    points = numpy.array([(0, 0, 0), (9, 9, 9), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)], float)
+    tetrahedra = numpy.array([(0, 2, 3, 4), (0, 2, 3, 5)])
+    mesh, index = morula.solid_surface(points, tetrahedra)
+    assert index.tolist() == [0, 2, 3, 4, 5]
+    assert {tuple(sorted(facet)) for facet in index[mesh.facets].tolist()} == {
+        (0, 2, 4), (0, 3, 4), (2, 3, 4), (0, 2, 5), (0, 3, 5), (2, 3, 5)}
+    assert morula.signed_volume(mesh) == pytest.approx(1 / 3)
+    cube = numpy.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    assert morula.signed_volume(morula.solid_surface(cube, hexahedra=[range(8)])[0]) == 1
+    for bad, text in (([(0, 2, 3, 6)], "there are 6 points"), ([(0, 2, 3, 3)], "twice"), ([(0, 2, 3, 4)] * 2, "same side")):
+        with pytest.raises(ValueError, match=text):
+            morula.solid_surface(points, bad)
+    with pytest.raises(ValueError, match="no tetrahedra"):
+        morula.solid_surface(points)
+
+
+def test_a_haptic_probe_stays_outside_while_the_device_goes_through():
+    plate = morula.sample_body("plate")
+    body = morula.Body(plate, morula.build(plate, quality="draft"))
+    axis = int(numpy.argmin(numpy.ptp(plate.positions, axis=0)))
+    thickness = plate.positions[:, axis].max()
+    probe = morula.HapticProbe(radius=0.01, skin=1e-6, stiffness=100)
+    device = numpy.zeros(3)
+    device[axis] = 1
+    assert tuple(probe.step(body, device).proxy) == tuple(device)
+    device[axis] = -1
+    step = probe.step(body, device)
+    assert step.touches and step.settled and step.certified and not step.jammed
+    assert step.proxy[axis] == pytest.approx(thickness + 0.01, abs=1e-5)
+    assert step.force[axis] == pytest.approx(100 * (thickness + 0.01 + 1), rel=1e-4)
+    assert step.normal[axis] == pytest.approx(1) and step.contact.facet < plate.facet_count
+    assert probe.path().shape == (step.moves + 2, 3)
+    probe.reset()
+    assert tuple(probe.step(body, device).proxy) == tuple(device)
+    with pytest.raises(ValueError, match="not finite"):
+        probe.step(body, (math.nan, 0, 0))
+    with pytest.raises(ValueError, match="radius"):
+        morula.HapticProbe(radius=-1)

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/surface/haptic_probe.hpp>
+#include <optional>
 #include <support/allocations.hpp>
 #include <support/error_text.hpp>
 #include <support/meshes.hpp>
@@ -386,6 +387,29 @@ TEST(HapticProbe, has_the_same_bits_on_copies_of_the_body) {
     EXPECT_EQ(a.proxy, b.proxy) << k;
     EXPECT_EQ(a.force, b.force) << k;
   }
+}
+
+TEST(HapticProbe, follows_another_body_at_the_same_address_with_the_same_frame) {
+  const Mesh mesh = test::grid_plate(6);
+  const CoveredTree model = build(mesh, {.method = Method::grid, .depth = 2});
+  std::vector<Vec3> positions = mesh.positions;
+  std::optional<Body> body(std::in_place, mesh, model);
+  ASSERT_TRUE(body->update(positions));
+  HapticProbe probe({.radius = 0.01});
+  {
+    const Collider collider(mesh, *body);
+    ASSERT_TRUE(probe.step(collider, {0.5, 0.5, 0.2}).status);
+    ASSERT_TRUE(settle(probe, collider, {0.5, 0.5, -0.2}).settled);
+  }
+  body.reset();
+  for (Vec3& p : positions) p.z = 0.5;
+  body.emplace(mesh, model);
+  ASSERT_TRUE(body->update(positions));
+  const Collider collider(mesh, *body);
+  const HapticStep step = settle(probe, collider, {0.5, 0.5, -0.2});
+  ASSERT_TRUE(step.status);
+  EXPECT_FALSE(step.jammed);
+  EXPECT_NEAR(step.proxy.z, 0.51, 1e-4);
 }
 
 TEST(HapticProbe, starts_again_after_a_reset_and_away_from_a_surface_that_it_starts_on) {

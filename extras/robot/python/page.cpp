@@ -3,6 +3,7 @@
 // The page of a robot.
 #include <morula/robot/self_collision.hpp>
 
+#include "holders.hpp"
 #include "robot_page.hpp"
 #include "robots.hpp"
 

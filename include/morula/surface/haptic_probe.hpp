@@ -3,10 +3,10 @@
 // Haptic probe: a proxy that stays on its side of a surface while the device point goes through it.
 //
 //   morula::HapticProbe probe({.radius = 0.01, .stiffness = 400});
-//   while (running) {                                                     // about 1,000 times a second
-//     const morula::HapticStep step = probe.step(collider, device_point());
+//   for (const morula::Vec3& device : positions) {               // a point of the device, 1,000 times a second
+//     const morula::HapticStep step = probe.step(a, device);
 //     if (!step.status) std::puts(message(step.status).c_str());
-//     send_to_device(step.force);                                         // stiffness × (proxy − device point)
+//     std::printf("%g\n", step.force.z);                         // stiffness × (proxy − device point)
 //   }
 #pragma once
 

@@ -319,6 +319,15 @@ std::vector<std::uint32_t> indices_of(nb::handle given, const char* name) {
   return indices;
 }
 
+std::vector<std::uint32_t> index_rows_of(nb::handle given, const char* name, std::size_t columns) {
+  const std::string wanted = "an array of integers, shape (n, " + std::to_string(columns) + "),";
+  const Any array = array_of(given, name, wanted);
+  if (array.ndim() != 2 || array.shape(1) != columns) reject(name, array, wanted);
+  std::vector<std::uint32_t> indices(array.shape(0) * columns);
+  read_integers(array, name, wanted, indices.data());
+  return indices;
+}
+
 namespace {
 
 constexpr const char* wanted_facets = "an array of integers, shape (facets, 3),";

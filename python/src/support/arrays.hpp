@@ -71,6 +71,8 @@ std::vector<double> numbers_of(nb::handle given, const char* name, std::vector<s
 /// Any integers, checked: none negative, none beyond 32 bits.
 std::vector<std::uint32_t> indices_of(nb::handle given, const char* name);
 std::vector<Facet> facets_of(nb::handle given, const char* name);
+/// Rows of so many indices, one after the other.
+std::vector<std::uint32_t> index_rows_of(nb::handle given, const char* name, std::size_t columns);
 
 /// Facets, as an array gives them. Nothing is copied of 32-bit integers in C order, signed or not, that are aligned;
 /// others are converted.
