@@ -350,10 +350,10 @@ def test_the_surface_of_tetrahedra_has_their_outer_faces_and_the_numbers_of_thei
         (0, 2, 4), (0, 3, 4), (2, 3, 4), (0, 2, 5), (0, 3, 5), (2, 3, 5)}
     assert morula.signed_volume(mesh) == pytest.approx(1 / 3)
     cube = numpy.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    assert morula.signed_volume(morula.solid_surface(cube, hexahedra=[range(8)])[0]) == 1
+    assert morula.signed_volume(morula.solid_surface(cube, hexahedra=numpy.arange(8).reshape(1, 8))[0]) == 1
     for bad, text in (([(0, 2, 3, 6)], "there are 6 points"), ([(0, 2, 3, 3)], "twice"), ([(0, 2, 3, 4)] * 2, "same side")):
         with pytest.raises(ValueError, match=text):
-            morula.solid_surface(points, bad)
+            morula.solid_surface(points, numpy.array(bad))
     with pytest.raises(ValueError, match="no tetrahedra"):
         morula.solid_surface(points)
 

@@ -108,6 +108,7 @@ std::vector<SolidFace> outer_faces(const Solids& solids) {
     if (end - begin > 2)
       throw std::invalid_argument(names + " share a face with " + solids.name(faces[begin + 2].solid) +
                                   "; a face may belong to two solids");
+    // mutant solid-same-side: `!are_opposite(first, faces[begin + 1])` -> `are_opposite(first, first)`
     if (!are_opposite(first, faces[begin + 1]))
       throw std::invalid_argument(names + " lie on the same side of a common face: one is repeated, or they overlap");
   }

@@ -164,8 +164,10 @@ double HapticProbe::State::move_freely(const Collider& body, const Vec3& move, H
   const double reach = 2 * (distance(center, root.center) + root.radius + kept().touching), way = length(move);
   const double tested = way > reach ? reach / way : 1;
   const double pad = 0x1p-48 * (max_norm(center) + reach);
+  // mutant haptic-far-pad: `(pad > skin / 64 ? pad : 0)` -> `0.0 * pad`
   const KeptDistances distances(options.radius + (pad > skin / 64 ? pad : 0), skin);
   const Vec3 part = tested * move;
+  // mutant haptic-thin-capsule: `distances.touching` -> `0.0`
   if (!gather(body, Capsule{center, center + part, distances.touching}, result)) return 0;
   const double share = free_share(near, center, part, distances);
   return share < 1 ? share * tested : 1;

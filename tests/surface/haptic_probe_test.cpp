@@ -412,6 +412,22 @@ TEST(HapticProbe, follows_another_body_at_the_same_address_with_the_same_frame) 
   EXPECT_NEAR(step.proxy.z, 0.51, 1e-4);
 }
 
+TEST(HapticProbe, follows_a_body_that_is_updated_from_the_same_array) {
+  const Mesh mesh = test::grid_plate(6);
+  std::vector<Vec3> positions = mesh.positions;
+  Body body(mesh, build(mesh, {.method = Method::grid, .depth = 2}));
+  const Collider collider(mesh, body);
+  HapticProbe probe({.radius = 0.01});
+  ASSERT_TRUE(body.update(positions));
+  ASSERT_TRUE(probe.step(collider, {0.5, 0.5, 0.2}).status);
+  for (int frame = 0; frame < 10; ++frame) {
+    const double height = 0.3 * std::sin(frame);
+    for (Vec3& p : positions) p.z = height;
+    ASSERT_TRUE(body.update(positions));
+    EXPECT_NEAR(settle(probe, collider, {0.5, 0.5, -1}).proxy.z, height + 0.01, 1e-4) << frame;
+  }
+}
+
 TEST(HapticProbe, starts_again_after_a_reset_and_away_from_a_surface_that_it_starts_on) {
   PlacedBody plate(test::grid_plate(10));
   HapticProbe probe({.radius = 0.05, .skin = 1e-6});

@@ -44,8 +44,10 @@ double time_until_near(const Triangle& t, const Vec3& center, const Vec3& move, 
   for (int steps = 0; steps < most_steps; ++steps) {
     const Approach now = approach(t, center + time * move);
     // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
+    // mutant haptic-loses-all: `std::min(kept.skin, now.distance) / 64` -> `now.distance`
     if (steps == 0) value = std::min(kept.stop, now.distance - std::min(kept.skin, now.distance) / 64);
     const double speed = -dot(now.normal, move);
+    // mutant haptic-no-sweep: `!(speed > 0)` -> `true`
     if (!(speed > 0)) return end;
     const double gap = now.distance - value;
     if (!(gap > kept.skin * 0x1p-12)) return time;

@@ -56,8 +56,10 @@ void SurfaceFollower::accept(const Collider& body) {
 // nobody shares may be anywhere and have any frame: their positions are compared.
 bool SurfaceFollower::has_same_state(const Collider& body) const {
   const std::weak_ptr<const void>& source = body.sphere_state().shared;
-  return !source.expired() && !source.owner_before(source_) && !source_.owner_before(source) &&
-         body.sphere_state().frame == frame_ && body.positions().address(0) == first_vertex_;
+  // mutant haptic-any-source: `source.owner_before(source_) || source_.owner_before(source)` -> `false`
+  if (source.expired() || source.owner_before(source_) || source_.owner_before(source)) return false;
+  // mutant haptic-any-frame: `body.sphere_state().frame == frame_ && ` -> ``
+  return body.sphere_state().frame == frame_ && body.positions().address(0) == first_vertex_;
 }
 
 // Returns the largest distance that a vertex has moved.
@@ -88,8 +90,9 @@ SurfaceFollower::Followed SurfaceFollower::follow(const Collider& body, TouchQue
     return Triangle{at[f[0]], at[f[1]], at[f[2]]};
   };
   const double longest = 2 * farthest + 4 * kept.rest;
-  const Touch& found =
-      touch.run(body, Sphere{center, (kept.touching + farthest + longest) * (1 + 0x1p-40)}, {.collect_all = true});
+  // mutant haptic-near-facets-alone: `kept.touching + farthest + longest` -> `kept.touching`
+  const double reach = (kept.touching + farthest + longest) * (1 + 0x1p-40);
+  const Touch& found = touch.run(body, Sphere{center, reach}, {.collect_all = true});
   if (!found.status) return {center, true, true};
   sphere_tests_ = found.sphere_tests, facet_tests_ = found.facet_tests;
   near_.clear(), last_.clear();
@@ -114,6 +117,7 @@ SurfaceFollower::Followed SurfaceFollower::slices(const Vec3& start, double long
     Vec3 move = wanted_move(center, kept);
     if (const double way = distance(center + move, start); !(way <= longest)) move = Vec3{};
     const double share = free_time(center, move, kept);
+    // mutant haptic-no-impact: `if (share >= 1) return` -> `return`
     if (share >= 1) return {center + move, true, false};
     if (!(share > least_share)) break;
     center += share * move;
