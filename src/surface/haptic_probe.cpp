@@ -175,6 +175,7 @@ double HapticProbe::State::move_freely(const Collider& body, const Vec3& move, H
 
 void HapticProbe::State::approach(const Collider& body, const Vec3& goal, HapticStep& result) {
   const double least_move = skin / 64;
+  contacts.clear(), last_wanted = {};
   if (!gather(body, Sphere{center, kept().touching}, result)) return;
   find_contacts(near, center, kept(), contacts);
   for (;; ++result.moves) {
