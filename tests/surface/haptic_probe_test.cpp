@@ -61,6 +61,7 @@ TEST(HapticProbe, stays_outside_of_a_closed_body_by_exact_windings) {
     const double size = body.collider.sphere_state().sphere(0).radius;
     HapticProbe probe;
     Vec3 device{3 * size, 3 * size, 3 * size};
+    ASSERT_TRUE(probe.step(body.collider, device).status);
     for (int k = 0; k < 200; ++k) {
       if (k % 10 == 0) device = test::random_point(random, size);
       device += test::random_point(random, 0.05 * size);
