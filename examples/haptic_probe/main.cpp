@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Two threads: a solver of springs on tetrahedra at 25 Hz, and a haptic probe at 1 kHz on the surface of these
-// tetrahedra. The device point goes through the organ, deep and in jumps; the proxy stays outside. At the end, each
+// tetrahedra. The device point goes through the organ, deep and in jumps; the proxy stays on its side. At the end, each
 // step is compared with all facets. docs/how-to/haptics.md says more.
 #include <algorithm>
 #include <array>

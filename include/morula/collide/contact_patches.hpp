@@ -22,8 +22,8 @@ struct ContactPatchOptions {
   /// Largest number of points of a patch, from 0 to 16. Three or more reproduce force and torque of the patch; one or
   /// two reproduce the force.
   std::uint32_t max_points = 4;
-  bool depths = true;  ///< compute ContactPatch::depth, whose cost may exceed that of all else for patches of 1,000
-                       ///< facets
+  /// true: compute ContactPatch::depth; for patches of 1,000 facets this may cost more than the rest of the run.
+  bool depths = true;
 };
 
 /// The derivative of the volume of a patch with respect to the position of a vertex.
@@ -55,7 +55,7 @@ struct PatchPoint {
   std::uint32_t id;  ///< number of the sector; with ContactPatch::id it stays while the patch exists
   Vec3 point;        ///< world coordinates
   /// Share of this point in −PatchSide::area_vector of a, mesh units²: the area of the sector across the normal, along
-  /// the normal, and the least change of all forces with which they and their torques sum up to those of the patch.
+  /// the normal, plus the least correction with which all forces and torques sum up to those of the patch.
   Vec3 force;
   double volume = 0;  ///< volume of the sector, mesh units³; the sum over all points is ContactPatch::volume
   double depth = 0;   ///< volume of the sector over its area across the normal: its mean depth, mesh units
@@ -85,14 +85,14 @@ struct ContactPatch {
   std::span<const PatchPoint> points;
 };
 
-/// Finds contact patches again and again. It keeps its memory. Only one thread may use it at a time.
+/// Finds contact patches in every frame, and reuses its memory. Only one thread may use it at a time.
 ///
 /// The overlap consists of the points inside both bodies; where a surface overlaps itself, points count with the
 /// product of both winding numbers. All quantities are integrals over its boundary, computed without constructing a
-/// polygon: in error by rounding alone, for the world positions that Collider::vertex returns. Decisions are exact.
-/// Surfaces that touch, coplanar facets and identical bodies are treated as if a were translated by an infinitely small
-/// vector; volumes, centroids and gradients of volumes are those of the limit. The volume is a continuous function of
-/// all positions.
+/// polygon; their only errors are those of rounding, relative to the world positions that Collider::vertex returns.
+/// Decisions are exact. Surfaces that touch, coplanar facets and identical bodies are treated as if a were translated
+/// by an infinitely small vector; volumes, centroids and gradients of volumes are those of the limit. The volume is a
+/// continuous function of all positions.
 ///
 /// Patches are complete if the spheres of both bodies cover (SphereState::covers).
 class ContactPatchQuery {
@@ -107,8 +107,8 @@ class ContactPatchQuery {
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
   /// 16 points (bad_option), and a surface that is inside out where it meets the other (inside_out); patches() then
-  /// stays as it was. Cost: that of CrossingQuery, about 0.5 µs
-  /// per pair of facets that intersect and 0.1 µs per facet inside; twice as much more for depths and points.
+  /// stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per
+  /// facet inside; depths and points cost twice as much in addition.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until

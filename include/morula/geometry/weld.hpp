@@ -5,7 +5,9 @@
 //   const morula::MeshWeld weld = morula::weld_vertices(mesh);
 //   const morula::Mesh whole = morula::welded(mesh, weld);
 //   std::printf("%zu vertices merged\n", weld.merged_count());
-//   body.update(morula::welded_positions(positions, weld));  // positions of the given mesh, frame by frame
+//   // Every frame, with positions of the given mesh; the body borrows the welded ones until its next update.
+//   const std::vector<morula::Vec3> whole_positions = morula::welded_positions(positions, weld);
+//   body.update(whole_positions);
 #pragma once
 
 #include <cstdint>
@@ -15,7 +17,7 @@
 
 namespace morula {
 
-/// Which vertices of a mesh become one, and their numbers. A vertex is merged into the first one that is equal.
+/// Map of the vertices of a mesh to those of its welded mesh. Each vertex is merged into the first equal one.
 struct MeshWeld {
   std::vector<std::uint32_t> new_vertex;  ///< number in the welded mesh, for each vertex of the given mesh
   /// For each vertex of the welded mesh the first vertex of the given mesh that becomes it; ascending.
@@ -24,7 +26,7 @@ struct MeshWeld {
   /// apart.
   std::size_t kept_apart = 0;
 
-  /// The number of vertices that the welded mesh has less than the given one.
+  /// Number of merged vertices: those of the given mesh minus those of the welded one.
   std::size_t merged_count() const { return new_vertex.size() - old_vertex.size(); }
 };
 

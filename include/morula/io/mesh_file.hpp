@@ -48,8 +48,8 @@ Mesh read_mesh(const std::filesystem::path& path);
 /// Reads a mesh, and writes facts about the file to `info`.
 Mesh read_mesh(const std::filesystem::path& path, MeshInfo& info);
 
-/// Reads a mesh whose facets only touch, and merges its vertices: a glTF with hard edges or texture coordinates has
-/// vertices of its own for each corner, and self-queries would find all of them at distance 0.
+/// Reads a mesh in which adjacent facets do not share vertices, such as a glTF with hard edges or texture coordinates,
+/// and merges its vertices. Without that, self-queries find pairs at distance 0 along its edges.
 ///
 /// Vertices are merged if their positions are equal and, in a glTF, their node, their joints and weights in order, and
 /// their displacements in every morph target: such vertices never move apart. weld: the map of vertices, for positions

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Snapshots: passes the newest state from one thread to another, neither of which ever waits.
+// Snapshots: passes the newest state from one thread to another; neither thread ever waits.
 //
 //   struct Organ {                                                      // what the reader needs, and nothing shared
 //     explicit Organ(const morula::Mesh& mesh, const morula::Body& first)
@@ -27,8 +27,8 @@ namespace morula {
 
 /// Three slots of a Value: one that the writer fills, one that the reader uses, and the newest published one between
 /// them. One thread may call back() and publish(), one other thread front() and refresh(). All calls are wait-free:
-/// they take an exchange of one byte, whatever the other thread does. The reader sees whole snapshots, each at most
-/// once as a new one, in the order of publication; it skips those that a newer one has replaced.
+/// they take an exchange of one byte, whatever the other thread does. The reader sees whole snapshots in the
+/// order of publication; refresh() returns each at most once, and skips those that a newer one has replaced.
 ///
 /// A slot belongs to its thread until that thread's next publish() or refresh(). So a Value owns all it reads: a Body,
 /// the positions that the body was updated with, and a Collider of this body. Slots never move. A slot that comes back

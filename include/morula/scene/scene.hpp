@@ -75,15 +75,15 @@ struct SceneReserve {
 /// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
 /// remove().
 ///
-/// Two bodies touch if a pair of final nodes overlaps or is no farther apart than the margin, and so are all pairs
-/// above it; in other words, if collide() with the level and margin of the scene has a contact. `touches` is false
-/// while this is not confirmed: the bodies may be near. A touch begins in the update that confirms it, with a pair of
-/// final nodes. It ends in the update that refutes it, which finishes the pair without a contact, or in which a body, a
-/// mask or a filter removes the pair. An update whose budget does not reach the pair neither begins nor ends a touch.
+/// Two bodies touch if collide() with the level and margin of the scene has a contact: a pair of final nodes that, with
+/// all pairs above it, overlaps or is within the margin. `touches` is false while this is not confirmed. A touch begins
+/// in the update that confirms it, with a pair of final nodes. It ends in the update that refutes it, which finishes
+/// the pair without a contact, or in which a body, a mask or a filter removes the pair. An update whose budget does not
+/// reach the pair neither begins nor ends a touch.
 struct ScenePair {
   BodyId a, b;             ///< bodies of the pair; a has the lower place
   std::uint64_t id = 0;    ///< number of this touch from its beginning to its end; no other touch gets it; 0: no touch
-  bool touches = false;    ///< true: the touch has begun and not ended; false: whether the bodies touch is open
+  bool touches = false;    ///< true: the touch has begun and not ended; false: undecided
   bool confirmed = false;  ///< true: the bodies touch at their present poses; false: the budget left that open
   bool began = false;      ///< true: the touch began in the last update() that was neither rejected nor threw
   bool finished = false;   ///< true: all contacts are final; false: below some contacts there may be several, or none
@@ -106,18 +106,19 @@ struct [[nodiscard]] SceneStatus : Status {
   bool finished = false;             ///< true: all contacts are final
   std::size_t near_pairs = 0;        ///< number of pairs of bodies with overlapping boxes that masks and filter keep
   std::size_t open_pairs = 0;        ///< number of these pairs that are not finished
-  /// Number of these pairs for which the budget left open whether the bodies touch at their present poses. Each may owe
-  /// one event, the beginning or the end of a touch; all other events are told. 0 without a budget.
+  /// Number of these pairs for which the budget left open whether the bodies touch at their present poses. For
+  /// each, at most one event, the beginning or the end of a touch, is still to be reported; all other events are
+  /// reported. 0 without a budget.
   std::size_t undecided_pairs = 0;
   std::size_t pair_tests = 0;  ///< number of tests of pairs of nodes in this call
 };
 /// The fault and its remedy as text, with the body that caused it; empty for ok.
 std::string message(const SceneStatus& status);
 
-/// The bodies that a query of a ray or a shape looks at; by default all.
+/// The bodies that a query of a ray or a shape tests; by default all.
 struct SceneFilter {
-  std::uint32_t mask = ~std::uint32_t{0};  ///< groups of the bodies it looks at: those with category & mask not 0
-  std::span<const BodyId> ignored{};       ///< bodies it leaves out, in any order; an id without a body has no effect
+  std::uint32_t mask = ~std::uint32_t{0};  ///< groups of the bodies to query: those with category & mask not 0
+  std::span<const BodyId> ignored{};       ///< bodies to leave out, in any order; an id without a body has no effect
 };
 
 /// A facet of a body that a ray hits.
@@ -136,7 +137,7 @@ struct [[nodiscard]] SceneRayHits {
 
 struct [[nodiscard]] SceneRayHit {
   SceneStatus status;
-  std::optional<BodyId> body{};     ///< body that the ray hits first, of equals the lowest by place; no value: no hit
+  std::optional<BodyId> body{};     ///< body that the ray hits first; at equal t the lowest by place; no value: no hit
   std::optional<RayPoint> first{};  ///< first hit; no value if there is none
   bool certified = false;           ///< true: the spheres of all bodies looked at cover, so no hit is missed
 };
@@ -153,7 +154,7 @@ struct SceneTouch {
 /// may form a pair cross, or come as near as the margin, the pair is in pairs(), and the crossing lies within one of
 /// its contacts. Pairs that a budget does not reach have coarse contacts, at least the contact of the two roots. No
 /// event is false, for any budget: a touch begins or ends only where that is proven at the present poses of the bodies.
-/// Events may be late, by the updates until the pair is reached; SceneStatus::undecided_pairs bounds their number.
+/// Events may be late, until an update reaches the pair; SceneStatus::undecided_pairs bounds their number.
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
@@ -169,7 +170,7 @@ struct SceneTouch {
 ///
 /// Only one thread may use a scene at a time; workers share the work of update(). An update allocates nothing if the
 /// scene has had as many bodies and pairs, and each pair as many contacts, or reserve() has made room for them. A pair
-/// frees its memory when its bodies have been apart for 32 updates. docs/how-to/scene.md has the memory of a pair.
+/// frees its memory at most 64 updates after its bodies part. docs/how-to/scene.md has the memory of a pair.
 class Scene {
  public:
   /// Throws std::invalid_argument, with the option, for a margin that is negative or not finite, and for a negative
@@ -199,8 +200,8 @@ class Scene {
   /// Replaces the collider of a body that keeps its id. A body with another tree needs it, such as RebuiltBody after a
   /// swap. Also throws for a body that update() rejects.
   void replace(BodyId body, const Collider& collider);
-  /// Declares that the body does not move. The next update() reads the body for the last time, so it may be moved
-  /// before this call; later updates read it again after wake() or another sleep(). Its touches stay.
+  /// Declares that the body does not move. The next update() still reads the body, so it may be moved before this
+  /// call; later updates read it again after wake() or another sleep(). Its touches stay.
   void sleep(BodyId body);
   /// Ends sleep(): updates read the body again. A static body is read in the next update() alone.
   void wake(BodyId body);

@@ -38,9 +38,9 @@ struct [[nodiscard]] HapticStep {
   Vec3 proxy{};          ///< center of the proxy
   Vec3 force{};          ///< force on the device: stiffness × (proxy − device point), with smooth_normals turned
   bool touches = false;  ///< a facet is within radius + skin of the proxy, up to a sixteenth of the skin
-  /// true: no move brings the proxy nearer to the device point. false: it needs more moves, in the next step.
+  /// true: no move brings the proxy nearer to the device point. false: the next step continues.
   bool settled = false;
-  /// true: the surface moved together around the proxy until it had no room, or moved too far in one step. The proxy is
+  /// true: the surface closed around the proxy, or moved too far in one step to be followed. The proxy is
   /// then on its side of the facet that was nearest, and may be on the other side of another one.
   bool jammed = false;
   bool certified = false;  ///< SphereState::covers of the body; if false, facets may be missed
@@ -59,16 +59,16 @@ struct [[nodiscard]] HapticStep {
 ///
 /// Guarantee: on its way in a step, the center passes through no facet, however fast the device point moves. From every
 /// facet it keeps radius + 7/8 of the skin, or its distance at the beginning of the step if that is less, up to 1/64 of
-/// the skin per move. It needs no inside: surfaces may be open or thin, and both sides hold the proxy. If vertices move
-/// between steps, the proxy is carried with the facet it touches, and pushed where the surface meets it, so that it
-/// passes through no facet while vertices and proxy move on straight lines; HapticStep::jammed reports where there is
-/// no such way. A transform of the body carries the proxy as if it were a part of the body. All this holds in the
-/// body's coordinates, for a body that covers its surface (SphereState::covers).
+/// the skin per move. The body needs no inside: surfaces may be open or thin, and both sides hold the proxy. If
+/// vertices move between steps, the proxy is carried with the facet it touches, and pushed where the surface meets it,
+/// so that it passes through no facet while vertices and proxy move on straight lines; HapticStep::jammed is true if no
+/// such path was found. A transform of the body carries the proxy as if it were a part of the body. All this holds in
+/// the body's coordinates, for a body that covers its surface (SphereState::covers).
 ///
 /// One thread may use a probe at a time. The body must stay unchanged during a call; Snapshots pass bodies from the
 /// thread of a solver. Memory grows to that of one position per vertex and of the facets near the proxy; after that a
-/// step allocates nothing. Cost: one ball query and a capsule query for each move, at most max_moves; after a motion of
-/// vertices also linear in vertices, and about 1 us per facet within reach of the motion.
+/// step allocates nothing. Cost: one ball query, and one capsule query for each move, at most max_moves. After a motion
+/// of vertices one more ball query, time linear in vertices, and about 1 us per facet within reach of the motion.
 class HapticProbe {
  public:
   /// Throws std::invalid_argument, naming the option: a radius, skin, stiffness or friction that is negative or not

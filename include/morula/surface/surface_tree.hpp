@@ -72,9 +72,9 @@ class SurfaceTree {
   std::span<const Facet> facets() const;
   /// Each pair of adjacent vertices of a facet, lower first; ascending. Facets with a repeated index also have edges.
   std::span<const std::array<std::uint32_t, 2>> edges() const;
-  /// Number of vertices of facets whose rest position is that of an earlier one. Not 0 for a glTF with hard edges or
-  /// texture coordinates, whose corners are vertices of their own: queries of the surface with itself find pairs at
-  /// distance 0 there, as if it were cut. read_mesh() with a weld and weld_vertices() merge them. Cost: linear.
+  /// Number of vertices of facets whose rest position is that of an earlier one. Not 0 for a mesh in which adjacent
+  /// facets do not share vertices, such as a glTF with hard edges or texture coordinates: queries of the surface with
+  /// itself find pairs at distance 0 there. read_mesh() with a weld and weld_vertices() merge them. Cost: linear.
   std::size_t duplicate_vertices() const;
   /// Position of a vertex: at the beginning of a step, at its end, and at rest.
   Vec3 from(std::uint32_t vertex) const;
