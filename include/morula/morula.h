@@ -245,9 +245,9 @@ MORULA_API void morula_scene_destroy(morula_scene* scene);
  * never moves; two static bodies form no pair. A body that the scene already has is a bad argument. */
 MORULA_API morula_status morula_scene_add(morula_scene* scene, morula_body* body, int is_static);
 MORULA_API morula_status morula_scene_remove(morula_scene* scene, const morula_body* body);
-/* Finds the pairs of bodies that touch or may touch; called once a frame, after the bodies have moved. If the rules cover and two
- * surfaces cross, their pair is found and the crossing lies within one of its contacts, even if the budget ends the
- * search. Rejected, with no change: a body whose last update was rejected. */
+/* Finds the pairs of bodies that touch or may touch; called once a frame, after the bodies have moved. If the rules
+ * cover and two surfaces cross, their pair is found and the crossing lies within one of its contacts, even if the
+ * budget ends the search. Rejected, with no change: a body whose last update was rejected. */
 MORULA_API morula_status morula_scene_update(morula_scene* scene);
 MORULA_API size_t morula_scene_pair_count(const morula_scene* scene);
 /* The pairs; valid until the scene is updated or destroyed, or a body is removed. A touch without a pair has
