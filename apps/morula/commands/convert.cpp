@@ -56,23 +56,29 @@ bool is_pattern(const std::string& path) {
          !std::filesystem::exists(path);
 }
 
+void require_index_map(const ConvertArguments& o) {
+  if (o.index_map.empty()) return;
+  if (!o.used_only && !o.weld)
+    throw UsageError("--index-map belongs to --used-only or --weld: without them vertices keep their numbers");
+  if (o.used_only && o.weld) throw UsageError("--index-map has the numbers of one step: --used-only or --weld");
+  require_output_place(o.index_map);
+  require_not_input(o.index_map, {o.input, o.mesh, o.output});
+}
+
+/// After the output, so that an error leaves neither. weld: what --weld merged.
+void write_weld_map(const ConvertArguments& o, const MeshWeld& weld) {
+  if (!o.weld || o.index_map.empty()) return;
+  std::string text = "vertex,welded\n";
+  for (std::size_t v = 0; v < weld.new_vertex.size(); ++v) text += fmt::format("{},{}\n", v, weld.new_vertex[v]);
+  write_whole(o.index_map, text);
+  note_written(o.index_map);
+}
+
 int convert_mesh(const ConvertArguments& o) {
   require_mesh_output(o.output);
-  if (!o.index_map.empty()) {
-    if (!o.used_only && !o.weld)
-      throw UsageError("--index-map belongs to --used-only or --weld: without them vertices keep their numbers");
-    if (o.used_only && o.weld) throw UsageError("--index-map has the numbers of one step: --used-only or --weld");
-    require_output_place(o.index_map);
-    require_not_input(o.index_map, {o.input, o.output});
-  }
+  require_index_map(o);
   MeshWeld weld;
   Mesh mesh = o.weld ? load_welded_mesh(o.input, weld) : load_mesh(o.input);
-  if (o.weld && !o.index_map.empty()) {
-    std::string text = "vertex,welded\n";
-    for (std::size_t v = 0; v < weld.new_vertex.size(); ++v) text += fmt::format("{},{}\n", v, weld.new_vertex[v]);
-    write_whole(o.index_map, text);
-    note_written(o.index_map);
-  }
   if (o.used_only) {
     UsedVertices used = used_vertices(mesh);
     mesh = std::move(used.mesh);
@@ -84,6 +90,7 @@ int convert_mesh(const ConvertArguments& o) {
     }
   }
   write_mesh(o.output, mesh);
+  write_weld_map(o, weld);
   return report(o, mesh_line(o.output, mesh), nullptr);
 }
 
@@ -120,6 +127,7 @@ int convert_motion(const ConvertArguments& o, FileKind kind) {
     require_folder_place(o.output);
     require_not_input_folder(o.output, {o.input, mesh_path});
   }
+  require_index_map(o);
   MeshWeld weld;
   const Mesh mesh = o.weld ? load_welded_mesh(mesh_path, weld) : load_mesh(mesh_path);
   const Motion motion(
@@ -128,6 +136,7 @@ int convert_motion(const ConvertArguments& o, FileKind kind) {
   MotionWriter writer(o.output, mesh, motion.frame_count());
   for (std::size_t i = 0; i < motion.frame_count(); ++i) writer.write(motion.frame(i));
   writer.finish();
+  write_weld_map(o, weld);
   return report(o,
                 fmt::format("{}: {} of {}", o.output, counted(motion.frame_count(), "frame"),
                             counted(mesh.vertex_count(), "vertex", "vertices")),
