@@ -91,7 +91,7 @@ std::string axis(const Plot& plot, const PlotPanel& panel, std::size_t number) {
   std::string text =
       fmt::format("\\nextgroupplot[ylabel={{{}}},height={}", tex_lines(panel.label), first ? "6.5cm" : "4.3cm");
   if (first) text += fmt::format(",title={{{}}}", tex_escaped(plot.title));
-  if (first) text += ",legend columns=3,legend style={at={(0.5,1.14)},anchor=south}";
+  if (first) text += ",legend columns=3,legend cell align=left,legend style={at={(0.5,1.14)},anchor=south}";
   if (last) text += fmt::format(",xlabel={{{}}}", tex_escaped(plot.x_label));
   if (!plot.x_names.empty()) {
     std::string ticks, labels;

@@ -35,6 +35,7 @@ await claim('a_study_comes_first_and_its_curves_pose_the_body', () =>
     equal(await page.locator('.claim').count(), study.claims.length, 'claims');
     equal(await words(page, '.claim:first-of-type .verdict'), 'holds', 'verdict');
     equal(await words(page, '#claim-uncovered .verdict'), 'better', 'a rule that is better than claimed');
+    equal(await words(page, '#claim-later .verdict'), 'not decided', 'a claim without cases, in the word of the study');
     equal(await page.getAttribute('#claim-uncovered', 'data-verdict'), 'better', 'and its color');
     const curves = page.locator('#claim-approach2-below-approach1 .u-over');
     await curves.scrollIntoViewIfNeeded();

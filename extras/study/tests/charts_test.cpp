@@ -198,6 +198,7 @@ TEST(StudyCharts, pgf_has_the_coordinates_of_the_csv) {
     EXPECT_EQ(std::count(text.begin(), text.end(), '{'), std::count(text.begin(), text.end(), '}'));
     EXPECT_EQ(std::count(text.begin(), text.end(), '['), std::count(text.begin(), text.end(), ']'));
     EXPECT_NE(text.find("% Preamble: \\usepackage{pgfplots}"), std::string::npos);
+    EXPECT_NE(text.find("legend cell align=left"), std::string::npos);
   }
   EXPECT_GT(curves_compared, 50u);
 }
