@@ -105,6 +105,8 @@ CALLS = {
     "signed_volume": lambda mesh, parts: morula.signed_volume(mesh),
     "surface_area": lambda mesh, parts: morula.surface_area(mesh),
     "used_vertices": lambda mesh, parts: morula.used_vertices(mesh),
+    "weld_vertices": lambda mesh, parts: morula.weld_vertices(mesh).new_vertex,
+    "welded": lambda mesh, parts: morula.welded(mesh, morula.weld_vertices(parts.mesh)),
     "with_fewer_cuts": lambda mesh, parts: morula.with_fewer_cuts(mesh, parts.model),
     "with_known_poses": lambda mesh, parts: morula.with_known_poses(
         mesh, parts.model, [("long", parts.frames[1])], quality="draft", pose_threshold=1.01)[0],

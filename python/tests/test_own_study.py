@@ -67,7 +67,7 @@ def test_a_generator_that_builds_as_grid_does_has_its_cells():
 
 def test_balls_of_a_generator_are_made_to_cover():
     def balls(mesh):
-        return morula.tree_from_spheres([[*position, 0.01] for position in mesh.positions], branching=4)
+        return morula.tree_from_spheres(numpy.c_[mesh.positions, numpy.full(len(mesh.positions), 0.01)], branching=4)
 
     study = morula.study(morula.sample_body("limb", 8), rules=["exact"], **{**small, "methods": ["grid", balls]}, depth=2)
     cells = study.cells
