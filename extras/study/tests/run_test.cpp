@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <map>
@@ -299,6 +300,28 @@ TEST(StudyCost, counted_work_follows_from_the_tree) {
   EXPECT_GE(counts["boxes"].points_read, mesh.vertex_count());
 }
 
+TEST(StudyCost, work_of_exact_is_a_bound_between_its_walk_and_its_parts) {
+  const Mesh mesh = sample_body("limb", 8);
+  const CoveredTree model = build(mesh, {.method = Method::hubbard, .branching = 4, .depth = 2});
+  const SphereTree& tree = model.tree;
+  const std::vector<UpdateCounts> all = count_updates(mesh, model);
+  const UpdateCounts& exact = all.back();
+  ASSERT_EQ(exact.name, "exact");
+  // Every level tests every vertex; a node has at most 28 anchors, 3 axes, 32 points of a core and 4 pulls.
+  Body body(mesh, model, {.rules = {Rule::exact}, .details = {}, .modes = {}});
+  const UpdateStatus status = body.update(mesh.positions);
+  const std::size_t walk = status.points_tested, nodes = tree.node_count(), vertices = mesh.vertex_count();
+  EXPECT_GE(walk, tree.level_count() * vertices);
+  EXPECT_GE(exact.points_read, walk + 28 * nodes + 4 * nodes);
+  EXPECT_LE(exact.points_read, walk + (28 + 3 + 32 + 4) * nodes);
+  // The root has 32 points, or all.
+  EXPECT_GE(exact.distances, walk + 5 * std::min<std::size_t>(32, vertices));
+  EXPECT_LE(exact.distances, walk + 5 * 32 * nodes);
+  // A walk reads each owned point once, since three levels fit into the registers; every vertex is owned.
+  EXPECT_GE(exact.bytes_read, 24 * vertices + 20 * vertices + 24 * 28 * nodes);
+  EXPECT_GE(exact.bytes_written, 16 * (vertices + nodes));
+}
+
 /// Cells that rebuild in the same pose share the tree: that must not change them.
 TEST(StudyRun, rebuilt_cells_of_two_trees_are_those_of_each_alone) {
   const auto planned = [](std::vector<Method> methods) {
@@ -327,6 +350,36 @@ TEST(StudyRun, rebuilt_cells_of_two_trees_are_those_of_each_alone) {
     }
   }
   EXPECT_GT(differing, 0u) << "trees were rebuilt";
+}
+
+/// Cells that have the same tree in the same pose share its figures. Plans with a metric of one's own share nothing.
+TEST(StudyRun, shared_figures_are_those_that_each_cell_measures) {
+  Plan shared = coarse_plan({Method::grid, Method::octree}, {Rule::approach1, Rule::approach2, Rule::exact, rebuilt});
+  Plan each = shared;
+  std::size_t calls = 0, figures = 0;
+  each.metrics.push_back({"calls", "-", [&calls](const Mesh&, std::span<const Sphere>, std::size_t) {
+                            return static_cast<double>(++calls);
+                          }});
+  Workers two(2);
+  const Result a = run(shared, two), b = run(each);
+  ASSERT_EQ(a.cells.size(), b.cells.size());
+  for (std::size_t i = 0; i < a.cells.size(); ++i) {
+    ASSERT_EQ(a.cells[i].samples.size(), b.cells[i].samples.size());
+    for (std::size_t s = 0; s < a.cells[i].samples.size(); ++s) {
+      for (const std::size_t level : shared.levels()) {
+        const LevelFigures &x = *a.cells[i].at(s, level), &y = *b.cells[i].at(s, level);
+        EXPECT_EQ(x.spheres, y.spheres);
+        EXPECT_EQ(x.looseness(), y.looseness());
+        EXPECT_EQ(x.looseness_fixed(), y.looseness_fixed());
+        EXPECT_EQ(x.error_on_half_grid(ErrorUnit::volume), y.error_on_half_grid(ErrorUnit::volume));
+        EXPECT_EQ(x.uncovered_area(), y.uncovered_area());
+        EXPECT_EQ(x.uncovered_distance(), y.uncovered_distance());
+        EXPECT_EQ(x.protrusion_worst(), y.protrusion_worst());
+        ++figures;
+      }
+    }
+  }
+  EXPECT_EQ(calls, figures) << "each cell measured its own";
 }
 
 TEST(StudyCost, rules_take_turns_and_have_quartiles) {

@@ -210,14 +210,15 @@ Table cost_table(const Plan& plan, const Cost& cost) {
 }
 
 Table count_table(const Plan& plan, const Result& result) {
-  Table table{"work",
-              "Work of an update of all levels, counted",
-              "Per vertex of the mesh. Points: each time that a node reads a vertex or a corner. Children: the same of "
-              "spheres and boxes. Distances: to points, children and corners of boxes.",
-              false,
-              {"body", "method", "seed", "what", "points", "children", "distances", "bytes read", "bytes written",
-               "bytes over boxes"},
-              {}};
+  Table table{
+      "work",
+      "Work of an update of all levels, counted",
+      "Per vertex of the mesh. Points: each time that a node reads a vertex or a corner. Children: the same of "
+      "spheres and boxes. Distances: to points, children and corners of boxes. The counts of exact are upper bounds.",
+      false,
+      {"body", "method", "seed", "what", "points", "children", "distances", "bytes read", "bytes written",
+       "bytes over boxes"},
+      {}};
   for (const TreeFigures& tree : result.trees) {
     const UpdateCounts* boxes = tree.find_counts("boxes");
     const auto vertices = static_cast<double>(plan.body_of(tree.source).mesh.vertex_count());

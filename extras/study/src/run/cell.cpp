@@ -176,6 +176,13 @@ LevelFigures measure_level(const Plan& plan, const Measures& measures, const Mes
   return figures;
 }
 
+MeasuredTrees::Key measured_key(const Mesh& deformed, const SphereTree& tree, const Measures& measures,
+                                bool with_distance) {
+  const unsigned parts = (measures.paper_grid ? 1u : 0u) | (measures.half_grid ? 2u : 0u) |
+                         (measures.lattice ? 4u : 0u) | (with_distance ? 8u : 0u);
+  return {mesh_hash(deformed), tree_hash(tree), parts};
+}
+
 /// The samples at which a cell measures its body.
 std::vector<std::size_t> wanted_samples(const Plan& plan, const Source& source, const FollowRule& rule) {
   return rule.kind == fresh ? plan.fresh_samples(source) : plan.measured_samples(source);
@@ -229,11 +236,18 @@ MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree&
     if (i == 0) first_hash = follower->hash();
     if (plan.measures.certificate) add(cell.certificate, follower->certificate(deformed.positions));
     if (!is_wanted) continue;
-    Sample sample{i, parameters[i], {}};
     const SignedDistance* distance = !with_protrusion || poses.distances.empty() ? nullptr : poses.distances[i].get();
-    for (const std::size_t level : plan.levels())
-      sample.levels.push_back(measure_level(plan, measures, rest, meter, deformed, tree, level, distance));
-    cell.samples.push_back(std::move(sample));
+    const auto measure = [&] {
+      MeasuredTrees::Levels levels;
+      for (const std::size_t level : plan.levels())
+        levels.push_back(measure_level(plan, measures, rest, meter, deformed, tree, level, distance));
+      return levels;
+    };
+    const bool is_shared = plan.metrics.empty();  // one's own metrics may depend on anything
+    cell.samples.push_back(
+        {i, parameters[i],
+         is_shared ? poses.measured->find(measured_key(deformed, tree, measures, distance != nullptr), measure)
+                   : measure()});
   }
   if (first_hash) {
     follower->follow(poses.motion.frames.front());

@@ -10,6 +10,7 @@
 #include <stop_token>
 
 #include "json.hpp"
+#include "run/measured_trees.hpp"
 #include "run/pose_trees.hpp"
 #include "run/poses.hpp"
 
@@ -18,8 +19,9 @@ namespace morula::study {
 /// The poses of one motion, with the data that all its cells use.
 struct Poses {
   MovedFrames motion;
-  std::vector<std::unique_ptr<SignedDistance>> distances{};          // one per pose; empty without an inside
-  std::unique_ptr<PoseTrees> trees = std::make_unique<PoseTrees>();  // of rebuilds
+  std::vector<std::unique_ptr<SignedDistance>> distances{};                     // one per pose; empty without an inside
+  std::unique_ptr<PoseTrees> trees = std::make_unique<PoseTrees>();             // of rebuilds
+  std::shared_ptr<MeasuredTrees> measured = std::make_shared<MeasuredTrees>();  // shared by motions of the body
 };
 
 /// Throws BuildStopped when the stop is requested. meter: of the body at rest.

@@ -234,6 +234,7 @@ class BodyRun {
     const Plan& plan = c_.plan;
     for (MovedFrames& motion : move_frames(plan, body_, plan.parameters(), &c_.result.skipped))
       poses_.push_back({std::move(motion), {}});
+    for (Poses& poses : poses_) poses.measured = poses_.front().measured;
     const bool is_needed = std::any_of(sources_.begin(), sources_.end(),
                                        [&](std::size_t s) { return plan.measures_of(plan.sources[s]).protrusion; });
     if (!is_needed || !inspect(body().mesh).has_volume()) return;

@@ -72,7 +72,8 @@ struct UpdateCounts {
 
   std::size_t bytes() const { return bytes_read + bytes_written; }
 };
-/// The work of boxes and of `traditional`, `weighted`, `approach1` and `approach2` over a tree.
+/// The work of boxes and of `traditional`, `weighted`, `approach1`, `approach2` and `exact` over a tree; that of
+/// `exact` is an upper bound.
 std::vector<UpdateCounts> count_updates(const Mesh& mesh, const CoveredTree& model);
 
 /// Counts of one tree.
