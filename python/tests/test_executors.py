@@ -337,9 +337,9 @@ def test_a_study_is_that_of_the_command(command, tmp_path):
     assert len({len(column) for column in cells.values()}) == 1 and len(cells) > 5
     assert ours.verdict("exact-covers") == "holds" and "claims" in repr(ours)
     # Python says the words of study.json, also for claims that lack what decides them.
-    told = {claim["id"]: claim["verdict"] for claim in json.loads((tmp_path / "theirs" / "study.json").read_text())["claims"]}
-    assert {name: ours.verdict(name) for name in told} == told
-    undecided = list(told.values()).count("not decided")
+    verdicts = {claim["id"]: claim["verdict"] for claim in json.loads((tmp_path / "theirs" / "study.json").read_text())["claims"]}
+    assert {name: ours.verdict(name) for name in verdicts} == verdicts
+    undecided = list(verdicts.values()).count("not decided")
     assert undecided > 0 and f"{undecided} not decided" in repr(ours)
     with pytest.raises(KeyError):
         ours.verdict("nothing")

@@ -106,7 +106,7 @@ class ContactPatchQuery {
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
-  /// 16 points (bad_option), and a surface that is inside out where it meets the other (inside_out); patches() then
+  /// 16 points (bad_option), and a surface that is inside out around a vertex of the other (inside_out); patches() then
   /// stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per
   /// facet inside; depths and points cost twice as much in addition.
   Status run(const ContactPatchOptions& options = {});
