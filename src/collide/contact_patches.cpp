@@ -108,7 +108,7 @@ struct ContactPatchQuery::State {
     known.clear();
   }
   Status find(const ContactPatchOptions& options);
-  void measure(std::uint32_t patch);
+  Status measure(std::uint32_t patch);
   void recognize();
   void complete(std::uint32_t patch, const ContactPatchOptions& options);
 };
@@ -122,7 +122,8 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   if (const Status status = regions.find(a, surface[0], b, surface[1], loops, origin); !status) return status;
   next.clear();
   sizes.clear();
-  for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch) measure(patch);
+  for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch)
+    if (const Status status = measure(patch); !status) return status;
   recognize();
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch) complete(patch, options);
   next.link();
@@ -130,8 +131,10 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   return {};
 }
 
-void ContactPatchQuery::State::measure(std::uint32_t patch) {
+Status ContactPatchQuery::State::measure(std::uint32_t patch) {
   const PatchIntegrals sums = integrator.integrate(regions, patch, next.sides);
+  for (std::uint8_t k = 0; k < 2; ++k)
+    if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
   ContactPatch made;
   made.volume = std::max(0.0, sums.volume);
   // Of a volume that rounds to 0 the reference point is the centroid, up to rounding.
@@ -154,6 +157,7 @@ void ContactPatchQuery::State::measure(std::uint32_t patch) {
   next.volume += made.volume;
   sizes.push_back(std::sqrt(std::max(made.a.area, made.b.area)));
   next.patches.push_back(made);
+  return {};
 }
 
 // Pairs of a known and a new patch in the order of their distance; each is taken once.

@@ -463,6 +463,28 @@ TEST(ContactPatches, keep_the_last_result_when_a_run_is_rejected) {
   EXPECT_EQ(query.patches()[0].id, 0u);
 }
 
+// No vertex of the plate is inside the ball, so only the loops tell that the ball is inside out.
+TEST(ContactPatches, reject_an_inverted_body_that_holds_no_vertex) {
+  PlacedBody ball(test::icosphere(2)), plate(test::box_mesh({-4, -4, -1}, {4, 4, 0.5}));
+  for (const double height : {1.2, 1.45}) {
+    ball.collider.set_transform({.translation = {0.03, 0.02, height}});
+    ball.deform(ball.mesh.positions);
+    ContactPatchQuery first(ball.collider, plate.collider), second(plate.collider, ball.collider);
+    ASSERT_TRUE(first.run() && second.run());
+    const double volume = first.volume();
+    ASSERT_GT(volume, 0);
+    std::vector<Vec3> mirrored = ball.mesh.positions;
+    for (Vec3& p : mirrored) p.x = -p.x;
+    ball.deform(mirrored);
+    const Status in_a = first.run(), in_b = second.run();
+    EXPECT_EQ(in_a.code, Status::Code::inside_out) << height;
+    EXPECT_EQ(in_a.body, 0);
+    EXPECT_EQ(in_b.code, Status::Code::inside_out) << height;
+    EXPECT_EQ(in_b.body, 1);
+    EXPECT_EQ(first.volume(), volume);
+  }
+}
+
 TEST(ContactPatches, are_the_same_bits_in_every_run) {
   Random random(21);
   PlacedBody a(test::icosphere(2)), b(test::uv_sphere(12, 9));

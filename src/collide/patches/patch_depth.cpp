@@ -54,10 +54,10 @@ bool ProjectedRegion::meets(const Part& part, const Vec3& x, double& height) con
     const Side& side = sides[i];
     const bool from_below = side.from.y <= x.y, to_below = side.to.y <= x.y;
     if (from_below == to_below) continue;
-    const double turn =
-        (side.to.x - side.from.x) * (x.y - side.from.y) - (side.to.y - side.from.y) * (x.x - side.from.x);
-    if (from_below && turn > 0) turns += side.weight;
-    if (to_below && turn < 0) turns -= side.weight;
+    // Both facets of a side compute the same bits, so a point on it, or near it, is in one of them.
+    const Vec3 &low = from_below ? side.from : side.to, &high = from_below ? side.to : side.from;
+    const double turn = (high.x - low.x) * (x.y - low.y) - (high.y - low.y) * (x.x - low.x);
+    if (turn > 0) turns += from_below ? side.weight : -side.weight;
   }
   if (turns == 0) return false;
   const Vec3& n = part.area_vector;

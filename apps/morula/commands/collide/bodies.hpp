@@ -41,6 +41,7 @@ class Side {
   void move_to(std::size_t frame, Workers& workers);
 
   const Collider& collider() const { return *collider_; }
+  const Mesh& mesh() const { return mesh_; }  // at rest
   const std::string& name() const { return files_.mesh; }
   bool tree_was_built() const { return files_.tree.empty(); }
 

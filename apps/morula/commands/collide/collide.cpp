@@ -14,6 +14,7 @@
 
 #include "commands/collide/bodies.hpp"
 #include "commands/collide/features.hpp"
+#include "commands/collide/patches.hpp"
 #include "commands/collide/report.hpp"
 #include "commands/collide/scene.hpp"
 #include "shared/command.hpp"
@@ -32,6 +33,7 @@ struct CollideArguments {
   std::string rule = "exact";
   std::string sph_origin = "none";
   bool find_crossings = false;
+  bool find_patches = false;
   bool carry = false;
   std::string budget;
   std::string priority = "overlap";
@@ -130,6 +132,7 @@ int run_scene(const CollideArguments& o) {
     if (!(side->mesh + side->tree + side->motion + side->translate + side->rotate).empty())
       throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
                                    side->mesh.empty() ? "their options" : side->mesh));
+  if (o.find_patches) throw UsageError(fmt::format("--scene {}: --patches is for two bodies; leave it out", o.scene));
   if (o.with_self || o.within)
     throw UsageError(fmt::format("--scene {}: --self and --within are for one or two bodies", o.scene));
   if (const std::string given = given_of_two(o); !given.empty())
@@ -176,11 +179,31 @@ int run_features(const CollideArguments& o) {
                            .json = o.json});
 }
 
+int run_patches(const CollideArguments& o) {
+  std::string given = given_of_two(o);
+  if (!o.budget.empty()) given = "--budget";
+  if (o.level) given = "--level";
+  if (o.margin != 0) given = "--margin";
+  if (o.find_crossings) given = "--crossings";
+  if (!o.page.empty()) given = "--page";
+  if (o.with_self) given = "--self";
+  if (o.within) given = "--within";
+  if (!given.empty()) throw UsageError(fmt::format("{} shows no patches: leave it out with --patches", given));
+  return collide_patches({.a = o.a,
+                          .b = o.b,
+                          .rule = o.rule,
+                          .sph_origin = o.sph_origin,
+                          .output = o.output,
+                          .threads = o.threads,
+                          .json = o.json});
+}
+
 int collide_command(const CollideArguments& o) {
   if (!o.scene.empty()) return run_scene(o);
   if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
-  if (o.with_self || o.within) return run_features(o);
+  if ((o.with_self || o.within) && !o.find_patches) return run_features(o);
   if (o.b.mesh.empty()) throw UsageError(fmt::format("{} is one body: name another one, or add --self", o.a.mesh));
+  if (o.find_patches) return run_patches(o);
   const std::vector<Rule> rules = parse_rules(o.rule);
   require_position_rules(rules);
   ContactQuery query = make_query(o);
@@ -288,6 +311,8 @@ void add_collide(CLI::App& app, Run& run) {
       ->type_name("LENGTH")
       ->transform(real_number());
   add_flag(*command, "--crossings", o->find_crossings, "Also list the pairs of facets that intersect");
+  add_flag(*command, "--patches", o->find_patches,
+           "Connected parts of the overlap of two closed bodies instead of contacts: volume, depth, normal, points");
   add_option(*command, "--budget", o->budget, "Limit per frame: pair tests, such as 5000, or time, such as 200us")
       ->type_name("N|TIME");
   add_option(*command, "--priority", o->priority, "Order of the search under a budget: overlap (default) or level")
@@ -301,7 +326,8 @@ void add_collide(CLI::App& app, Run& run) {
   add_flag(*command, "--carry", o->carry, "Start each frame from the result of the previous one");
   add_option(*command, "--rule", o->rule, "Update rule of the spheres; default: exact")->type_name("RULE");
   add_sph_origin(*command, o->sph_origin);
-  add_option(*command, "-o,--output", o->output, "All contacts, or with --crossings all pairs of facets, as FILE.csv")
+  add_option(*command, "-o,--output", o->output,
+             "All contacts, with --crossings all pairs of facets, with --patches all patches, as FILE.csv")
       ->type_name("FILE");
   if (collide_views()) {
     add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
@@ -316,6 +342,7 @@ void add_collide(CLI::App& app, Run& run) {
       "  morula collide liver.obj tool.obj --tree-a liver.morula --motion-a motion/ --translate-b 0.1,0,0.4 --budget "
       "200us\n"
       "  morula collide liver.obj tool.obj --crossings -o pairs.csv\n"
+      "  morula collide liver.obj tool.obj --patches\n"
       "  morula collide --scene room.json --budget 1ms\n"
       "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });

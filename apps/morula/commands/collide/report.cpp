@@ -15,6 +15,27 @@
 #include "shared/table.hpp"
 
 namespace morula::cli {
+
+Json vec3_json(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Json surface_point_json(const SurfacePoint& p) {
+  return {{"facet", p.facet}, {"barycentric", p.barycentric}, {"point", vec3_json(p.point)}};
+}
+
+std::string vec3_csv(const Vec3& v) {
+  return fmt::format("{},{},{}", exact_digits(v.x), exact_digits(v.y), exact_digits(v.z));
+}
+
+std::string built_tree_note(bool built_a, bool built_b) {
+  if (!built_a && !built_b) return {};
+  return fmt::format("note      no tree given for {}: built in quality fast; morula build makes a tighter one\n",
+                     built_a && built_b ? "A and B"
+                     : built_a          ? "A"
+                                        : "B");
+}
+
 namespace {
 
 std::string state_of(const CollidedFrame& frame) {
@@ -22,33 +43,21 @@ std::string state_of(const CollidedFrame& frame) {
   return fmt::format("stopped at level {}", frame.achieved_level);
 }
 
-Json vector_json(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
-Json surface_point_json(const SurfacePoint& p) {
-  return {{"facet", p.facet}, {"barycentric", p.barycentric}, {"point", vector_json(p.point)}};
-}
-
 Json contact_json(const Contact& c, const ContactSurface* s) {
   Json json{{"node_a", c.node_a},
             {"node_b", c.node_b},
             {"finished", c.finished},
-            {"point", vector_json(c.point)},
-            {"normal", vector_json(c.normal)},
+            {"point", vec3_json(c.point)},
+            {"normal", vec3_json(c.normal)},
             {"depth", c.depth},
             {"lens_volume", c.lens_volume},
             {"error_bound", c.error_bound}};
   if (s == nullptr) return json;  // the budget ended before
-  json["surface_normal"] = vector_json(s->normal);
+  json["surface_normal"] = vec3_json(s->normal);
   json["surface_depth"] = s->depth;
   json["on_a"] = surface_point_json(s->on_a);
   json["on_b"] = surface_point_json(s->on_b);
   return json;
-}
-
-std::string vector_csv(const Vec3& v) {
-  return fmt::format("{},{},{}", exact_digits(v.x), exact_digits(v.y), exact_digits(v.z));
 }
 
 std::string surface_point_csv(const SurfacePoint& p) {
@@ -103,12 +112,7 @@ std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>
                    "budget    {} ended {} early: no crossing is missed, but contacts marked unfinished may be none\n",
                    run.budget, counted(stopped, "frame"));
   }
-  if (run.built_a || run.built_b) {
-    fmt::format_to(out, "note      no tree given for {}: built in quality fast; morula build makes a tighter one\n",
-                   run.built_a && run.built_b ? "A and B"
-                   : run.built_a              ? "A"
-                                              : "B");
-  }
+  text += built_tree_note(run.built_a, run.built_b);
   if (!run.output.empty()) fmt::format_to(out, "written   {}\n", run.output);
   if (!run.page.empty()) fmt::format_to(out, "written   {}: open it in a browser\n", run.page);
   return text;
@@ -150,8 +154,8 @@ Json collide_json(const CollideRun& run, const std::vector<CollidedFrame>& frame
       for (const Crossing& c : f.crossings)
         frame["facet_pairs"].push_back({{"facet_a", c.facet_a},
                                         {"facet_b", c.facet_b},
-                                        {"from", vector_json(c.segment.from)},
-                                        {"to", vector_json(c.segment.to)}});
+                                        {"from", vec3_json(c.segment.from)},
+                                        {"to", vec3_json(c.segment.to)}});
     }
     json["frames"].push_back(std::move(frame));
   }
@@ -167,14 +171,14 @@ std::string contacts_csv(const std::vector<CollidedFrame>& frames) {
     for (std::size_t i = 0; i < f.contacts.size(); ++i) {
       const Contact& c = f.contacts[i];
       fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},", frame_cells(f), c.node_a, c.node_b,
-                     c.finished ? 1 : 0, vector_csv(c.point), vector_csv(c.normal), exact_digits(c.depth),
+                     c.finished ? 1 : 0, vec3_csv(c.point), vec3_csv(c.normal), exact_digits(c.depth),
                      exact_digits(c.lens_volume), exact_digits(c.error_bound));
       if (i >= f.surfaces.size()) {  // the budget ended before
         text += ",,,,,,,,,,,\n";
         continue;
       }
       const ContactSurface& s = f.surfaces[i];
-      fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", vector_csv(s.normal), exact_digits(s.depth),
+      fmt::format_to(std::back_inserter(text), "{},{},{},{}\n", vec3_csv(s.normal), exact_digits(s.depth),
                      surface_point_csv(s.on_a), surface_point_csv(s.on_b));
     }
   return text;
@@ -185,7 +189,7 @@ std::string crossings_csv(const std::vector<CollidedFrame>& frames) {
   for (const CollidedFrame& f : frames)
     for (const Crossing& c : f.crossings)
       fmt::format_to(std::back_inserter(text), "{},{},{},{},{}\n", frame_cells(f), c.facet_a, c.facet_b,
-                     vector_csv(c.segment.from), vector_csv(c.segment.to));
+                     vec3_csv(c.segment.from), vec3_csv(c.segment.to));
   return text;
 }
 

@@ -34,6 +34,12 @@ struct CollideRun {
   unsigned threads = 1;
 };
 
+Json vec3_json(const Vec3& v);
+Json surface_point_json(const SurfacePoint& p);
+std::string vec3_csv(const Vec3& v);  // three cells
+/// A line about sides whose tree the command built; empty without any.
+std::string built_tree_note(bool built_a, bool built_b);
+
 std::string collide_text(const CollideRun& run, const std::vector<CollidedFrame>& frames);
 /// Contacts, their greatest depth and pair tests over the frames; with --crossings, pairs of facets.
 toolbox::Plot collide_plot(const CollideRun& run, const std::vector<CollidedFrame>& frames);

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// `morula collide --patches`: the connected parts of the overlap of two closed bodies, frame by frame.
+#pragma once
+
+#include <string>
+
+#include "commands/collide/bodies.hpp"
+
+namespace morula::cli {
+
+struct PatchRun {
+  SideFiles a, b;
+  std::string rule, sph_origin;
+  std::string output;
+  unsigned threads = 0;
+  bool json = false;
+};
+
+/// Returns the exit code. Throws UsageError before anything is written.
+int collide_patches(const PatchRun& run);
+
+}  // namespace morula::cli
