@@ -126,6 +126,7 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
     if (const Status status = measure(patch); !status) return status;
   recognize();
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch) complete(patch, options);
+  next.volume = std::max(0.0, next.volume);
   next.link();
   next.certified = a.sphere_state().covers && b.sphere_state().covers;
   return {};
@@ -154,7 +155,7 @@ Status ContactPatchQuery::State::measure(std::uint32_t patch) {
     made.mean_depth = made.volume / across;
   }
   made.crossing_count = regions.crossing_counts[patch];
-  next.volume += made.volume;
+  next.volume += sums.volume;
   sizes.push_back(std::sqrt(std::max(made.a.area, made.b.area)));
   next.patches.push_back(made);
   return {};

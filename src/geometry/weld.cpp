@@ -64,7 +64,12 @@ MeshWeld weld_vertices(const MeshView& mesh, std::span<const std::uint32_t> labe
 Mesh welded(const MeshView& mesh, const MeshWeld& weld) {
   Mesh result{welded_positions(mesh.positions, weld), {mesh.facets.begin(), mesh.facets.end()}};
   for (Facet& facet : result.facets)
-    for (std::uint32_t& v : facet) v = weld.new_vertex[v];
+    for (std::uint32_t& v : facet) {
+      if (v >= weld.new_vertex.size())
+        throw std::invalid_argument("facet " + std::to_string(&facet - result.facets.data()) + " has vertex " +
+                                    std::to_string(v) + " of " + std::to_string(weld.new_vertex.size()));
+      v = weld.new_vertex[v];
+    }
   return result;
 }
 

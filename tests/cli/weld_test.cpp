@@ -81,6 +81,16 @@ TEST(WeldOption, leaves_no_pair_of_a_surface_where_it_is_whole) {
   bench.require("convert corners.obj whole.ply --weld");
   for (const std::string to : {"corners.obj", "whole.ply"})
     EXPECT_EQ(count(bench.require("pairs corners.obj " + to + " --swept --self --weld --json").json()), 0) << to;
+  std::string torn = corners_of_four;
+  torn.replace(torn.rfind("v "), 2, "v 1");
+  bench.write("torn.obj", torn);
+  for (const std::string rest : {"torn.obj --swept", "--within 0.01 --rest-distance 0.1 --rest torn.obj"}) {
+    const CommandResult parted = bench.run("pairs corners.obj " + rest + " --self --weld");
+    EXPECT_EQ(parted.exit_code, 2);
+    EXPECT_NE(parted.err.find("error: torn.obj: vertices 5 and 11 are merged, but they are at different positions"),
+              std::string::npos)
+        << parted.err;
+  }
 }
 
 TEST(WeldOption, converts_motions_unless_merged_vertices_part) {

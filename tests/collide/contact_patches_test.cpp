@@ -485,6 +485,72 @@ TEST(ContactPatches, reject_an_inverted_body_that_holds_no_vertex) {
   }
 }
 
+/// A box with a cavity in the shape of another box, or with a box that overlaps it.
+Mesh box_and(const Mesh& outer, const Mesh& other) {
+  return test::joined(outer, other);
+}
+double box_overlap(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
+  double volume = 1;
+  for (int k = 0; k < 3; ++k) volume *= std::max(0.0, std::min(a1[k], b1[k]) - std::max(a0[k], b0[k]));
+  return volume;
+}
+
+TEST(ContactPatches, of_bodies_with_cavities_that_overlap_are_those_by_hand) {
+  const auto hole = [](const Vec3& lower, const Vec3& upper) { return test::inverted(test::box_mesh(lower, upper)); };
+  const Vec3 h0{-0.3, -0.3, -0.3}, h1{0.3, 0.3, 0.3}, g0{0.1, 0.05, 0.02}, g1{0.7, 0.6, 0.65};
+  // Each body with its cavity; the cavities overlap.
+  PlacedBody a(box_and(test::box_mesh({-1, -1, -1}, {1, 1, 1}), hole(h0, h1)));
+  PlacedBody b(box_and(test::box_mesh({-1.2, -1.3, -1.4}, {1.25, 1.35, 1.45}), hole(g0, g1)));
+  const double holes = box_overlap(h0, h1, h0, h1) + box_overlap(g0, g1, g0, g1) - box_overlap(h0, h1, g0, g1);
+  // A cavity that touches the other body's faces from inside.
+  PlacedBody c(box_and(test::box_mesh({-2, -2, -2}, {2, 2, 2}), hole({0, 0, 0}, {0.5, 0.5, 0.5})));
+  PlacedBody d(test::box_mesh({0, 0, 0}, {1, 1, 1}));
+  // A body that overlaps itself, so that points count twice there, and the cavity of the other.
+  PlacedBody e(box_and(test::box_mesh({-2, -2, -2}, {2, 2, 2}), hole({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5})));
+  PlacedBody f(box_and(test::box_mesh({-1, -1, -1}, {1, 1, 1}), test::box_mesh({0.3, 0.2, 0.1}, {1.1, 0.6, 0.7})));
+  const auto expect = [](PlacedBody& p, PlacedBody& q, double volume) {
+    ContactPatchQuery query(p.collider, q.collider), swapped(q.collider, p.collider);
+    for (ContactPatchQuery* const run : {&query, &swapped}) {
+      ASSERT_TRUE(run->run());
+      EXPECT_NEAR(run->volume(), volume, 1e-12);
+      ASSERT_EQ(run->patches().size(), 1u);
+      EXPECT_NEAR(run->patches()[0].volume, volume, 1e-12);
+    }
+  };
+  expect(a, b, 8 - holes);
+  expect(c, d, 1 - 0.125);
+  expect(e, f,
+         8 - 1 + 0.8 * 0.4 * 0.6 - box_overlap({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}, {0.3, 0.2, 0.1}, {1.1, 0.6, 0.7}));
+}
+
+// The rim of a shaft, or one vertex of it, on an edge or a face of the other body.
+TEST(ContactPatches, of_a_shaft_that_touches_the_rim_are_those_by_hand) {
+  Mesh octahedron{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}, {}};
+  octahedron.facets = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  const auto placed = [&](const Vec3& center, double radius) {
+    Mesh result = octahedron;
+    for (Vec3& p : result.positions) p = center + p * radius;
+    return result;
+  };
+  ASSERT_NEAR(signed_volume(octahedron), 4.0 / 3, 1e-12);
+  struct Case {
+    Vec3 center;
+    double radius, share;  // of the octahedron, in the first box
+  };
+  for (const Case& at : {Case{{0.75, 0.5, 1}, 0.25, 0.5}, {{0.3, 0.2, -0.5}, 0.5, 1}, {{-0.5, 0.2, 0.1}, 0.5, 1}}) {
+    PlacedBody box(test::box_mesh({-1, -1, -1}, {1, 1, 1}));
+    PlacedBody around(box_and(test::box_mesh({-3, -3, -3}, {3, 3, 3}), test::inverted(placed(at.center, at.radius))));
+    const double volume = 8 - at.share * 4.0 / 3 * at.radius * at.radius * at.radius;
+    ContactPatchQuery query(box.collider, around.collider), swapped(around.collider, box.collider);
+    for (ContactPatchQuery* const run : {&query, &swapped}) {
+      ASSERT_TRUE(run->run());
+      EXPECT_NEAR(run->volume(), volume, 1e-12);
+      ASSERT_EQ(run->patches().size(), 1u);
+      EXPECT_NEAR(run->patches()[0].volume, volume, 1e-12);
+    }
+  }
+}
+
 TEST(ContactPatches, are_the_same_bits_in_every_run) {
   Random random(21);
   PlacedBody a(test::icosphere(2)), b(test::uv_sphere(12, 9));

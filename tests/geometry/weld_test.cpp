@@ -57,6 +57,8 @@ TEST(WeldVertices, of_a_mesh_keep_its_facets_in_order) {
   const Mesh whole = welded(mesh, weld);
   EXPECT_EQ(whole.facets, (std::vector<Facet>{{0, 1, 2}, {2, 1, 3}, {1, 1, 3}}));
   EXPECT_THROW(welded_positions(whole.positions, weld), std::invalid_argument);
+  const Mesh wild{mesh.positions, {{0, 1, 70}}};
+  EXPECT_THROW(welded(wild, weld), std::invalid_argument);
   EXPECT_THROW(weld_vertices(mesh, std::vector<std::uint32_t>(5)), std::invalid_argument);
 }
 

@@ -137,6 +137,12 @@ TEST(Weld, closes_a_cube_whose_faces_have_corners_of_their_own) {
   }
   for (std::size_t f = 0; f < 12; ++f)
     for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(cube.mesh.facets[f][k], cube.weld.new_vertex[apart.facets[f][k]]);
+  // A node that flattens the cube for the moment merges no corners that it may unfold again.
+  GltfMaker flattened = ::morula::cube({});
+  flattened.json["nodes"][0]["scale"] = {1, 1, 0};
+  const Welded flat(folder.file("flat.gltf", flattened.text()));
+  EXPECT_EQ(flat.mesh.vertex_count(), 8u);
+  EXPECT_EQ(flat.weld.kept_apart, 4u);
   // A surface that is cut at its edges is near itself there.
   SurfaceTree cut(apart), whole(cube.mesh);
   EXPECT_EQ(cut.duplicate_vertices(), 16u);

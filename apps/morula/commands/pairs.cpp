@@ -56,7 +56,16 @@ struct Found {
 /// A pose of a mesh; weld: null if the mesh was not welded.
 Mesh read_pose(const std::string& path, const Mesh& rest, const std::string& rest_path, const MeshWeld* weld) {
   Mesh mesh = load_mesh(path);
-  if (weld != nullptr && mesh.vertex_count() == weld->new_vertex.size()) mesh = welded(mesh, *weld);
+  if (weld != nullptr && mesh.vertex_count() == weld->new_vertex.size()) {
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+      const std::uint32_t first = weld->old_vertex[weld->new_vertex[v]];
+      if (mesh.positions[v] != mesh.positions[first])
+        throw UsageError(
+            fmt::format("{}: vertices {} and {} are merged, but they are at different positions; leave out --weld",
+                        path, first, v));
+    }
+    mesh = welded(mesh, *weld);
+  }
   if (mesh.facets != rest.facets || mesh.positions.size() != rest.positions.size())
     throw UsageError(fmt::format("{} and {} are not the same mesh: vertices or facets differ", rest_path, path));
   return mesh;

@@ -21,8 +21,9 @@ namespace morula {
 
 struct HapticOptions {
   double radius = 0;  ///< radius of the ball that touches, mesh units; 0: a point
-  /// Distance that the proxy keeps from the surface besides the radius, mesh units: more than 2^-36 of the body's
-  /// largest |coordinate|. No value: 2^-20 of the radius of the root's sphere in the first step.
+  /// Distance that the proxy keeps from the surface besides the radius, mesh units: more than 2^-24 of the body's
+  /// largest |coordinate|. No value: in the first step 2^-20 of
+  /// the radius of the root's sphere, and at least 2^-22 of the largest |coordinate|.
   std::optional<double> skin{};
   double stiffness = 1;  ///< force per mesh unit between proxy and device point; 0 or more
   /// true: each part of the force has the direction of vertex normals (weighted by area, interpolated) instead of that
@@ -38,7 +39,8 @@ struct [[nodiscard]] HapticStep {
   Vec3 proxy{};          ///< center of the proxy
   Vec3 force{};          ///< force on the device: stiffness × (proxy − device point), with smooth_normals turned
   bool touches = false;  ///< a facet is within radius + skin of the proxy, up to a sixteenth of the skin
-  /// true: no move brings the proxy nearer to the device point. false: the next step continues.
+  /// true: no move that brings the proxy nearer to the device point was found. false: the next step
+  /// continues.
   bool settled = false;
   /// true: the surface closed around the proxy, or moved too far in one step to be followed. The proxy is
   /// then on its side of the facet that was nearest, and may be on the other side of another one.
@@ -80,12 +82,13 @@ class HapticProbe {
   const HapticOptions& options() const;
 
   /// Moves the proxy toward the device point, in world coordinates. In the first step, and after reset(), the proxy
-  /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it.
+  /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it. A
+  /// start on an edge or a vertex, or where there is no room, may stay there; reset() and start elsewhere.
   ///
   /// body: the same body in every step, or another object of the same mesh, such as a copy of the body in another
   /// snapshot: positions are compared with those of the last step. Rejected, with no change: a body that queries
   /// reject; a point that is not finite or has a |coordinate| of 2^200 or more (bad_shape); another number of vertices
-  /// or facets than in the last step (other_bodies); a skin below 2^-36 of the body's largest |coordinate|
+  /// or facets than in the last step (other_bodies); a skin of 2^-24 or less of the body's largest |coordinate|
   /// (bad_option).
   HapticStep step(const Collider& body, const Vec3& device);
   /// Forgets the proxy: the next step starts at its device point.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <tuple>
 
@@ -280,58 +279,6 @@ void PatchRegions::assign_patches(const ContactLoops& loops) {
   crossing_counts.assign(patch_count, 0);
   for (std::uint32_t node = 0; node < loops.nodes.size(); ++node)
     if (const std::uint32_t patch = patch_of_[sets_.root(node)]; patch != no_patch) ++crossing_counts[patch];
-}
-
-double PatchRegions::volume_of(std::uint32_t patch) const {
-  double volume = 0;
-  for (const SurfaceRegion& s : side)
-    for (const FacetPart& part : s.parts) {
-      const Vec3& c = points[s.pieces[part.begin].from];
-      for (std::uint32_t i = part.begin; i < part.end; ++i) {
-        const BoundaryPiece& piece = s.pieces[i];
-        if (part.patch == patch)
-          volume += piece.weight / 6.0 * dot(c, cross(points[piece.from] - c, points[piece.to] - c));
-      }
-    }
-  return volume;
-}
-
-double PatchRegions::winding_of(std::uint32_t patch, const Vec3& point) const {
-  double angle = 0;
-  for (const SurfaceRegion& s : side)
-    for (const FacetPart& part : s.parts)
-      for (std::uint32_t i = part.begin; i < part.end; ++i) {
-        const BoundaryPiece& piece = s.pieces[i];
-        if (part.patch != patch) continue;
-        angle += piece.weight *
-                 solid_angle({points[s.pieces[part.begin].from], points[piece.from], points[piece.to]}, point);
-      }
-  return angle / (4 * std::numbers::pi);
-}
-
-// The surface of a cavity, a component without crossings whose volume is negative, belongs to the smallest patch around
-// it. Its loops are none, so only its volume shows that it is one.
-void PatchRegions::join_cavities() {
-  for (SurfaceRegion& s : side)
-    for (FacetPart& part : s.parts) part.patch = patch_at(s.pieces[part.begin]);
-  if (side[0].surface->components.count + side[1].surface->components.count <= 2) return;
-  std::vector<double> volumes;
-  for (std::uint32_t patch = 0; patch < patch_count; ++patch) {
-    if (crossing_counts[patch] > 0) continue;
-    if (volumes.empty())
-      for (std::uint32_t p = 0; p < patch_count; ++p) volumes.push_back(volume_of(p));
-    if (volumes[patch] > 0) continue;
-    std::uint32_t element = 0;
-    for (const SurfaceRegion& s : side)
-      for (const FacetPart& part : s.parts)
-        if (part.patch == patch) element = s.pieces[part.begin].from;
-    std::uint32_t around = patch;
-    for (std::uint32_t p = 0; p < patch_count; ++p)
-      if (volumes[p] > 0 && (around == patch || volumes[p] < volumes[around]) && winding_of(p, points[element]) > 0.5)
-        around = p;
-    for (std::uint32_t& p : patch_of_)
-      if (p == patch) p = around;
-  }
 }
 
 // By the lowest facet of a, then of b.

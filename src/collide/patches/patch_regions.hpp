@@ -95,8 +95,9 @@ class PatchRegions {
   std::uint32_t element_of(SurfaceRegion& s, std::uint32_t vertex);
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
-  double volume_of(std::uint32_t patch) const;
-  double winding_of(std::uint32_t patch, const Vec3& point) const;
+  std::vector<double> volumes_of_patches();
+  double winding_of(std::uint32_t patch, const Vec3& point);
+  Vec3 point_of_cavity(std::uint32_t patch);
   void join_cavities();
   void split_parts(SurfaceRegion& s);
   void number_patches();

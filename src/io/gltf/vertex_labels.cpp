@@ -24,6 +24,10 @@ struct PlaceOfVertex {
 
 bool comes_before(const PlaceOfVertex& a, const PlaceOfVertex& b) {
   if (a.label != b.label) return a.label < b.label;
+  // A node may flatten what is apart, and unfold it in another frame.
+  const Vec3 here = a.set->positions[a.vertex], there = b.set->positions[b.vertex];
+  for (int axis = 0; axis < 3; ++axis)
+    if (here[axis] != there[axis]) return here[axis] < there[axis];
   for (std::size_t k = 0; k < std::max(a.target_count(), b.target_count()); ++k) {
     const Vec3 p = a.displacement(k), q = b.displacement(k);
     for (int axis = 0; axis < 3; ++axis)

@@ -33,9 +33,10 @@ class RestPoints {
   bool are_made() const { return squared_ > 0; }
   std::size_t bytes() const;
 
-  const PointGroup* facets(std::uint32_t block) const { return &groups_[first_[block]]; }
+  const PointGroup* facets(std::uint32_t block) const { return groups_.data() + first_[block]; }
   const PointGroup* vertices(std::uint32_t block) const { return facets(block) + 1; }
-  const PointGroup* edges(std::uint32_t block) const { return &groups_[first_edges_[block]]; }
+  /// One past the end for a last block without edges.
+  const PointGroup* edges(std::uint32_t block) const { return groups_.data() + first_edges_[block]; }
   /// Bit 8 i + j: features i and j are surely at most rest_distance apart at rest.
   std::uint64_t are_near(const PointGroup& a, const PointGroup& b) const { return near_points_(a, b, squared_); }
 
