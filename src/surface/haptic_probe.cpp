@@ -101,8 +101,7 @@ Status HapticProbe::State::start(const Collider& body, const Vec3& goal, const S
   if (is_started && !is_same) return {Code::other_bodies};
   const Sphere root = body.sphere_state().sphere(0);
   const double size = max_norm(root.center) + root.radius;
-  const double wanted_skin =
-      is_started ? skin : options.skin.value_or(std::max(0x1p-20 * root.radius, 0x1p-22 * size));
+  const double wanted_skin = is_started ? skin : options.skin.value_or(std::max(0x1p-20 * root.radius, 0x1p-22 * size));
   // The normal of a contact has an error of about 2^-53 of the size over the skin. With a skin of 2^-27 of the size, a
   // move along a facet has passed through it; from 2^-26 on, none has.
   if (!(wanted_skin > 0x1p-24 * size)) return {Code::bad_option};
