@@ -155,16 +155,22 @@ int run_scene(const CollideArguments& o) {
                         .json = o.json});
 }
 
+/// The last given option of those for contacts of the spheres of two bodies; empty without any.
+std::string given_of_spheres(const CollideArguments& o) {
+  std::string given = given_of_two(o);
+  if (!o.budget.empty()) given = "--budget";
+  if (o.level) given = "--level";
+  if (o.margin != 0) given = "--margin";
+  return given;
+}
+
 int run_features(const CollideArguments& o) {
   const char* const option = o.within ? "--within" : "--self";
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError("--within with one body is about the body itself: add --self, or name the other body");
   if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.translate + o.b.rotate).empty())
     throw UsageError("there is no body B: name it, or leave out its options");
-  std::string given = given_of_two(o);
-  if (!o.budget.empty()) given = "--budget";
-  if (o.level) given = "--level";
-  if (o.margin != 0) given = "--margin";
+  std::string given = given_of_spheres(o);
   if (!(o.a.tree + o.b.tree).empty()) given = o.a.tree.empty() ? "--tree-b" : "--tree-a";
   if (!given.empty())
     throw UsageError(fmt::format("{} is for contacts of spheres: leave it out with {}", given, option));
@@ -180,10 +186,7 @@ int run_features(const CollideArguments& o) {
 }
 
 int run_patches(const CollideArguments& o) {
-  std::string given = given_of_two(o);
-  if (!o.budget.empty()) given = "--budget";
-  if (o.level) given = "--level";
-  if (o.margin != 0) given = "--margin";
+  std::string given = given_of_spheres(o);
   if (o.find_crossings) given = "--crossings";
   if (!o.page.empty()) given = "--page";
   if (o.with_self) given = "--self";

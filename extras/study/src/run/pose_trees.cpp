@@ -5,17 +5,9 @@
 namespace morula::study {
 
 CoveredTree PoseTrees::build(const MeshView& posed, const BuildOptions& options) {
-  const Key key{mesh_hash(posed), options.method, options.quality, options.branching, options.depth, options.seed};
-  std::shared_ptr<Entry> entry;
-  {
-    const std::lock_guard lock(mutex_);
-    std::shared_ptr<Entry>& kept = entries_[key];
-    if (!kept) kept = std::make_shared<Entry>();
-    entry = kept;
-  }
-  const std::lock_guard lock(entry->mutex);
-  if (!entry->tree) entry->tree = morula::build(posed, options, serial_workers());
-  return *entry->tree;
+  return trees_.find(
+      {mesh_hash(posed), options.method, options.quality, options.branching, options.depth, options.seed},
+      [&] { return morula::build(posed, options, serial_workers()); });
 }
 
 }  // namespace morula::study

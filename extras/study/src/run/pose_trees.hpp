@@ -3,12 +3,12 @@
 // Trees of the poses of one motion, each built once.
 #pragma once
 
-#include <map>
-#include <memory>
+#include <cstdint>
 #include <morula/generators/build.hpp>
-#include <mutex>
 #include <optional>
 #include <tuple>
+
+#include "run/made_once.hpp"
 
 namespace morula::study {
 
@@ -19,14 +19,7 @@ class PoseTrees {
   CoveredTree build(const MeshView& posed, const BuildOptions& options);
 
  private:
-  struct Entry {
-    std::mutex mutex;  // held while the tree is built, so that others wait for it
-    std::optional<CoveredTree> tree;
-  };
-  using Key = std::tuple<std::uint64_t, Method, Quality, int, std::optional<int>, std::uint64_t>;
-
-  std::mutex mutex_;  // of the map
-  std::map<Key, std::shared_ptr<Entry>> entries_;
+  MadeOnce<std::tuple<std::uint64_t, Method, Quality, int, std::optional<int>, std::uint64_t>, CoveredTree> trees_;
 };
 
 }  // namespace morula::study
