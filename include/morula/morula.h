@@ -204,6 +204,71 @@ MORULA_API int morula_contacts_finished(const morula_contacts* contacts);
 MORULA_API morula_status morula_crossings(const morula_body* a, const morula_body* b, uint32_t* pairs, size_t capacity,
                                           size_t* count);
 
+/* ---- Contact patches: the connected parts of the overlap of two solid bodies, exactly for their surfaces. ---- */
+
+typedef struct morula_patch_options {
+  size_t size;
+  int max_points; /* largest number of points of a patch, 0 to 16; three or more reproduce force and torque */
+  int depths;     /* not 0: compute the depths of patches */
+} morula_patch_options;
+
+/* The derivative of a patch's volume with respect to the position of a vertex, mesh units squared. */
+typedef struct morula_vertex_gradient {
+  uint32_t vertex;
+  uint32_t reserved;
+  double gradient[3];
+} morula_vertex_gradient;
+
+/* A point that stands for a sector of a patch. The forces of all points add up to -area_vector of side a. */
+typedef struct morula_patch_point {
+  uint32_t id; /* number of the sector, which stays while the patch exists */
+  uint32_t facet_a, facet_b;
+  uint32_t reserved;
+  double point[3], force[3];
+  double volume, depth;                      /* of the sector; depth is its mean depth */
+  double point_a[3], point_b[3];             /* points of both surfaces on the line through `point` along the normal */
+  double barycentric_a[3], barycentric_b[3]; /* their weights of the vertices of facet_a and facet_b */
+} morula_patch_point;
+
+/* The region of one body's surface that lies inside the other body. */
+typedef struct morula_patch_side {
+  double area_vector[3]; /* derivative of the volume with respect to a translation of this body */
+  double moment[3];      /* the same for a rotation about the centroid of the patch */
+  double area;
+  const morula_vertex_gradient* gradients; /* ascending by vertex; their sum is area_vector */
+  size_t gradient_count;
+} morula_patch_side;
+
+typedef struct morula_patch {
+  uint32_t id; /* number of the patch, which stays while the patch moves little from run to run */
+  uint32_t reserved;
+  double volume, centroid[3];
+  double normal[3];  /* unit vector from b to a; 0 for a body wholly inside the other */
+  double depth;      /* least translation of a along the normal that separates both regions, mesh units */
+  double mean_depth; /* volume over the length of the area vector */
+  morula_patch_side a, b;
+  const morula_patch_point* points;
+  size_t point_count;
+} morula_patch;
+
+typedef struct morula_patches morula_patches;
+
+MORULA_API void morula_patch_options_init(morula_patch_options* options);
+/* Creates the query of two bodies; it keeps both alive, and its memory from run to run. A bad argument: a surface that
+ * is open or not oriented, and a body that is inside out. Cost: O(F log F) for F facets. */
+MORULA_API morula_status morula_patches_create(morula_body* a, morula_body* b, morula_patches** patches);
+MORULA_API void morula_patches_destroy(morula_patches* patches);
+/* Computes the patches of the present positions and transforms. options: NULL for the defaults. After a failure the
+ * patches are those of the last run. */
+MORULA_API morula_status morula_patches_run(morula_patches* patches, const morula_patch_options* options);
+MORULA_API size_t morula_patches_count(const morula_patches* patches);
+/* The patches; valid until the next run. */
+MORULA_API const morula_patch* morula_patches_data(const morula_patches* patches);
+/* Sum of the volumes of all patches, mesh units cubed. */
+MORULA_API double morula_patches_volume(const morula_patches* patches);
+/* Not 0 if the spheres of both bodies cover; otherwise patches may be incomplete. */
+MORULA_API int morula_patches_certified(const morula_patches* patches);
+
 typedef struct morula_distance {
   double lower, upper; /* lower <= distance <= upper; both 0 if facets intersect */
   double point_a[3], point_b[3];
