@@ -116,6 +116,28 @@ await claim('two_bodies_show_where_they_touch', async () => {
   });
 });
 
+await claim('contact_patches_are_filled_on_both_bodies', async () => {
+  morula('sample capsule -o tool.obj --resolution 10');
+  const found = JSON.parse(morula('collide limb.obj tool.obj --tree-a limb.morula --motion-a bend --translate-b 0,0.9,0 --patches --page patches.html --json'));
+  const frame = found.frames.findIndex((f) => f.patches.length > 0);
+  check(frame >= 0, 'they overlap');
+  await opened('patches.html', {}, async (page) => {
+    await slide(page, 'frame', frame);
+    const { patches } = found.frames[frame];
+    const points = patches.reduce((sum, patch) => sum + patch.points.length, 0);
+    const chip = await words(page, '#patches-chip');
+    check(chip.startsWith(`${patches.length} patch`) && chip.includes('volume'), chip);
+    check((await words(page, '#contacts-chip')).startsWith(`${points} point`), await words(page, '#contacts-chip'));
+    const marked = await picture(page);
+    await page.uncheck('#show-patches');
+    check((await compare(marked, await picture(page))).changed > 0.0003, 'patches are drawn');
+    equal(await page.locator('#patches-chip').count(), 0, 'chip of patches that are not shown');
+    await page.check('#show-patches');
+    check((await compare(marked, await picture(page))).changed < 0.0001, 'the same picture');
+    await page.screenshot({ path: at('patches.png') });
+  });
+});
+
 await claim('a_scene_shows_all_bodies_and_where_they_touch', async () => {
   morula('sample capsule -o tool.obj --resolution 10');
   writeFileSync(at('room.json'), JSON.stringify({ bodies: [

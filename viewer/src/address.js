@@ -6,7 +6,7 @@ const kinds = {
   scene: 'count', frame: 'count', level: 'count', picked: 'count',
   color: ['level', 'branch', 'empty', 'growth'],
   measure: ['looseness', 'uncovered_area', 'uncovered_distance', 'growth'],
-  body: 'flag', spheres: 'flag', uncovered: 'flag', facets: 'flag', contacts: 'flag',
+  body: 'flag', spheres: 'flag', uncovered: 'flag', facets: 'flag', contacts: 'flag', patches: 'flag',
   opacity: 'share', sectionAxis: ['', 'x', 'y', 'z'], sectionAt: 'share', sectionFlip: 'flag',
   joints: 'list',
 };

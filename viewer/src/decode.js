@@ -90,14 +90,22 @@ export function decodeMotion(bytes, motion) {
   return { facets, frames };
 }
 
-/** {rest: Float32Array of x, y, z, r, frames: [the same], emptyShare: [Uint16Array] or null} */
+/**
+ * {rest: Float32Array of x, y, z, r, frames: [the same], emptyShare: [Uint16Array] or null, contacts: [Float32Array] or
+ * null, patches: [{regions, curves}] or null}
+ */
 export function decodeScene(bytes, scene, frameCount) {
   const nodes = scene.child_count.length;
   const floats = 4 * nodes;
   const counts = scene.contacts ?? null;
   if (counts && counts.length !== frameCount) throw new PageError('contacts miss a frame');
   const marks = counts ? counts.reduce((sum, count) => sum + count, 0) : 0;
-  const need = 4 * floats * (frameCount + 1) + (scene.empty_share ? 2 * nodes * frameCount : 0) + 28 * marks;
+  const overlaps = scene.patches ?? null;
+  if (overlaps && overlaps.length !== frameCount) throw new PageError('patches miss a frame');
+  const patchBytes = (overlaps ?? []).reduce(
+    (sum, { facets, curves }) => sum + 6 * facets.reduce((most, count) => most + count, 0) + 24 * curves, 0,
+  );
+  const need = 4 * floats * (frameCount + 1) + (scene.empty_share ? 2 * nodes * frameCount : 0) + 28 * marks + patchBytes;
   if (bytes.length !== need) throw new PageError(`${bytes.length} bytes of spheres where ${need} should be`);
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   let place = 0;
@@ -121,7 +129,22 @@ export function decodeScene(bytes, scene, frameCount) {
     place += 4;
     return view.getFloat32(place - 4, true);
   }));
-  return { rest, frames, emptyShare, contacts };
+  const short = () => view.getUint16((place += 2) - 2, true);
+  const float = () => view.getFloat32((place += 4) - 4, true);
+  // Per frame the regions, one per patch with facets and their shares, and six numbers a segment of the curves.
+  const patches = overlaps && overlaps.map(({ facets, curves }) => ({
+    regions: facets.map((count) => {
+      const region = { facets: new Uint32Array(count), shares: new Float32Array(count) };
+      for (let i = 0; i < count; ++i) {
+        const low = short();
+        region.facets[i] = low + 65536 * short();
+        region.shares[i] = short() / 65535;
+      }
+      return region;
+    }),
+    curves: Float32Array.from({ length: 6 * curves }, float),
+  }));
+  return { rest, frames, emptyShare, contacts, patches };
 }
 
 /** The manifest of a page. text(id): what stands in the element of that name, or null. */

@@ -76,7 +76,7 @@ function start() {
 
   const state = new State({
     scene: -1, frame: 0, level: -1, color: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
-    body: true, spheres: true, uncovered: true, facets: false, contacts: true, opacity: 0.5,
+    body: true, spheres: true, uncovered: true, facets: false, contacts: true, patches: true, opacity: 0.5,
     sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [],
   });
   let stage = null;
@@ -131,6 +131,8 @@ function start() {
       if (has('scene', 'frame', 'level', 'color')) stage.spheres.pose(state.get('frame'), state.get('level'), coloring(scene, state));
       if (has('scene', 'picked')) stage.spheres.mark(state.get('picked'));
       if (has('scene', 'frame')) stage.contacts.pose(scene.contacts?.[state.get('frame')], 0.02 * stage.frameOfBox()[1]);
+      if (has('scene', 'frame')) stage.patches.pose(scene.patches?.[state.get('frame')], scene.motion.facets, scene.positions(state.get('frame')));
+      if (has('patches')) stage.patches.group.visible = state.get('patches');
       if (has('contacts')) stage.contacts.group.visible = state.get('contacts');
       if (has('body')) stage.body.group.visible = state.get('body');
       if (has('facets')) stage.body.facets(state.get('facets'));

@@ -41,7 +41,7 @@ export class Panel {
     this.colorButtons = segments(byId('coloring'), colorings, state, 'color');
     this.measureButtons = segments(byId('measure'), measures, state, 'measure');
     segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
-    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-uncovered', 'uncovered'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['section-flip', 'sectionFlip']]) {
+    for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-uncovered', 'uncovered'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['show-patches', 'patches'], ['section-flip', 'sectionFlip']]) {
       this.bindBox(byId(id), name);
     }
     for (const [id, name] of [['level', 'level'], ['frame', 'frame'], ['opacity', 'opacity'], ['section-at', 'sectionAt']]) {
@@ -101,6 +101,8 @@ export class Panel {
       ),
     );
     byId('contacts-box').hidden = !scene.contacts;
+    byId('contacts-label').textContent = scene.patches ? 'Points' : 'Contacts';
+    byId('patches-box').hidden = !scene.patches;
     document.body.dataset.moves = String(scene.frameCount > 1 || (scene.joints?.own.length ?? 0) > 0);
     document.body.dataset.joints = String(scene.joints !== null);
     for (const button of this.colorButtons) {
@@ -233,7 +235,12 @@ export class Panel {
       const now = scene.contacts[state.get('frame')];
       const depths = now.filter((_, i) => i % 7 === 6);
       const deepest = depths.length > 0 ? `, deepest ${figure(depths.reduce((most, d) => Math.max(most, d)))}` : '';
-      parts.push(element('span', { class: 'kind', id: 'contacts-chip' }, `${counted(depths.length, 'contact')}${deepest}`));
+      parts.push(element('span', { class: 'kind', id: 'contacts-chip' }, `${counted(depths.length, scene.patches ? 'point' : 'contact')}${deepest}`));
+    }
+    if (scene.patches && state.get('patches')) {
+      const { volumes, depths } = scene.entry.patches[state.get('frame')];
+      const sizes = depths.length > 0 ? `, volume ${figure(volumes.reduce((sum, v) => sum + v))}, deepest ${figure(Math.max(...depths))}` : '';
+      parts.push(element('span', { class: 'kind', id: 'patches-chip' }, `${counted(depths.length, 'patch', 'patches')}${sizes}`));
     }
     legend.replaceChildren(...parts);
     legend.hidden = parts.length === 0;
@@ -257,7 +264,7 @@ export class Panel {
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
     if (scene.joints ? has('scene') : has('scene', 'level', 'frame')) this.drawFigures();
-    if (has('scene', 'level', 'frame', 'color', 'spheres', 'uncovered', 'body', 'contacts')) this.drawLegend();
+    if (has('scene', 'level', 'frame', 'color', 'spheres', 'uncovered', 'body', 'contacts', 'patches')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {
       byId('play').setAttribute('aria-label', state.get('playing') ? 'Pause' : 'Play');

@@ -7,6 +7,7 @@ import { PageError } from './decode.js';
 import { BodyView } from './body.js';
 import { SpheresView } from './spheres.js';
 import { ContactsView } from './contacts.js';
+import { PatchesView } from './patches.js';
 import { styleValue } from './dom.js';
 
 const axes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
@@ -47,7 +48,8 @@ export class Stage {
     this.body = new BodyView();
     this.spheres = new SpheresView(this.plane);
     this.contacts = new ContactsView();
-    this.scene.add(this.body.group, this.spheres.group, this.contacts.group);
+    this.patches = new PatchesView();
+    this.scene.add(this.body.group, this.spheres.group, this.patches.group, this.contacts.group);
 
     this.onpick = () => {};
     this.onlook = () => {};
@@ -115,6 +117,7 @@ export class Stage {
   theme() {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--uncovered')), new Color(styleValue('--cut')));
     this.contacts.theme(new Color(styleValue('--ink')));
+    this.patches.theme(new Color(styleValue('--ink')));
     // The spheres' shaders write colors as the screen has them.
     const asShown = (name) => new Color(styleValue(name)).convertLinearToSRGB();
     this.spheres.theme(asShown('--accent'), asShown('--rim'), asShown('--panel'));

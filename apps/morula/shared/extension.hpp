@@ -7,7 +7,9 @@
 #include <functional>
 #include <memory>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contacts.hpp>
+#include <morula/collide/crossings.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +27,9 @@ class CollideView {
   virtual void mark(std::span<const Contact> contacts, std::span<const ContactSurface> surfaces) = 0;
   /// Ends the present frame: the bodies are drawn in their present places.
   virtual void end_frame(const std::string& name) = 0;
+  /// Ends the present frame with the contact patches of its bodies. crossings: all pairs of facets that intersect.
+  virtual void end_frame_with_patches(const std::string& name, std::span<const ContactPatch> patches,
+                                      std::span<const Crossing> crossings) = 0;
   /// The file's text, after the last frame.
   virtual std::string text() const = 0;
 };

@@ -33,6 +33,10 @@ class PageOfCollide final : public CollideView {
     add_marks(contacts, surfaces, marks_);
   }
   void end_frame(const std::string& name) override { page_.add(name, std::exchange(marks_, {})); }
+  void end_frame_with_patches(const std::string& name, std::span<const ContactPatch> patches,
+                              std::span<const Crossing> crossings) override {
+    page_.add(name, patches, crossings);
+  }
   std::string text() const override { return page_.text(); }
 
  private:

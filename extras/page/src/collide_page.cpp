@@ -51,6 +51,21 @@ Sphere placed_sphere(const Collider& body, std::uint32_t node) {
   return {body.transform()(s.center), s.radius};
 }
 
+double area_of(const Collider& body, std::uint32_t facet) {
+  const Facet& f = body.mesh_facets()[facet];
+  const Vec3 corner = body.vertex(f[0]);
+  return 0.5 * length(cross(body.vertex(f[1]) - corner, body.vertex(f[2]) - corner));
+}
+
+/// first: index of the body's first facet among those of the page.
+void add_region(std::span<const PatchFacet> region, const Collider& body, std::size_t first, PagePatches::Patch& to) {
+  for (const PatchFacet& part : region) {
+    const double whole = area_of(body, part.facet);
+    const double share = whole > 0 ? std::min(length(part.area_vector) / whole, 1.0) : 1.0;
+    to.facets.push_back({static_cast<std::uint32_t>(first + part.facet), share});
+  }
+}
+
 }  // namespace
 
 void add_marks(std::span<const Contact> contacts, std::span<const ContactSurface> surfaces,
@@ -104,8 +119,37 @@ std::vector<Sphere> CollidePage::spheres() const {
 }
 
 void CollidePage::add(const std::string& frame_name, std::vector<PageContact> marks) {
+  add_frame(frame_name, std::move(marks));
+  PageScene& scene = content_.scenes.front();
+  if (!scene.patches.empty()) scene.patches.emplace_back();
+}
+
+void CollidePage::add(const std::string& frame_name, std::span<const ContactPatch> patches,
+                      std::span<const Crossing> crossings) {
+  const Collider &a = *bodies_[0], &b = *bodies_[std::min<std::size_t>(1, bodies_.size() - 1)];
+  const std::size_t first_of_b = bodies_.size() > 1 ? a.mesh_facets().size() : 0;
+  std::vector<PageContact> marks;
+  PagePatches shown;
+  for (const ContactPatch& patch : patches) {
+    PagePatches::Patch& to = shown.patches.emplace_back();
+    to.volume = patch.volume, to.depth = patch.depth;
+    add_region(patch.a.facets, a, 0, to);
+    add_region(patch.b.facets, b, first_of_b, to);
+    for (const PatchPoint& point : patch.points) {
+      const double size = length(point.force);
+      marks.push_back({point.point, size > 0 ? point.force / size : patch.normal, point.depth});
+    }
+  }
+  for (const Crossing& crossing : crossings) shown.curves.push_back({crossing.segment.from, crossing.segment.to});
+  add_frame(frame_name, std::move(marks));
+  PageScene& scene = content_.scenes.front();
+  scene.patches.resize(scene.frames.size() - 1);
+  scene.patches.push_back(std::move(shown));
+}
+
+void CollidePage::add_frame(const std::string& name, std::vector<PageContact> marks) {
   PageMotion& motion = content_.motions.front();
-  motion.frame_names.push_back(frame_name);
+  motion.frame_names.push_back(name);
   std::vector<Vec3>& vertices = motion.frames.emplace_back();
   for (const Collider* body : bodies_)
     for (std::size_t i = 0; i < body->positions().size(); ++i)

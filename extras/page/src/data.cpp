@@ -90,6 +90,20 @@ void pack_contacts(PackedBytes& out, const Vec3& origin, std::span<const PageCon
   }
 }
 
+void pack_patches(PackedBytes& out, const Vec3& origin, const PagePatches& patches) {
+  for (const PagePatches::Patch& patch : patches.patches)
+    for (const PagePatchFacet& part : patch.facets) {
+      out.add_uint16(static_cast<std::uint16_t>(part.facet & 0xffffu));
+      out.add_uint16(static_cast<std::uint16_t>(part.facet >> 16));
+      out.add_uint16(static_cast<std::uint16_t>(std::lround(std::clamp(part.share, 0.0, 1.0) * 65535)));
+    }
+  for (const std::array<Vec3, 2>& segment : patches.curves)
+    for (const Vec3& end : segment) {
+      const Vec3 p = end - origin;
+      for (const double value : {p.x, p.y, p.z}) out.add_float(static_cast<float>(value));
+    }
+}
+
 std::string base64(std::string_view bytes) {
   constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

@@ -47,6 +47,9 @@ void pack_positions(PackedBytes& out, const Quantization& grid, std::span<const 
 void pack_spheres(PackedBytes& out, const Vec3& origin, std::span<const Sphere> spheres);
 /// Points about that origin, normals and depths, as floats.
 void pack_contacts(PackedBytes& out, const Vec3& origin, std::span<const PageContact> contacts);
+/// For each facet of a patch its index, low half first, and its share of 65535, as 16-bit numbers; then both ends of
+/// each curve about that origin, as floats.
+void pack_patches(PackedBytes& out, const Vec3& origin, const PagePatches& patches);
 
 std::string base64(std::string_view bytes);
 /// 32-bit FNV-1a.

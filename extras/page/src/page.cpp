@@ -95,6 +95,12 @@ void check_content(const PageContent& content) {
       if (shares.size() != nodes) reject("not one empty share per node");
     }
     if (!scene.contacts.empty() && scene.contacts.size() != frames) reject("contacts miss a frame");
+    if (!scene.patches.empty() && scene.patches.size() != frames) reject("patches miss a frame");
+    for (const PagePatches& patches : scene.patches)
+      for (const PagePatches::Patch& patch : patches.patches)
+        for (const PagePatchFacet& part : patch.facets)
+          if (part.facet >= content.motions[scene.motion].facets.size())
+            reject("a patch has a facet that is not there");
     const std::optional<PageJoints>& joints = content.motions[scene.motion].joints;
     if (scene.parts.size() != (joints ? scene.rest.child_count[0] : 0)) reject("not one part per child of the root");
     for (const std::uint32_t part : scene.parts) {
@@ -160,6 +166,21 @@ Json measured_json(const PageScene& scene) {
           {"uncovered_area", by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_area); })},
           {"uncovered_distance",
            by_level(scene, [](const LevelMeasure& m) { return Value(m.coverage.uncovered_distance); })}};
+}
+
+/// Per frame the volume, depth and number of facets of every patch, and the number of segments.
+Json patches_json(const PageScene& scene) {
+  Json frames = nullptr;
+  for (const PagePatches& patches : scene.patches) {
+    Json volumes = Json::array(), depths = Json::array(), facets = Json::array();
+    for (const PagePatches::Patch& patch : patches.patches) {
+      volumes.push_back(patch.volume);
+      depths.push_back(patch.depth);
+      facets.push_back(patch.facets.size());
+    }
+    frames.push_back({{"volumes", volumes}, {"depths", depths}, {"facets", facets}, {"curves", patches.curves.size()}});
+  }
+  return frames;
 }
 
 Json joints_json(const PageJoints& joints) {
@@ -230,6 +251,7 @@ struct Packer {
       contact_counts.push_back(contacts.size());
       pack_contacts(packed, origins[scene.motion], contacts);
     }
+    for (const PagePatches& patches : scene.patches) pack_patches(packed, origins[scene.motion], patches);
     scenes.push_back({{"motion", scene.motion},
                       {"tree", scene.tree},
                       {"rule", scene.rule},
@@ -239,6 +261,7 @@ struct Packer {
                       {"empty_share", !scene.empty_share.empty()},
                       {"measured", measured_json(scene)},
                       {"contacts", contact_counts},
+                      {"patches", patches_json(scene)},
                       {"parts", scene.parts},
                       {"inside", scene.inside},
                       {"data", bytes_json(id, packed.bytes())}});

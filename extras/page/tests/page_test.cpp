@@ -5,6 +5,7 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/page/collide_page.hpp>
 #include <morula/page/page.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>
@@ -68,6 +69,44 @@ TEST(Page, is_made_or_says_why_not) {
   EXPECT_THROW(make_page(wrong), std::invalid_argument);
   wrong = content;
   wrong.scenes[0].frames.pop_back();
+  EXPECT_THROW(make_page(wrong), std::invalid_argument);
+}
+
+TEST(Page, contact_patches_are_there_in_frames_that_have_them) {
+  if (!has_page()) GTEST_SKIP() << why_no_page();
+  const Mesh mesh = sample_body("limb", 8);
+  const Body body(mesh, build(mesh, {.method = Method::octree, .depth = 1}));
+  const Collider a(mesh, body);
+  Collider b(mesh, body);
+  b.set_transform(RigidTransform::from_quaternion(1, 0, 0, 0, {0, 0.1, 0}));
+  CollidePage page("two limbs", {&a, &b}, "exact");
+  page.add("without", std::vector<PageContact>());
+  ContactPatchQuery query(a, b);
+  CrossingQuery crossings;
+  ASSERT_TRUE(query.run());
+  ASSERT_TRUE(crossings.run(a, b));
+  ASSERT_EQ(query.patches().size(), 1u);
+  const ContactPatch& patch = query.patches()[0];
+  page.add("with", query.patches(), crossings.pairs());
+  page.add("without again", std::vector<PageContact>());
+  const std::string empty = R"({"volumes":[],"depths":[],"facets":[],"curves":0})";
+  const std::string full = R"("facets":[)" + std::to_string(patch.a.facets.size() + patch.b.facets.size()) +
+                           R"(],"curves":)" + std::to_string(crossings.pairs().size()) + "}";
+  const std::string text = page.text();
+  const std::size_t first = text.find(R"("patches":[)" + empty), second = text.find(full),
+                    third = text.find(empty, second);
+  EXPECT_NE(first, std::string::npos);
+  ASSERT_NE(second, std::string::npos);
+  EXPECT_LT(first, second);
+  EXPECT_NE(third, std::string::npos);
+
+  PageContent wrong = small_page();
+  wrong.scenes[0].patches.resize(wrong.scenes[0].frames.size());
+  EXPECT_NO_THROW(make_page(wrong));
+  const auto facets = static_cast<std::uint32_t>(wrong.motions[0].facets.size());
+  wrong.scenes[0].patches[0].patches = {{.volume = 1, .depth = 1, .facets = {{facets, 1.0}}}};
+  EXPECT_THROW(make_page(wrong), std::invalid_argument);
+  wrong.scenes[0].patches.pop_back();
   EXPECT_THROW(make_page(wrong), std::invalid_argument);
 }
 

@@ -62,6 +62,10 @@ void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
   collider_->set_transform(transform_);
 }
 
+std::string Side::stem() const {
+  return std::filesystem::path(files_.mesh).stem().string();
+}
+
 std::string Side::frame_name(std::size_t frame) const {
   return motion_ ? motion_->frame_name(std::min(frame, motion_->frame_count() - 1))
                  : std::filesystem::path(files_.mesh).filename().string();

@@ -43,6 +43,8 @@ class Side {
   const Collider& collider() const { return *collider_; }
   const Mesh& mesh() const { return mesh_; }  // at rest
   const std::string& name() const { return files_.mesh; }
+  /// The name of the mesh's file without folder and extension.
+  std::string stem() const;
   bool tree_was_built() const { return files_.tree.empty(); }
 
  private:

@@ -114,10 +114,6 @@ CollidedFrame collide_frame(const CollideArguments& o, Side& a, Side& b, std::si
   return result;
 }
 
-std::string stem(const Side& side) {
-  return std::filesystem::path(side.name()).stem().string();
-}
-
 /// The given options that need two bodies, for rejections; empty if there is none.
 std::string given_of_two(const CollideArguments& o) {
   const std::vector<std::pair<const char*, bool>> all{
@@ -188,7 +184,6 @@ int run_features(const CollideArguments& o) {
 int run_patches(const CollideArguments& o) {
   std::string given = given_of_spheres(o);
   if (o.find_crossings) given = "--crossings";
-  if (!o.page.empty()) given = "--page";
   if (o.with_self) given = "--self";
   if (o.within) given = "--within";
   if (!given.empty()) throw UsageError(fmt::format("{} shows no patches: leave it out with --patches", given));
@@ -197,6 +192,7 @@ int run_patches(const CollideArguments& o) {
                           .rule = o.rule,
                           .sph_origin = o.sph_origin,
                           .output = o.output,
+                          .page = o.page,
                           .threads = o.threads,
                           .json = o.json});
 }
@@ -233,7 +229,8 @@ int collide_command(const CollideArguments& o) {
   CrossingQuery crossed;
   std::vector<CollidedFrame> frames;
   std::unique_ptr<CollideView> view;
-  if (!o.page.empty()) view = collide_views().make(stem(a) + " and " + stem(b), {&a.collider(), &b.collider()}, o.rule);
+  if (!o.page.empty())
+    view = collide_views().make(a.stem() + " and " + b.stem(), {&a.collider(), &b.collider()}, o.rule);
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   {
     Progress progress("colliding");
@@ -333,7 +330,8 @@ void add_collide(CLI::App& app, Run& run) {
              "All contacts, with --crossings all pairs of facets, with --patches all patches, as FILE.csv")
       ->type_name("FILE");
   if (collide_views()) {
-    add_option(*command, "--page", o->page, "All bodies, their spheres and contacts in motion, as a page for a browser")
+    add_option(*command, "--page", o->page,
+               "All bodies, their spheres and contacts or patches in motion, as a page for a browser")
         ->type_name("PAGE");
   }
   add_plot(*command, o->plot, "contacts, their depth and pair tests over the frames");

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <iterator>
 #include <morula/collide/contact_patches.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/io/whole_output.hpp>
 #include <toolbox/csv.hpp>
@@ -15,6 +16,7 @@
 #include "commands/collide/report.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/extension.hpp"
 #include "shared/figures.hpp"
 #include "shared/files.hpp"
 #include "shared/options.hpp"
@@ -108,8 +110,10 @@ void add_patch_frame(PatchReport& report, const std::string& name_a, const std::
   report.uncertified += query.certified() ? 0 : 1;
 }
 
-PatchReport patches_of_frames(Side& a, Side& b, Workers& workers) {
+/// view: null without a page.
+PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& workers) {
   PatchReport report;
+  CrossingQuery crossed;
   ContactPatchQuery query(a.collider(), b.collider());
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   Progress progress("colliding");
@@ -129,6 +133,10 @@ PatchReport patches_of_frames(Side& a, Side& b, Workers& workers) {
     }
     if (!status) throw UsageError(message(status));
     add_patch_frame(report, a.frame_name(frame), b.frame_name(frame), query);
+    if (view == nullptr) continue;
+    if (const Status crossings = crossed.run(a.collider(), b.collider()); !crossings)
+      throw UsageError(message(crossings));
+    view->end_frame_with_patches(a.frame_name(frame) + ", " + b.frame_name(frame), query.patches(), crossed.pairs());
   }
   return report;
 }
@@ -144,16 +152,25 @@ int collide_patches(const PatchRun& run) {
     require_output_place(run.output);
     require_not_input(run.output, {run.a.mesh, run.a.tree, run.a.motion, run.b.mesh, run.b.tree, run.b.motion});
   }
+  if (!run.page.empty())
+    collide_views().require(run.page, {run.a.mesh, run.a.tree, run.a.motion, run.b.mesh, run.b.tree, run.b.motion});
   Workers workers = make_workers(run.threads);
   Side a(run.a, run.sph_origin, workers), b(run.b, run.sph_origin, workers);
   require_closed(a);
   require_closed(b);
   a.prepare(rules, workers);
   b.prepare(rules, workers);
-  const PatchReport report = patches_of_frames(a, b, workers);
+  std::unique_ptr<CollideView> view;
+  if (!run.page.empty())
+    view = collide_views().make(a.stem() + " and " + b.stem(), {&a.collider(), &b.collider()}, run.rule);
+  const PatchReport report = patches_of_frames(a, b, view.get(), workers);
   if (!run.output.empty()) {
     write_whole(run.output, report.rows);
     note_written(run.output);
+  }
+  if (view) {
+    write_whole(run.page, view->text());
+    note_written(run.page);
   }
   if (run.json) {
     print_json({{"a", a.name()},
@@ -169,7 +186,8 @@ int collide_patches(const PatchRun& run) {
     fmt::print("note      patches may be missing in {}: spheres of the rule {} do not cover\n",
                counted(report.uncertified, "frame"), run.rule);
   fmt::print("{}", built_tree_note(a.tree_was_built(), b.tree_was_built()));
-  if (!run.output.empty()) fmt::print("written   {}\n", run.output);
+  for (const std::string& file : {run.output, run.page})
+    if (!file.empty()) fmt::print("written   {}\n", file);
   return exit_done;
 }
 

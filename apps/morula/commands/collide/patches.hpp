@@ -13,6 +13,7 @@ struct PatchRun {
   SideFiles a, b;
   std::string rule, sph_origin;
   std::string output;
+  std::string page;
   unsigned threads = 0;
   bool json = false;
 };

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contacts.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/page/page.hpp>
 #include <span>
 #include <string>
@@ -30,11 +32,16 @@ class CollidePage {
   /// Adds a frame: the present positions, transforms and spheres of all bodies, and the marks of their contacts
   /// (add_marks).
   void add(const std::string& frame_name, std::vector<PageContact> marks);
+  /// Adds a frame with the contact patches of the first two bodies, or of the only body with itself: their regions on
+  /// both surfaces, the segments of `crossings`, and a mark at each point of a patch along its force. crossings: pairs
+  /// of facets of the same two bodies; may be empty.
+  void add(const std::string& frame_name, std::span<const ContactPatch> patches, std::span<const Crossing> crossings);
   /// The page as HTML, with all frames that were added, at least one. Throws like make_page().
   std::string text() const;
 
  private:
   std::vector<Sphere> spheres() const;
+  void add_frame(const std::string& name, std::vector<PageContact> marks);
 
   std::vector<const Collider*> bodies_;
   PageContent content_;

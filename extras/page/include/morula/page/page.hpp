@@ -61,6 +61,22 @@ struct PageContact {
   double depth = 0;  ///< length of the mark, mesh units
 };
 
+/// A facet of which the region of a contact patch contains the whole or a part.
+struct PagePatchFacet {
+  std::uint32_t facet;  ///< index in PageMotion::facets
+  double share = 1;     ///< share of the facet's area in the region, 0 to 1
+};
+
+/// The contact patches of a frame: the page fills their facets with a color and draws the curves.
+struct PagePatches {
+  struct Patch {
+    double volume = 0, depth = 0;  ///< mesh units³, mesh units
+    std::vector<PagePatchFacet> facets;
+  };
+  std::vector<Patch> patches;
+  std::vector<std::array<Vec3, 2>> curves;  ///< segments in which the surfaces cross, in the vertices' coordinates
+};
+
 /// The spheres of one tree during one motion, with their measurements.
 struct PageScene {
   std::size_t motion = 0;  ///< index in PageContent::motions
@@ -72,6 +88,7 @@ struct PageScene {
   /// For each frame and node, the share of the sphere's volume outside the body, 0 to 1; empty: not measured.
   std::vector<std::vector<float>> empty_share;
   std::vector<std::vector<PageContact>> contacts{};  ///< for each frame, its marks; empty: no frame has marks
+  std::vector<PagePatches> patches{};                ///< for each frame, its contact patches; empty: not computed
   /// true: the spheres are inside the body and do not cover it. The page then opens without the body, and reports no
   /// uncovered surface.
   bool inside = false;
