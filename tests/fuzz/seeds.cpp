@@ -294,6 +294,17 @@ void add_bodies(Seeds seeds) {
     }
 }
 
+// The kinds of both bodies of patches.cpp, and how their vertices move.
+void add_patches(Seeds seeds) {
+  Random random(3);
+  for (unsigned a = 0; a < 5; ++a)
+    for (unsigned b = 0; b < 5; ++b) {
+      const std::string kinds{static_cast<char>(a), static_cast<char>(b)};
+      seeds.add(kinds + std::string(12, '\4'));
+      for (int i = 0; i < 8; ++i) seeds.add(kinds + random_bytes(random, 60));
+    }
+}
+
 /// The robots of the library's own tests. Their meshes are not there, so those that need some are refused, until damage
 /// takes the need away.
 void add_robots(Seeds seeds) {
@@ -328,6 +339,7 @@ int main(int argc, char** argv) {
   add_command_lines({folder, "command"});
   add_builds({folder, "build"});
   add_bodies({folder, "body"});
+  add_patches({folder, "patches"});
   add_robots({folder, "robots"});
   return 0;
 }
