@@ -283,32 +283,28 @@ void PatchRegions::assign_patches(const ContactLoops& loops) {
 
 // By the lowest facet of a, then of b.
 void PatchRegions::number_patches() {
-  struct Lowest {
-    std::uint32_t facet[2] = {no_patch, no_patch};
-    std::uint32_t patch = 0;
-  };
-  std::vector<Lowest> lowest(patch_count);
-  for (std::uint32_t patch = 0; patch < patch_count; ++patch) lowest[patch].patch = patch;
+  lowest_.clear();
+  for (std::uint32_t patch = 0; patch < patch_count; ++patch) lowest_.push_back({{no_patch, no_patch}, patch});
   for (std::size_t k = 0; k < 2; ++k)
     for (const FacetPart& part : side[k].parts)
       for (std::uint32_t i = part.begin; i < part.end; ++i) {
-        std::uint32_t& facet = lowest[patch_at(side[k].pieces[i])].facet[k];
+        std::uint32_t& facet = lowest_[patch_at(side[k].pieces[i])].facet[k];
         facet = std::min(facet, part.facet);
       }
-  std::erase_if(lowest, [](const Lowest& l) { return l.facet[0] == no_patch && l.facet[1] == no_patch; });
-  std::sort(lowest.begin(), lowest.end(), [](const Lowest& p, const Lowest& q) {
+  std::erase_if(lowest_, [](const Lowest& l) { return l.facet[0] == no_patch && l.facet[1] == no_patch; });
+  std::sort(lowest_.begin(), lowest_.end(), [](const Lowest& p, const Lowest& q) {
     return std::tie(p.facet[0], p.facet[1], p.patch) < std::tie(q.facet[0], q.facet[1], q.patch);
   });
-  std::vector<std::uint32_t> number(patch_count, no_patch);
-  std::vector<std::size_t> counts(lowest.size());
-  for (std::uint32_t i = 0; i < lowest.size(); ++i) {
-    number[lowest[i].patch] = i;
-    counts[i] = crossing_counts[lowest[i].patch];
+  number_.assign(patch_count, no_patch);
+  counts_.resize(lowest_.size());
+  for (std::uint32_t i = 0; i < lowest_.size(); ++i) {
+    number_[lowest_[i].patch] = i;
+    counts_[i] = crossing_counts[lowest_[i].patch];
   }
   for (std::uint32_t& patch : patch_of_)
-    if (patch != no_patch) patch = number[patch];
-  crossing_counts = counts;
-  patch_count = lowest.size();
+    if (patch != no_patch) patch = number_[patch];
+  crossing_counts.swap(counts_);
+  patch_count = lowest_.size();
 }
 
 void PatchRegions::split_parts(SurfaceRegion& s) {

@@ -95,7 +95,7 @@ class PatchRegions {
   std::uint32_t element_of(SurfaceRegion& s, std::uint32_t vertex);
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
-  std::vector<double> volumes_of_patches();
+  const std::vector<double>& volumes_of_patches();
   double winding_of(std::uint32_t patch, const Vec3& point);
   Vec3 point_of_cavity(std::uint32_t patch);
   void join_cavities();
@@ -108,6 +108,14 @@ class PatchRegions {
   std::vector<std::uint32_t> patch_of_;  // by root
   ShiftedWinding location_;
   Vec3 origin_;
+  // For join_cavities() and number_patches().
+  struct Lowest {
+    std::uint32_t facet[2], patch;
+  };
+  std::vector<double> volumes_;
+  std::vector<Lowest> lowest_;
+  std::vector<std::uint32_t> number_;
+  std::vector<std::size_t> counts_;
   // For the parts of one facet.
   std::vector<std::uint32_t> ends_;
   DisjointSets polygons_{0};
