@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <morula/collide/collider.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collide/patches/closed_surface.hpp"
@@ -108,7 +109,14 @@ class PatchRegions {
   std::vector<std::uint32_t> patch_of_;  // by root
   ShiftedWinding location_;
   Vec3 origin_;
-  // For join_cavities() and number_patches().
+  // For sort_loops().
+  struct NodeOfEdge {
+    double along;
+    std::uint32_t edge, facet, node;
+  };
+  std::vector<NodeOfEdge> nodes_of_edges_;
+  std::vector<std::uint64_t> facet_keys_;
+  // For join_cavities(), number_patches() and split_parts().
   struct Lowest {
     std::uint32_t facet[2], patch;
   };
@@ -116,6 +124,8 @@ class PatchRegions {
   std::vector<Lowest> lowest_;
   std::vector<std::uint32_t> number_;
   std::vector<std::size_t> counts_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;
+  std::vector<BoundaryPiece> sorted_;
   // For the parts of one facet.
   std::vector<std::uint32_t> ends_;
   DisjointSets polygons_{0};
