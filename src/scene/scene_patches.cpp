@@ -59,43 +59,50 @@ BodySurface SceneState::examined(const Collider& collider) const {
   }
 }
 
-// Pairs with the longest wait and the greatest importance come first under a budget of time.
+// A pair whose search the budget has left open may be searched here, at the end of a budget of time: it is a candidate
+// once its touch was confirmed.
+bool SceneState::may_have_patches(const NearPair& pair) {
+  PairFront* const front = pair.front;
+  if (front == nullptr || !front->roots_overlap()) return false;
+  const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
+  if (a.surface.closed == nullptr || b.surface.closed == nullptr || !is_as_read(a) || !is_as_read(b)) return false;
+  if (front->is_finished() && front->finished_count() == 0) return false;
+  if (!front->is_finished() && (!options.budget.is_time() || !(front->patches || front->touch_is_confirmed())))
+    return false;
+  if (!front->patches) front->patches = std::make_unique<PairPatches>();
+  return !front->patches->is_settled(*a.collider, *b.collider, patch_options(options));
+}
+
+// Under a budget of time, pairs that had patches come first, then those of the greatest importance: so the pairs with
+// patches stay the same from update to update. Pairs that never had any have their turn.
 void SceneState::add_patches(std::chrono::nanoseconds deadline, Workers& workers) {
   patches_due_.clear();
   patches_due_.reserve(near.pairs.size());
   for (SceneBody& body : bodies)
     if (body.collider != nullptr && !body.surface.is_examined) body.surface = examined(*body.collider);
-  const ContactPatchOptions wanted = patch_options(options);
-  for (const NearPair& pair : near.pairs) {
-    if (pair.front == nullptr || !pair.front->is_finished() || pair.front->finished_count() == 0) continue;
-    const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
-    if (a.surface.closed == nullptr || b.surface.closed == nullptr || !is_as_read(a) || !is_as_read(b)) continue;
-    std::unique_ptr<PairPatches>& kept = pair.front->patches;
-    if (!kept) kept = std::make_unique<PairPatches>();
-    if (!kept->is_settled(*a.collider, *b.collider, wanted)) patches_due_.push_back(pair.front);
-  }
+  for (const NearPair& pair : near.pairs)
+    if (may_have_patches(pair)) patches_due_.push_back(pair.front);
   const bool by_time = options.budget.is_time();
   if (by_time) {
-    const auto urgency = [](const PairFront* front) {
-      return front->priority.importance * (1.0 + front->patches->updates_left_out);
+    const auto rank = [&](const PairFront* front) {
+      const bool had = !front->patches->patches().empty();
+      const double weight = bodies[front->id_a().place].options.weight * bodies[front->id_b().place].options.weight;
+      return std::pair(had, weight * front->overlap_share() * (had ? 1.0 : 1.0 + front->patches->updates_left_out));
     };
     std::sort(patches_due_.begin(), patches_due_.end(), [&](const PairFront* x, const PairFront* y) {
-      const double of_x = urgency(x), of_y = urgency(y);
+      const auto of_x = rank(x), of_y = rank(y);
       return of_x != of_y ? of_x > of_y : std::pair(x->id_a(), x->id_b()) < std::pair(y->id_a(), y->id_b());
     });
   }
   Workers& used_workers = by_time && options.clock ? serial_workers() : workers;
-  used_workers.run(patches_due_.size(), [&](std::size_t i) {
-    PairFront& front = *patches_due_[i];
-    find_patches(front, wanted, by_time, deadline);
-  });
+  used_workers.run(patches_due_.size(), [&](std::size_t i) { find_patches(*patches_due_[i], deadline); });
 }
 
 // A pair is not begun if its last computation took longer than there is time.
-void SceneState::find_patches(PairFront& front, const ContactPatchOptions& wanted, bool by_time,
-                              std::chrono::nanoseconds deadline) {
-  PairPatches& patches = *front.patches;
+void SceneState::find_patches(PairFront& front, std::chrono::nanoseconds deadline) {
+  const bool by_time = options.budget.is_time();
   const std::chrono::nanoseconds begun = by_time ? now() : std::chrono::nanoseconds(0);
+  PairPatches& patches = *front.patches;
   ++patches.updates_left_out;
   if (by_time && begun + patches.cost >= deadline) {
     patches.cost = patches.cost * 7 / 8;
@@ -105,19 +112,34 @@ void SceneState::find_patches(PairFront& front, const ContactPatchOptions& wante
   PairExtras& memory = *extras;
   if (!memory.patches) memory.patches = std::make_unique<PatchEngine>();
   memory.nodes.clear();
-  for (const Contact& c : front.contacts()) memory.nodes.push_back({c.node_a, c.node_b});
   const CollideOptions limits{.budget = deadline - begun, .clock = options.clock};
   Meter meter(limits);
+  bool is_searched = true;
+  if (front.is_finished()) {
+    for (const Contact& c : front.contacts()) memory.nodes.push_back({c.node_a, c.node_b});
+  } else {
+    // A test takes less than that.
+    constexpr std::int64_t longest_test = 10;  // ns
+    is_searched = each_overlapping(
+                      TreePair(front.a(), front.b(), 0, leaf_level),
+                      [&](std::uint32_t a, std::uint32_t b) {
+                        memory.nodes.push_back({a, b});
+                      },
+                      static_cast<std::size_t>((deadline - begun).count() / longest_test))
+                      .finished;
+  }
   const PatchBodies pair{
       {&front.a(), &front.b()},
       {bodies[front.id_a().place].surface.closed.get(), bodies[front.id_b().place].surface.closed.get()}};
-  const bool found = patches.find(*memory.patches, pair, memory.nodes, wanted, by_time ? &meter : nullptr);
+  // mutant scene-patches-of-a-part: `is_searched &&` -> ``
+  const bool found = is_searched && patches.find(*memory.patches, pair, memory.nodes, patch_options(options),
+                                                 by_time ? &meter : nullptr);
   if (found) patches.updates_left_out = 0;
   if (by_time) patches.cost = now() - begun;
 }
 
 const PairPatches* SceneState::patches_of(const NearPair& pair) const {
-  if (!options.patches || pair.front->patches == nullptr || !pair.front->is_finished()) return nullptr;
+  if (!options.patches || pair.front->patches == nullptr) return nullptr;
   const PairPatches& patches = *pair.front->patches;
   const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
   const bool is_current = patches.is_there() && is_as_read(a) && is_as_read(b) &&

@@ -204,8 +204,8 @@ struct SceneState {
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
   void add_patches(std::chrono::nanoseconds deadline, Workers& workers);
-  void find_patches(PairFront& front, const ContactPatchOptions& wanted, bool by_time,
-                    std::chrono::nanoseconds deadline);
+  bool may_have_patches(const NearPair& pair);
+  void find_patches(PairFront& front, std::chrono::nanoseconds deadline);
   /// The patches of a pair in its present poses; null: it has none.
   const PairPatches* patches_of(const NearPair& pair) const;
   void publish(SceneStatus& status);
