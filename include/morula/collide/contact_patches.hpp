@@ -101,8 +101,8 @@ struct ContactPatch {
 ///
 /// Patches are complete if the spheres of both bodies cover (SphereState::covers).
 ///
-/// A run whose budget ends it gives no patches: a loop that is not closed yet bounds nothing. It gives contacts of
-/// spheres, within which all surfaces cross; a later run with a sufficient budget gives the patches, with their ids.
+/// A run that its budget ends gives no patches, because a loop that is not closed yet bounds no region. It gives
+/// contacts of spheres that hold all crossings. Ids of patches last over such runs.
 class ContactPatchQuery {
  public:
   /// Borrows both colliders. Throws std::invalid_argument for a collider without facets, a surface that is open or not
@@ -114,26 +114,26 @@ class ContactPatchQuery {
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
-  /// 16 points (bad_option), and a surface that is inside out around a vertex of the other (inside_out); patches() then
-  /// stays as it was. So it does for a negative budget (bad_option). If a callback (clock) throws or moves a body, the
-  /// query has no result and has forgotten ids.
+  /// 16 points and a negative budget (bad_option), and a surface that is inside out around a vertex of the other
+  /// (inside_out); all results then stay as they were. If a callback (clock) throws or moves a body, the query has no
+  /// results, and patches get new ids.
   ///
   /// A budget of pair tests is never exceeded, and gives the same bits on any machine. A budget of time is read before
   /// every block of at most 64 tests of spheres, before the facets of each pair of leaves, before every 64 pairs of
-  /// facets that intersect, and before integrals, and depth and points, of each patch: so the run is late by one of
-  /// these steps at most, besides the boundaries of all regions, or the contacts that it returns.
+  /// facets that intersect, and before the integrals of each patch and its depth and points. The run ends late by one
+  /// of these steps, by the boundaries of all regions, or by the list of contacts.
   ///
   /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; depths
-  /// and points cost twice as much in addition.
+  /// and points cost twice as much in addition. Allocates nothing where earlier runs needed as much memory.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until
   /// the next run.
   std::span<const ContactPatch> patches() const;
-  /// True after a run that found all patches. False after a run that its budget ended, and before the first run.
+  /// True after a run that computed all patches; false after a run that its budget ended, and before the first run.
   bool finished() const;
-  /// Empty if finished(). Otherwise contacts of spheres as of ContactQuery with the same budget: each point where the
-  /// surfaces cross, so each loop that bounds a patch, lies in the regions of one of these pairs, within its error
+  /// Contacts of a run that its budget ended, as of ContactQuery with this budget; otherwise empty. Each point where
+  /// the surfaces cross, so each loop that bounds a patch, lies in the regions of one of these pairs, within its error
   /// bound. A body wholly inside the other has no crossing, and may be in no contact. Valid until the next run.
   std::span<const Contact> contacts() const;
   double volume() const;   ///< sum of the volumes of all patches, mesh units³
