@@ -94,7 +94,8 @@ bool ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const
 }
 
 // An edge passes through a facet if its ends are on different sides of the plane and its line passes the three edges of
-// the facet on the same side. The signs are exact, so both facets of an edge find the same nodes.
+// the facet on the same side. The signs are exact, so both facets of an edge find the same nodes, and two facets have
+// two nodes or none.
 void ContactLoops::add(const FacetPair& pair) {
   constexpr int unknown = 2;
   int turns[3][3] = {{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}};
@@ -105,8 +106,9 @@ void ContactLoops::add(const FacetPair& pair) {
     return known;
   };
   std::uint32_t ends[2] = {LoopNodeTable::none, LoopNodeTable::none};  // from, to
+  const auto is_complete = [&] { return ends[0] != LoopNodeTable::none && ends[1] != LoopNodeTable::none; };
   for (std::size_t which = 0; which < 2; ++which)
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3 && !is_complete(); ++k) {
       const std::size_t next = (k + 1) % 3;
       const int first = pair.side[which][k].sign, second = pair.side[which][next].sign;
       if (first == second) continue;
@@ -115,7 +117,7 @@ void ContactLoops::add(const FacetPair& pair) {
       const bool enters = first > second;
       ends[enters == (which == 0) ? 1 : 0] = node(pair, which, k, next);
     }
-  if (ends[0] == LoopNodeTable::none || ends[1] == LoopNodeTable::none) {
+  if (!is_complete()) {
     assert(ends[0] == ends[1]);
     return;
   }
