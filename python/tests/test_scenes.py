@@ -413,3 +413,30 @@ def test_boxes_overlap_as_all_pairs_do():
         boxes.move(17, (0, 0, 0), (1, 1, 1))
     with pytest.raises(IndexError):
         boxes.box(17)
+
+
+def test_touching_closed_bodies_have_patches():
+    hull = morula.ConvexHull.box((0, 0, 0), (1, 1, 1))
+    box = morula.Mesh(hull.vertices, hull.facets)
+    a, b = (morula.Collider(morula.Body(box, morula.build(box, method="octree", depth=2))) for _ in range(2))
+    b.set_transform((0.5, 0.25, 0.9))
+    scene = morula.Scene(patches=True)
+    id_a, id_b = scene.add(a), scene.add(b)
+    scene.update()
+    patches = scene.find(id_a, id_b).patches
+    assert len(patches) == 1 and patches.is_finished and patches.certified
+    assert abs(patches.volume[0] - 0.5 * 0.75 * 0.1) < 1e-14 and len(patches.points) == 4
+    (pair,) = scene.pairs()
+    assert pair.has_patches and pair.patches.total_volume == patches.total_volume
+    assert scene.pairs().has_patches.tolist() == [True]
+    numpy.testing.assert_array_equal(pair.patches.a.gradient, patches.a.gradient)
+    scene.set_options(patches=True, patch_points=0, patch_depths=False)
+    scene.update()
+    assert len(scene.find(id_a, id_b).patches.points) == 0
+    scene.set_options(budget=1, patches=True)
+    b.set_transform((0.5, 0.2, 0.9))
+    scene.update()
+    (pair,) = scene.pairs()
+    assert not pair.has_patches and len(pair.patches) == 0 and len(pair.contacts) > 0
+    with pytest.raises(ValueError, match="patch_points"):
+        morula.Scene(patch_points=17)

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Contact patches as columns: of patches, of both regions, and of points.
+#include "contact_patches.hpp"
+
 #include <morula/collide/contact_patches.hpp>
 #include <optional>
 
@@ -10,51 +12,30 @@
 #include "module.hpp"
 
 namespace morula::python {
+
+ContactPatches::ContactPatches(std::span<const ContactPatch> of, bool is_finished, bool is_certified)
+    : patches(of.begin(), of.end()), finished(is_finished), certified(is_certified) {
+  contacts.finished = finished;
+  for (std::uint32_t i = 0; i < patches.size(); ++i) {
+    ContactPatch& patch = patches[i];
+    volume += patch.volume;
+    a.add(patch.a);
+    b.add(patch.b);
+    for (const PatchPoint& point : patch.points) points.rows.push_back({i, point});
+    patch.a.facets = patch.b.facets = {};
+    patch.a.gradients = patch.b.gradients = {};
+    patch.points = {};
+  }
+}
+
+ContactPatches::ContactPatches(const ContactPatchQuery& query)
+    : ContactPatches(query.patches(), query.finished(), query.certified()) {
+  volume = query.volume();
+  contacts.contacts.assign(query.contacts().begin(), query.contacts().end());
+  for (const Contact& contact : contacts.contacts) contacts.finished_count += contact.finished;
+}
+
 namespace {
-
-/// The regions of one body, patch after patch.
-struct PatchRegions {
-  std::vector<PatchFacet> facets;
-  std::vector<VertexGradient> gradients;
-  std::vector<std::size_t> facets_begin{0}, gradients_begin{0};
-
-  void add(const PatchSide& side) {
-    facets.insert(facets.end(), side.facets.begin(), side.facets.end());
-    gradients.insert(gradients.end(), side.gradients.begin(), side.gradients.end());
-    facets_begin.push_back(facets.size());
-    gradients_begin.push_back(gradients.size());
-  }
-};
-
-struct PatchPoints {
-  struct Row {
-    std::uint32_t patch;
-    PatchPoint point;
-  };
-  std::vector<Row> rows;
-};
-
-/// A copy of the results of a run, which stays when the query runs again.
-struct ContactPatches {
-  std::vector<ContactPatch> patches;
-  PatchRegions a, b;
-  PatchPoints points;
-  double volume = 0;
-  bool certified = false;
-
-  explicit ContactPatches(const ContactPatchQuery& query)
-      : patches(query.patches().begin(), query.patches().end()), volume(query.volume()), certified(query.certified()) {
-    for (std::uint32_t i = 0; i < patches.size(); ++i) {
-      ContactPatch& patch = patches[i];
-      a.add(patch.a);
-      b.add(patch.b);
-      for (const PatchPoint& point : patch.points) points.rows.push_back({i, point});
-      patch.a.facets = patch.b.facets = {};
-      patch.a.gradients = patch.b.gradients = {};
-      patch.points = {};
-    }
-  }
-};
 
 void bind_records(nb::module_& m) {
   Record<PatchRegions>(m, "PatchRegions", "The regions of one body, of all patches, patch after patch.")
@@ -104,6 +85,10 @@ void bind_records(nb::module_& m) {
       .property(
           "total_volume", [](const ContactPatches& p) { return p.volume; }, doc::ContactPatchQuery_volume)
       .property(
+          "is_finished", [](const ContactPatches& p) { return p.finished; }, doc::ContactPatchQuery_finished)
+      .property(
+          "contacts", [](const ContactPatches& p) { return p.contacts; }, doc::ContactPatchQuery_contacts)
+      .property(
           "certified", [](const ContactPatches& p) { return p.certified; }, doc::ContactPatchQuery_certified)
       .table([](const ContactPatches& self) { return self.patches.size(); });
 }
@@ -128,19 +113,21 @@ void bind_contact_patches(nb::module_& m) {
           nb::arg("a"), nb::arg("b"), doc::ContactPatchQuery_ContactPatchQuery)
       .def(
           "run",
-          [](HeldPatches& self, std::uint32_t max_points, bool depths) {
+          [](HeldPatches& self, std::uint32_t max_points, bool depths, BudgetGiven budget) {
+            const ContactPatchOptions options{.max_points = max_points, .depths = depths, .budget = budget_of(budget)};
             std::optional<ContactPatches> found;
             const Status status = self.call([&](ContactPatchQuery& query) {
-              const Status result = query.run({.max_points = max_points, .depths = depths});
+              const Status result = query.run(options);
               if (result) found.emplace(query);
               return result;
             });
             require(status);
             return std::move(*found);
           },
-          nb::kw_only(), nb::arg("max_points") = 4, nb::arg("depths") = true,
+          nb::kw_only(), nb::arg("max_points") = 4, nb::arg("depths") = true, nb::arg("budget") = nb::none(),
           with_arguments(doc::ContactPatchQuery_run, {{"max_points", doc::ContactPatchOptions_max_points},
-                                                      {"depths", doc::ContactPatchOptions_depths}})
+                                                      {"depths", doc::ContactPatchOptions_depths},
+                                                      {"budget", doc::ContactPatchOptions_budget}})
               .c_str());
 }
 

@@ -13,6 +13,15 @@
 
 namespace morula::python {
 
+namespace {
+
+ContactPatches patches_of(const Scene& scene, const ScenePair& pair) {
+  const auto covers = [&](BodyId id) { return scene.collider(id).sphere_state().covers; };
+  return {pair.patches, pair.has_patches, covers(pair.a) && covers(pair.b)};
+}
+
+}  // namespace
+
 SceneRows rows_of(const Scene& scene) {
   SceneRows rows;
   for (const ScenePair& pair : scene.pairs()) {
@@ -22,6 +31,7 @@ SceneRows rows_of(const Scene& scene) {
     rows.contacts.contacts.insert(rows.contacts.contacts.end(), pair.contacts.begin(), pair.contacts.end());
     rows.surfaces.rows.insert(rows.surfaces.rows.end(), pair.surfaces.begin(), pair.surfaces.end());
     rows.crossings.pairs.insert(rows.crossings.pairs.end(), pair.crossings.begin(), pair.crossings.end());
+    rows.patches.push_back(patches_of(scene, pair));
     rows.contacts_begin.push_back(static_cast<std::uint32_t>(rows.contacts.contacts.size()));
     rows.surfaces_begin.push_back(rows.surfaces.rows.size());
     rows.crossings_begin.push_back(static_cast<std::uint32_t>(rows.crossings.pairs.size()));
@@ -29,11 +39,12 @@ SceneRows rows_of(const Scene& scene) {
   return rows;
 }
 
-SceneRow row_of(const ScenePair& pair) {
+SceneRow row_of(const Scene& scene, const ScenePair& pair) {
   return {pair,
           {{pair.contacts.begin(), pair.contacts.end()}},
           {{pair.surfaces.begin(), pair.surfaces.end()}},
-          {{pair.crossings.begin(), pair.crossings.end()}}};
+          {{pair.crossings.begin(), pair.crossings.end()}},
+          patches_of(scene, pair)};
 }
 
 void bind_scene_results(nb::module_& m) {
@@ -75,7 +86,10 @@ void bind_scene_results(nb::module_& m) {
           "began", [](const SceneRow& row) { return row.pair.began; }, doc::ScenePair_began)
       .property(
           "finished", [](const SceneRow& row) { return row.pair.finished; }, doc::ScenePair_finished)
+      .property(
+          "has_patches", [](const SceneRow& row) { return row.pair.has_patches; }, doc::ScenePair_has_patches)
       .field("contacts", &SceneRow::contacts)
+      .field("patches", &SceneRow::patches, doc::ScenePair_patches)
       .field("surfaces", &SceneRow::surfaces, doc::ScenePair_surfaces)
       .field("crossings", &SceneRow::crossings, doc::ScenePair_crossings);
   Record<SceneRows> rows(
@@ -103,6 +117,7 @@ void bind_scene_results(nb::module_& m) {
       .property("confirmed", MORULA_COLUMN(SceneRows, pairs, confirmed), doc::ScenePair_confirmed)
       .property("began", MORULA_COLUMN(SceneRows, pairs, began), doc::ScenePair_began)
       .property("finished", MORULA_COLUMN(SceneRows, pairs, finished), doc::ScenePair_finished)
+      .property("has_patches", MORULA_COLUMN(SceneRows, pairs, has_patches), doc::ScenePair_has_patches)
       .property(
           "contacts_begin",
           [](nb::handle self) { return indices(nb::cast<const SceneRows&>(self).contacts_begin, self); },

@@ -96,7 +96,8 @@ void require_scene(const SceneStatus& status) {
 }
 
 SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, const BudgetGiven& budget, bool surfaces,
-                           bool find_crossings, const nb::object& accepts) {
+                           bool find_crossings, bool patches, std::uint32_t patch_points, bool patch_depths,
+                           const nb::object& accepts) {
   if (!accepts.is_none() && !PyCallable_Check(accepts.ptr()))
     throw nb::type_error(
         ("accepts: " + describe(accepts) + ", but None or a function of two BodyIds is needed").c_str());
@@ -106,6 +107,9 @@ SceneOptions scene_options(std::optional<std::uint32_t> level, double margin, co
   options.budget = budget_of(budget);
   options.surfaces = surfaces;
   options.find_crossings = find_crossings;
+  options.patches = patches;
+  options.patch_points = patch_points;
+  options.patch_depths = patch_depths;
   return options;
 }
 
@@ -261,7 +265,7 @@ void bind_scene_questions(Class& scene) {
             return locked_idle(self, [&]() -> std::optional<SceneRow> {
               const ScenePair* pair = self.scene.find(a, b);
               if (!pair) return std::nullopt;
-              return row_of(*pair);
+              return row_of(self.scene, *pair);
             });
           },
           nb::arg("a"), nb::arg("b"), doc::Scene_find)
@@ -335,6 +339,9 @@ void bind_scene_class(nb::module_& m) {
       {"budget", doc::SceneOptions_budget},
       {"surfaces", doc::SceneOptions_surfaces},
       {"find_crossings", doc::SceneOptions_find_crossings},
+      {"patches", doc::SceneOptions_patches},
+      {"patch_points", doc::SceneOptions_patch_points},
+      {"patch_depths", doc::SceneOptions_patch_depths},
       {"accepts",
        "called with two BodyIds; returns True to keep a pair. It is called once when two bodies come near each other. "
        "It may call the scene's methods that identify bodies, and must not move bodies. Its exceptions come out of "
@@ -344,22 +351,25 @@ void bind_scene_class(nb::module_& m) {
       .def(
           "__init__",
           [](HeldScene* self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget, bool surfaces,
-             bool find_crossings, nb::object accepts) {
-            new (self)
-                HeldScene(scene_options(level, margin, budget, surfaces, find_crossings, accepts), std::move(accepts));
+             bool find_crossings, bool patches, std::uint32_t patch_points, bool patch_depths, nb::object accepts) {
+            new (self) HeldScene(scene_options(level, margin, budget, surfaces, find_crossings, patches, patch_points,
+                                               patch_depths, accepts),
+                                 std::move(accepts));
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
-          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("accepts") = nb::none(),
-          nb::sig(
-              "def __init__(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget = "
-              "None, surfaces: bool = False, find_crossings: bool = False, accepts: collections.abc.Callable[[BodyId, "
-              "BodyId], bool] | None = None) -> None"),
+          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("patches") = false,
+          nb::arg("patch_points") = 4, nb::arg("patch_depths") = true, nb::arg("accepts") = nb::none(),
+          nb::sig("def __init__(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget = "
+                  "None, surfaces: bool = False, find_crossings: bool = False, patches: bool = False, patch_points: "
+                  "int = 4, patch_depths: bool = True, accepts: collections.abc.Callable[[BodyId, "
+                  "BodyId], bool] | None = None) -> None"),
           with_arguments(doc::Scene_Scene, arguments).c_str())
       .def(
           "set_options",
           [](HeldScene& self, std::optional<std::uint32_t> level, double margin, BudgetGiven budget, bool surfaces,
-             bool find_crossings, nb::object accepts) {
-            SceneOptions options = scene_options(level, margin, budget, surfaces, find_crossings, accepts);
+             bool find_crossings, bool patches, std::uint32_t patch_points, bool patch_depths, nb::object accepts) {
+            SceneOptions options = scene_options(level, margin, budget, surfaces, find_crossings, patches, patch_points,
+                                                 patch_depths, accepts);
             locked_idle(self, [&] {
               const Scene checked(options);  // throws for options out of range
               std::swap(self.options, options);
@@ -369,10 +379,12 @@ void bind_scene_class(nb::module_& m) {
             });
           },
           nb::kw_only(), nb::arg("level") = nb::none(), nb::arg("margin") = 0.0, nb::arg("budget") = nb::none(),
-          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("accepts") = nb::none(),
+          nb::arg("surfaces") = false, nb::arg("find_crossings") = false, nb::arg("patches") = false,
+          nb::arg("patch_points") = 4, nb::arg("patch_depths") = true, nb::arg("accepts") = nb::none(),
           nb::sig(
               "def set_options(self, *, level: int | None = None, margin: float = 0.0, budget: morula.typing.Budget "
-              "= None, surfaces: bool = False, find_crossings: bool = False, accepts: "
+              "= None, surfaces: bool = False, find_crossings: bool = False, patches: bool = False, patch_points: int "
+              "= 4, patch_depths: bool = True, accepts: "
               "collections.abc.Callable[[BodyId, "
               "BodyId], bool] | None = None) -> None"),
           with_arguments(doc::Scene_set_options, arguments).c_str())

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "contact_patches.hpp"
 #include "contacts.hpp"
 
 namespace morula::python {
@@ -24,6 +25,7 @@ struct SceneRow {
   SceneContacts contacts;
   ContactSurfaces surfaces;
   Crossings crossings;
+  ContactPatches patches;
 };
 
 /// All pairs of an update: a copy, which the next update does not touch.
@@ -35,6 +37,7 @@ struct SceneRows {
   std::vector<std::size_t> surfaces_begin{0};
   ContactSurfaces surfaces;
   Crossings crossings;
+  std::vector<ContactPatches> patches;  // by pair
 
   SceneRow row(std::size_t i) const {
     const auto part = [](const auto& all, std::size_t begin, std::size_t end) {
@@ -44,7 +47,8 @@ struct SceneRows {
     return {pairs[i],
             {part(contacts.contacts, contacts_begin[i], contacts_begin[i + 1])},
             {part(surfaces.rows, surfaces_begin[i], surfaces_begin[i + 1])},
-            {part(crossings.pairs, crossings_begin[i], crossings_begin[i + 1])}};
+            {part(crossings.pairs, crossings_begin[i], crossings_begin[i + 1])},
+            patches[i]};
   }
 };
 
@@ -54,6 +58,6 @@ struct FoundTouch {
 };
 
 SceneRows rows_of(const Scene& scene);
-SceneRow row_of(const ScenePair& pair);
+SceneRow row_of(const Scene& scene, const ScenePair& pair);
 
 }  // namespace morula::python

@@ -55,28 +55,32 @@ struct ContactLoops::FacetPair {
   }
 };
 
-void ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const Collider& b,
-                        const ClosedSurface& surface_b, std::span<const Crossing> pairs, const Vec3& origin) {
+bool ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const Collider& b,
+                        const ClosedSurface& surface_b, std::span<const FacetPairKey> pairs, const Vec3& origin,
+                        Meter* meter) {
   nodes.clear();
   points.clear();
   segments.clear();
   table_[0].clear();
   table_[1].clear();
   origin_ = origin;
-  InterruptPoller poll_interrupt(256);
   Triangle corners_a, corners_b;
   std::uint32_t read = no_facet;
-  for (const Crossing& crossing : pairs) {
-    poll_interrupt();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i % 64 == 0) {
+      check_interrupt();
+      if (meter && meter->out_of_time()) return false;
+    }
+    const std::uint32_t facet_a = pairs[i].facet_a(), facet_b = pairs[i].facet_b();
     // Facets with a repeated index have no area, no edges of their own, and do not count as part of the surface.
-    if (surface_a.connectivity.facet_edges[crossing.facet_a][0] == no_edge ||
-        surface_b.connectivity.facet_edges[crossing.facet_b][0] == no_edge)
+    if (surface_a.connectivity.facet_edges[facet_a][0] == no_edge ||
+        surface_b.connectivity.facet_edges[facet_b][0] == no_edge)
       continue;
-    if (read != crossing.facet_a) corners_a = a.triangle(read = crossing.facet_a);
-    corners_b = b.triangle(crossing.facet_b);
-    FacetPair pair{{crossing.facet_a, crossing.facet_b},
+    if (read != facet_a) corners_a = a.triangle(read = facet_a);
+    corners_b = b.triangle(facet_b);
+    FacetPair pair{{facet_a, facet_b},
                    {&corners_a, &corners_b},
-                   {&a.mesh_facets()[crossing.facet_a], &b.mesh_facets()[crossing.facet_b]},
+                   {&a.mesh_facets()[facet_a], &b.mesh_facets()[facet_b]},
                    {&surface_a, &surface_b},
                    {}};
     const ShiftedPlane plane_b(corners_b, true), plane_a(corners_a, false);
@@ -86,10 +90,12 @@ void ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const
     if (pair.is_apart(1)) continue;
     add(pair);
   }
+  return true;
 }
 
 // An edge passes through a facet if its ends are on different sides of the plane and its line passes the three edges of
-// the facet on the same side. The signs are exact, so both facets of an edge find the same nodes.
+// the facet on the same side. The signs are exact, so both facets of an edge find the same nodes, and two facets have
+// two nodes or none.
 void ContactLoops::add(const FacetPair& pair) {
   constexpr int unknown = 2;
   int turns[3][3] = {{unknown, unknown, unknown}, {unknown, unknown, unknown}, {unknown, unknown, unknown}};
@@ -100,8 +106,9 @@ void ContactLoops::add(const FacetPair& pair) {
     return known;
   };
   std::uint32_t ends[2] = {LoopNodeTable::none, LoopNodeTable::none};  // from, to
+  const auto is_complete = [&] { return ends[0] != LoopNodeTable::none && ends[1] != LoopNodeTable::none; };
   for (std::size_t which = 0; which < 2; ++which)
-    for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3 && !is_complete(); ++k) {
       const std::size_t next = (k + 1) % 3;
       const int first = pair.side[which][k].sign, second = pair.side[which][next].sign;
       if (first == second) continue;
@@ -110,7 +117,7 @@ void ContactLoops::add(const FacetPair& pair) {
       const bool enters = first > second;
       ends[enters == (which == 0) ? 1 : 0] = node(pair, which, k, next);
     }
-  if (ends[0] == LoopNodeTable::none || ends[1] == LoopNodeTable::none) {
+  if (!is_complete()) {
     assert(ends[0] == ends[1]);
     return;
   }
