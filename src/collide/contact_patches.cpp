@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "collide/pairs/placed_spheres.hpp"
+#include "collide/patches/patch_matching.hpp"
 #include "collide/patches/patch_points.hpp"
 #include "collide/require.hpp"
 #include "geometry/object_call.hpp"
@@ -16,15 +18,6 @@
 namespace morula {
 using namespace detail;
 namespace {
-
-/// A patch of the last run, by which the next run recognizes it: its centroid in the coordinates of both bodies, and
-/// the axis of a's coordinates from which its sectors are counted.
-struct KnownPatch {
-  std::uint32_t id;
-  std::array<Vec3, 2> centroid;
-  double size;  // square root of its area
-  int axis;
-};
 
 /// All that patches() refers to.
 struct PatchResult {
@@ -100,7 +93,8 @@ struct ContactPatchQuery::State {
   PatchPoints points;
   PatchResult result, next;
   std::vector<KnownPatch> known, known_next;
-  std::vector<double> sizes;
+  PatchMatching matching;
+  std::vector<double> sizes, diagonals;  // square roots of areas; of the boxes
   std::uint32_t next_id = 0;
 
   void forget() noexcept {
@@ -117,11 +111,14 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   const Collider &a = *body[0], &b = *body[1];
   if (const Status status = crossings.run(a, b); !status) return status;
   const auto pairs = crossings.pairs();
-  const Vec3 origin = pairs.empty() ? b.vertex(b.mesh_facets()[0][0]) : pairs[0].segment.from;
+  // Without crossings the overlap is a part of either body: near the smaller one.
+  const Collider& inner = PlacedSpheres(a)(0).radius < PlacedSpheres(b)(0).radius ? a : b;
+  const Vec3 origin = pairs.empty() ? inner.vertex(inner.mesh_facets()[0][0]) : pairs[0].segment.from;
   loops.find(a, surface[0], b, surface[1], pairs, origin);
   if (const Status status = regions.find(a, surface[0], b, surface[1], loops, origin); !status) return status;
   next.clear();
   sizes.clear();
+  diagonals.clear();
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch)
     if (const Status status = measure(patch); !status) return status;
   recognize();
@@ -138,8 +135,7 @@ Status ContactPatchQuery::State::measure(std::uint32_t patch) {
     if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
   ContactPatch made;
   made.volume = std::max(0.0, sums.volume);
-  // Of a volume that rounds to 0 the reference point is the centroid, up to rounding.
-  const Vec3 arm = sums.volume > 0 ? sums.first_moment / sums.volume : Vec3{};
+  const Vec3 arm = centroid_of(sums);
   made.centroid = regions.origin() + sums.reference + arm;
   for (std::size_t k = 0; k < 2; ++k) {
     PatchSide& side = k == 0 ? made.a : made.b;
@@ -157,44 +153,29 @@ Status ContactPatchQuery::State::measure(std::uint32_t patch) {
   made.crossing_count = regions.crossing_counts[patch];
   next.volume += sums.volume;
   sizes.push_back(std::sqrt(std::max(made.a.area, made.b.area)));
+  diagonals.push_back(sums.box.diagonal());
   next.patches.push_back(made);
   return {};
 }
 
-// Pairs of a known and a new patch in the order of their distance; each is taken once.
 void ContactPatchQuery::State::recognize() {
-  struct Candidate {
-    double distance;
-    std::uint32_t known, patch;
-  };
-  std::vector<Candidate> candidates;
   known_next.clear();
   for (std::uint32_t p = 0; p < next.patches.size(); ++p) {
     const ContactPatch& patch = next.patches[p];
-    known_next.push_back({0xffffffffu, {}, sizes[p], axis_across(body[0]->transform(), patch.normal)});
+    known_next.push_back({PatchMatching::none, {}, sizes[p], axis_across(body[0]->transform(), patch.normal)});
     for (std::size_t k = 0; k < 2; ++k) {
       const RigidTransform& transform = body[k]->transform();
       known_next[p].centroid[k] = transform.inverse_rotate(patch.centroid - transform.translation);
     }
-    for (std::uint32_t q = 0; q < known.size(); ++q) {
-      const double gap = std::min(distance(known[q].centroid[0], known_next[p].centroid[0]),
-                                  distance(known[q].centroid[1], known_next[p].centroid[1]));
-      if (gap <= std::max(sizes[p], known[q].size)) candidates.push_back({gap, q, p});
-    }
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& c, const Candidate& d) {
-    return std::tie(c.distance, c.known, c.patch) < std::tie(d.distance, d.known, d.patch);
-  });
-  std::vector<bool> taken(known.size(), false);
-  for (const Candidate& c : candidates) {
-    KnownPatch& patch = known_next[c.patch];
-    if (taken[c.known] || patch.id != 0xffffffffu) continue;
-    taken[c.known] = true;
-    patch.id = known[c.known].id;
+  const auto matches = matching.find(known, known_next);
+  for (std::uint32_t p = 0; p < matches.size(); ++p) {
+    if (matches[p] == PatchMatching::none) continue;
+    const KnownPatch& before = known[matches[p]];
+    known_next[p].id = before.id;
     // The axis stays until it is too near the normal.
     const RigidTransform& transform = body[0]->transform();
-    if (std::abs(transform.inverse_rotate(next.patches[c.patch].normal)[known[c.known].axis]) < 0.9)
-      patch.axis = known[c.known].axis;
+    if (std::abs(transform.inverse_rotate(next.patches[p].normal)[before.axis]) < 0.9) known_next[p].axis = before.axis;
   }
 }
 
@@ -202,8 +183,10 @@ void ContactPatchQuery::State::complete(std::uint32_t patch, const ContactPatchO
   ContactPatch& made = next.patches[patch];
   next.points_begin.push_back(next.points.size());
   if (made.normal == Vec3{} || (!options.depths && options.max_points == 0)) return;
-  // The point on the axis of the wrench that is nearest to the centroid.
-  const Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
+  // The point on the axis of the wrench that is nearest to the centroid; of a region that is nearly closed, whose axis
+  // may be far away, the centroid.
+  Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
+  if (!(length(arm) <= diagonals[patch])) arm = {};
   const Vec3 center = made.centroid - regions.origin() + arm;
   const PatchFrame frame = frame_of(body[0]->transform(), known_next[patch].axis, made.normal, center);
   for (std::size_t k = 0; k < 2; ++k) projected[k].read(regions, k, patch, frame);
@@ -234,7 +217,7 @@ Status ContactPatchQuery::run(const ContactPatchOptions& options) {
   const Status status = found ? read.status() : found;
   if (status) {
     for (KnownPatch& patch : s.known_next)
-      if (patch.id == 0xffffffffu) patch.id = s.next_id++;
+      if (patch.id == PatchMatching::none) patch.id = s.next_id++;
     for (std::size_t i = 0; i < s.next.patches.size(); ++i) s.next.patches[i].id = s.known_next[i].id;
     std::swap(s.result, s.next);
     std::swap(s.known, s.known_next);

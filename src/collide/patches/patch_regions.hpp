@@ -16,20 +16,15 @@
 #include <cstdint>
 #include <morula/collide/collider.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collide/patches/closed_surface.hpp"
 #include "collide/patches/contact_loops.hpp"
+#include "collide/patches/facet_holes.hpp"
 #include "geometry/disjoint_sets.hpp"
 
 namespace morula::detail {
-
-/// A directed piece of the boundary of a facet's part.
-struct BoundaryPiece {
-  std::uint32_t from, to;  ///< elements
-  int weight;
-  bool is_loop;  ///< true for a segment, false for a part of an edge
-};
 
 /// The part of a facet in one patch.
 struct FacetPart {
@@ -75,6 +70,7 @@ class PatchRegions {
   SurfaceRegion side[2];
   /// Points about the origin: nodes of loops, then vertices of regions.
   std::vector<Vec3> points;
+  std::span<const double> slack;  ///< of nodes: ContactLoops::slack
   std::size_t patch_count = 0;
   std::vector<std::size_t> crossing_counts;  ///< number of nodes by patch
 
@@ -83,6 +79,8 @@ class PatchRegions {
   /// Returns ok, or inside_out for a winding number below 0.
   Status find(const Collider& a, const ClosedSurface& surface_a, const Collider& b, const ClosedSurface& surface_b,
               const ContactLoops& loops, const Vec3& origin);
+
+  std::uint32_t& patch_at(const BoundaryPiece& piece) { return patch_of_[sets_.root(piece.from)]; }
 
  private:
   void sort_loops(SurfaceRegion& s, const ContactLoops& loops);
@@ -95,22 +93,16 @@ class PatchRegions {
   std::uint32_t element_of(SurfaceRegion& s, std::uint32_t vertex);
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
-  std::vector<double> volumes_of_patches();
-  double winding_of(std::uint32_t patch, const Vec3& point);
-  Vec3 point_of_cavity(std::uint32_t patch);
   void join_cavities();
   void split_parts(SurfaceRegion& s);
   void number_patches();
-
-  std::uint32_t& patch_at(const BoundaryPiece& piece) { return patch_of_[sets_.root(piece.from)]; }
 
   DisjointSets sets_{0};
   std::vector<std::uint32_t> patch_of_;  // by root
   ShiftedWinding location_;
   Vec3 origin_;
-  // For the parts of one facet.
-  std::vector<std::uint32_t> ends_;
-  DisjointSets polygons_{0};
+  FacetHoles holes_;
+  std::vector<std::pair<double, double>> volumes_;  // by patch, with their rounding errors
 };
 
 }  // namespace morula::detail
