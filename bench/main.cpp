@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 18> scenarios{{
+constexpr std::array<NamedScenario, 19> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -34,6 +34,7 @@ constexpr std::array<NamedScenario, 18> scenarios{{
     {"collide", run_collide},
     {"volumes", run_volumes},
     {"patches", run_patches},
+    {"pressed", run_pressed},
     {"distance", run_distance},
     {"haptic", run_haptic},
     {"peers", run_peers},
@@ -62,7 +63,7 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option(
          "--scenario", wanted,
-         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, swept, "
+         "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, proximity, swept, "
          "filters, scene, "
          "distance, haptic, peers; may be repeated "
          "(default: all)")

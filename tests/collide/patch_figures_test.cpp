@@ -168,5 +168,103 @@ TEST(LongPatchFigures, fine_limbs_pressed_together_have_the_least_translation_as
   for (const double share : {0.001, 0.005, 0.01}) press_limbs(24, share);
 }
 
+/// The largest change of a force from step to step, over the median one.
+double unevenness(const std::vector<Vec3>& forces) {
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < forces.size(); ++i) changes.push_back(distance(forces[i], forces[i - 1]));
+  std::sort(changes.begin(), changes.end());
+  return changes.back() / changes[changes.size() / 2];
+}
+
+/// The forces volume times area vector of all steps, those of points, and those of clipped tetrahedra.
+struct Slide {
+  std::vector<Vec3> of_patches, of_points, exact;
+
+  template <class Place>
+  Slide(PlacedBody& a, PlacedBody& b, int steps, bool clips, const Place& place) {
+    ContactPatchQuery query(a.collider, b.collider);
+    for (int step = 0; step <= steps; ++step) {
+      a.collider.set_transform(place(static_cast<double>(step) / steps));
+      EXPECT_TRUE(query.run({.depths = false}));
+      Vec3 patches, points;
+      for (const ContactPatch& patch : query.patches()) {
+        patches -= patch.a.area_vector * patch.volume;
+        for (const PatchPoint& point : patch.points) points += point.force * patch.volume;
+      }
+      of_patches.push_back(patches);
+      of_points.push_back(points);
+      if (!clips) continue;
+      const ClippedOverlap clipped = clipped_overlap(a.collider, b.collider);
+      exact.push_back(clipped.area_vector_a * -clipped.volume);
+    }
+  }
+};
+
+// A ball up a ramp, a ball around a larger one, and the tip of a tool along a limb.
+void slide_slowly(int steps) {
+  const RigidTransform turned = RigidTransform::from_axis({0.1, 1, 0.2}, 1);
+  PlacedBody ball(test::icosphere(3)), plate(test::box_mesh({-6, -6, -1}, {6, 6, 0}, 7)), globe(test::icosphere(4, 3));
+  PlacedBody limb(sample_body("limb", 48)), tool(sample_body("tool", 48));
+  const Box of_limb = bounding_box(limb.mesh), of_tool = bounding_box(tool.mesh);
+  const RigidTransform down = RigidTransform::from_axis({0, 1, 0}, std::numbers::pi / 2);
+  const Vec3 tip = down(Vec3{of_tool.upper.x, of_tool.center().y, of_tool.center().z});
+  const auto expect = [&](const char* name, const Slide& slide) {
+    std::cout << name << ", " << steps << " steps: largest change over the median " << unevenness(slide.of_patches)
+              << ", of points " << unevenness(slide.of_points) << '\n';
+    EXPECT_LE(unevenness(slide.of_patches), 3) << name;
+    EXPECT_LE(unevenness(slide.of_points), 3) << name;
+    EXPECT_GT(length(slide.of_patches.front()), 0) << name;
+    EXPECT_GT(length(slide.of_patches.back()), 0) << name;
+  };
+  expect("ramp", Slide(ball, plate, steps, false, [&](double t) {
+           const double x = 2 * t - 1;
+           return RigidTransform{turned.rows, {x, 0.1 * x, 1 - 0.04 - 0.01 * t}};
+         }));
+  expect("ball around a ball", Slide(ball, globe, steps, false, [&](double t) {
+           const double angle = 0.3 + 0.5 * t;
+           return RigidTransform{turned.rows, normalized(Vec3{std::cos(angle), std::sin(angle), 0.1}) * 3.9};
+         }));
+  expect("tool along a limb", Slide(tool, limb, steps, false, [&](double t) {
+           const Vec3 e = of_limb.extent(), at{of_limb.lower.x + e.x * (0.25 + 0.05 * t),
+                                               of_limb.center().y + 0.02 * e.y, of_limb.upper.z - 0.12 * e.z};
+           return RigidTransform{down.rows, at - tip};
+         }));
+}
+
+TEST(PatchFigures, forces_of_slow_slides_change_evenly) {
+  slide_slowly(500);
+}
+TEST(LongPatchFigures, forces_of_slow_slides_of_ten_thousand_steps_change_evenly) {
+  slide_slowly(10000);
+}
+
+Slide roll(int subdivisions, int steps, bool clips) {
+  PlacedBody ball(test::icosphere(subdivisions)), plate(test::box_mesh({-3, -3, -1}, {3, 3, 0}));
+  return Slide(ball, plate, steps, clips, [](double t) {
+    return RigidTransform::from_axis({0.1, 1, 0.2}, 3 * t, {3 * t - 1.5, 0.3 * t, 0.88});
+  });
+}
+
+// The force of a smooth ball that rolls on a plate is constant, so all changes come from the ball's facets: they are
+// those of the exact overlap, and grow small with the facets.
+TEST(PatchFigures, a_rolling_ball_has_the_changes_of_its_facets) {
+  const Slide coarse = roll(1, 300, true);
+  for (std::size_t i = 0; i < coarse.exact.size(); ++i) {
+    EXPECT_LE(distance(coarse.of_patches[i], coarse.exact[i]), 1e-15);
+    EXPECT_LE(distance(coarse.of_points[i], coarse.exact[i]), 1e-15);
+  }
+  EXPECT_NEAR(unevenness(coarse.of_patches) / unevenness(coarse.exact), 1, 1e-6);
+  const auto largest = [](const std::vector<Vec3>& forces) {
+    double change = 0;
+    for (std::size_t i = 1; i < forces.size(); ++i)
+      change = std::max(change, distance(forces[i], forces[i - 1]) / length(forces[i]));
+    return change;
+  };
+  const double of_coarse = largest(coarse.of_patches), of_fine = largest(roll(3, 300, false).of_patches);
+  std::cout << "rolling: largest change of a step over the force " << of_coarse << ", with facets of a quarter of the "
+            << "edge " << of_fine << '\n';
+  EXPECT_LE(of_fine, of_coarse / 4);
+}
+
 }  // namespace
 }  // namespace morula

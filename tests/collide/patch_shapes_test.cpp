@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <morula/collide/contact_patches.hpp>
+#include <morula/geometry/inspect.hpp>
 #include <set>
 #include <support/meshes.hpp>
 
@@ -70,26 +71,48 @@ TEST(PatchShapes, points_carry_the_torque_of_slender_patches) {
   }
 }
 
-// Two prongs leave the plate in opposite directions, so both loops nearly cancel: the axis of force and torque is far
-// away, and no three sectors have area.
+/// A bar along x with a prong upward near one end, and a prong downward near the other, which is a little wider.
+Mesh pronged_bar() {
+  const std::vector<std::pair<double, double>> profile{{-1, -0.5},   {-0.6, -0.5}, {-0.6, -2},   {-0.5, -2},
+                                                       {-0.5, -0.5}, {1, -0.5},    {1, 0.5},     {0.6, 0.5},
+                                                       {0.6, 2},     {0.501, 2},   {0.501, 0.5}, {-1, 0.5}};
+  Mesh mesh;
+  for (const double y : {-0.05, 0.05})
+    for (const auto& [x, z] : profile) mesh.positions.push_back({x, y, z});
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    const std::uint32_t j = (i + 1) % 12;
+    mesh.facets.push_back({i, i + 12, j});
+    mesh.facets.push_back({j, i + 12, j + 12});
+  }
+  for (const Facet& f : {Facet{0, 1, 11}, Facet{1, 10, 11}, Facet{1, 4, 10}, Facet{4, 7, 10}, Facet{4, 5, 7},
+                         Facet{5, 6, 7}, Facet{1, 2, 3}, Facet{1, 3, 4}, Facet{7, 8, 9}, Facet{7, 9, 10}}) {
+    mesh.facets.push_back(f);
+    mesh.facets.push_back({f[2] + 12, f[1] + 12, f[0] + 12});
+  }
+  return inspect(mesh).volume > 0 ? mesh : test::inverted(mesh);
+}
+
+// The prongs leave the other body in opposite directions, so the region's area vector nearly vanishes, and the axis of
+// force and torque is far away.
 TEST(PatchShapes, points_carry_the_torque_of_nearly_closed_regions) {
-  Mesh body = test::joined(box({-1, -1, -0.5}, {1, 1, 0.5}), box({0.5, -0.05, 0.4}, {0.6, 0.05, 2}));
-  body = test::joined(body, box({-0.6, -0.05, -2}, {-0.5, 0.0501, -0.4}));
-  PlacedBody a(body), b(box({-3, -3, -1}, {3, 3, 1}));
+  PlacedBody a(pronged_bar()), b(box({-3, -3, -1}, {3, 3, 1}));
+  ContactPatchQuery query(a.collider, b.collider), swapped(b.collider, a.collider);
   for (const double yaw : {0.0, 0.4, 1.9}) {
     a.collider.set_transform(RigidTransform::from_axis({0, 0, 1}, yaw, {0.01, 0.02, 0.03}));
-    ContactPatchQuery query(a.collider, b.collider);
-    ASSERT_TRUE(query.run());
-    for (const ContactPatch& patch : query.patches()) {
-      if (patch.normal == Vec3{}) continue;
-      ASSERT_GE(patch.points.size(), 3u);
-      EXPECT_LE(length(force_error(patch)), 1e-14);
-      EXPECT_LE(length(torque_error(patch)), 1e-13);
-      for (const PatchPoint& point : patch.points) {
-        EXPECT_LE(length(point.point - patch.centroid), 5);
-        EXPECT_LE(length(point.force), 1);
+    for (ContactPatchQuery* const run : {&query, &swapped})
+      for (const std::uint32_t count : {3u, 4u, 8u}) {
+        ASSERT_TRUE(run->run({.max_points = count}));
+        ASSERT_EQ(run->patches().size(), 1u);
+        const ContactPatch& patch = run->patches()[0];
+        EXPECT_NEAR(length(patch.a.area_vector), 1e-4, 1e-10);
+        ASSERT_GE(patch.points.size(), 3u);
+        EXPECT_LE(length(force_error(patch)), 1e-14);
+        EXPECT_LE(length(torque_error(patch)), 1e-13);
+        for (const PatchPoint& point : patch.points) {
+          EXPECT_LE(length(point.point - patch.centroid), 5);
+          EXPECT_LE(length(point.force), 1);
+        }
       }
-    }
   }
 }
 
