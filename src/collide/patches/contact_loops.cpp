@@ -79,7 +79,6 @@ void ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const
                         const ClosedSurface& surface_b, std::span<const Crossing> pairs, const Vec3& origin) {
   nodes.clear();
   points.clear();
-  slack.clear();
   segments.clear();
   table_[0].clear();
   table_[1].clear();
@@ -163,8 +162,6 @@ std::uint32_t ContactLoops::node(const FacetPair& pair, std::size_t side, std::s
   }
   const Vec3 p = from - origin_, q = to - origin_;
   points.push_back(along <= back ? p + (q - p) * along : q + (p - q) * back);
-  // mutant patches-inverted-slack: `error < sum ? error / sum : 1` -> `0`
-  slack.push_back(length(q - p) * (error < sum ? error / sum : 1));
   nodes.push_back({edge, facet, along, s0.sign > s1.sign ? 1 : -1, static_cast<std::uint8_t>(side)});
   return place;
 }

@@ -60,7 +60,6 @@ class ContactLoops {
  public:
   std::vector<LoopNode> nodes;
   std::vector<Vec3> points;           ///< of nodes, about the origin
-  std::vector<double> slack;          ///< of nodes: the largest error of the point along its edge, by rounding
   std::vector<LoopSegment> segments;  ///< ascending by facet_a, then by facet_b
 
   /// pairs: all pairs of facets with a common point, ascending. Pairs that only touch have no segment.

@@ -69,13 +69,10 @@ void PatchIntegrator::add(const PatchRegions& regions, std::size_t which, const 
   const std::uint32_t anchor = s.pieces[part.begin].from;
   const Vec3 c = regions.points[anchor], arm = c - sums.reference;
   const double far = size_of(arm) + size_of(c);
-  const double extent = 2 * std::max(length(u), length(v));
-  const auto slack = [&](std::uint32_t point) { return point < regions.slack.size() ? regions.slack[point] : 0; };
   Vec3 area_vector;
   std::array<Vec3, 3> gradient{};
   for (std::uint32_t i = part.begin; i < part.end; ++i) {
     const BoundaryPiece& piece = s.pieces[i];
-    sums.rounding[which] += extent * std::abs(piece.weight) * (slack(piece.from) + slack(piece.to));
     sums.box.add(regions.points[piece.from] - sums.reference);
     if (piece.from == anchor || piece.to == anchor) continue;  // a triangle without area
     const Vec3 p = regions.points[piece.from] - c, q = regions.points[piece.to] - c;

@@ -39,7 +39,6 @@ Status PatchRegions::find(const Collider& a, const ClosedSurface& surface_a, con
                           const ClosedSurface& surface_b, const ContactLoops& loops, const Vec3& origin) {
   origin_ = origin;
   points.assign(loops.points.begin(), loops.points.end());
-  slack = loops.slack;
   sets_.clear();
   for (std::size_t k = 0; k < points.size(); ++k) sets_.add();
   side[0].start(a, surface_a, true);

@@ -70,7 +70,6 @@ class PatchRegions {
   SurfaceRegion side[2];
   /// Points about the origin: nodes of loops, then vertices of regions.
   std::vector<Vec3> points;
-  std::span<const double> slack;  ///< of nodes: ContactLoops::slack
   std::size_t patch_count = 0;
   std::vector<std::size_t> crossing_counts;  ///< number of nodes by patch
 
