@@ -25,25 +25,16 @@ struct NamedScenario {
   Run run;
 };
 constexpr std::array<NamedScenario, 19> scenarios{{
-    {"build", run_build},
-    {"update", run_update},
-    {"modal", run_modal},
-    {"rebuild", run_rebuild},
-    {"measure", run_measure},
-    {"query", run_query},
-    {"collide", run_collide},
-    {"volumes", run_volumes},
-    {"patches", run_patches},
-    {"distance", run_distance},
-    {"haptic", run_haptic},
-    {"peers", run_peers},
-    {"crossings", run_crossings},
-    {"self", run_self},
-    {"proximity", run_proximity},
-    {"swept", run_swept},
-    {"filters", run_filters},
-    {"scene", run_scene},
-    {"scene-patches", run_scene_patches},
+    {"build", run_build},       {"update", run_update},
+    {"modal", run_modal},       {"rebuild", run_rebuild},
+    {"measure", run_measure},   {"query", run_query},
+    {"collide", run_collide},   {"volumes", run_volumes},
+    {"patches", run_patches},   {"pressed", run_pressed},
+    {"distance", run_distance}, {"haptic", run_haptic},
+    {"peers", run_peers},       {"crossings", run_crossings},
+    {"self", run_self},         {"proximity", run_proximity},
+    {"swept", run_swept},       {"filters", run_filters},
+    {"scene", run_scene},       {"scene-patches", run_scene_patches},
 }};
 
 int run(int argc, char** argv) {
@@ -61,12 +52,11 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option(
-         "--scenario", wanted,
-         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, swept, "
-         "filters, scene, scene-patches, "
-         "distance, haptic, peers; may be repeated "
-         "(default: all)")
+  app.add_option("--scenario", wanted,
+                 "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
+                 "proximity, swept, filters, scene, scene-patches, "
+                 "distance, haptic, peers; may be repeated "
+                 "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"

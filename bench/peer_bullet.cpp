@@ -5,9 +5,13 @@
 #include <BulletCollision/BroadphaseCollision/btAxisSweep3.h>
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionWorld.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btOptimizedBvh.h>
 #include <BulletCollision/CollisionShapes/btTriangleIndexVertexArray.h>
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 
 #include <morula/geometry/triangle_intersection.hpp>
@@ -194,8 +198,75 @@ class BulletBoxes final : public BoxPeer {
   std::vector<btBroadphaseProxy*> proxies_;
 };
 
+class BulletContacts final : public ContactPeer {
+ public:
+  BulletContacts(const Mesh& a, const Mesh& b, bool hull_of_a) : a_(a), b_(b) {
+    if (hull_of_a) {
+      auto hull = std::make_unique<btConvexHullShape>();
+      for (std::size_t f = 0; f < a_.facet_count(); ++f)
+        for (std::size_t k = 0; k < 3; ++k) hull->addPoint(a_.corner(f, k), false);
+      hull->recalcLocalAabb();
+      hull->setMargin(0);
+      shapes_[0] = std::move(hull);
+      auto facets = std::make_unique<btBvhTriangleMeshShape>(&b_.arrays(), true);
+      facets->setMargin(0);
+      shapes_[1] = std::move(facets);
+    } else {
+      btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
+      for (std::size_t k = 0; k < 2; ++k) {
+        auto shape = std::make_unique<btGImpactMeshShape>(&(k == 0 ? a_ : b_).arrays());
+        shape->setMargin(0);
+        shape->updateBound();
+        shapes_[k] = std::move(shape);
+      }
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      objects_[k].setCollisionShape(shapes_[k].get());
+      world_.addCollisionObject(&objects_[k]);
+    }
+  }
+  ~BulletContacts() override {
+    for (btCollisionObject& object : objects_) world_.removeCollisionObject(&object);
+  }
+  void find(const RigidTransform& a, const RigidTransform& b, std::vector<PeerContact>& contacts) override {
+    objects_[0].setWorldTransform(placed(a));
+    objects_[1].setWorldTransform(placed(b));
+    world_.performDiscreteCollisionDetection();
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+      const double sign = manifold.getBody0() == &objects_[0] ? 1 : -1;
+      for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        const btManifoldPoint& point = manifold.getContactPoint(k);
+        const btVector3& n = point.m_normalWorldOnB;
+        contacts.push_back(
+            {Vec3{static_cast<double>(n.x()), static_cast<double>(n.y()), static_cast<double>(n.z())} * sign,
+             -static_cast<double>(point.getDistance())});
+      }
+    }
+  }
+
+ private:
+  static btTransform placed(const RigidTransform& t) {
+    const auto row = [&](const Vec3& v) {
+      return btVector3(static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z));
+    };
+    const btVector3 x = row(t.rows[0]), y = row(t.rows[1]), z = row(t.rows[2]);
+    return btTransform({x.x(), x.y(), x.z(), y.x(), y.y(), y.z(), z.x(), z.y(), z.z()}, row(t.translation));
+  }
+  BulletMesh a_, b_;
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broad_;
+  btCollisionWorld world_{&dispatcher_, &broad_, &configuration_};
+  std::unique_ptr<btCollisionShape> shapes_[2];
+  btCollisionObject objects_[2];
+};
+
 }  // namespace
 
+std::unique_ptr<ContactPeer> make_bullet_contacts(const Mesh& a, const Mesh& b, bool hull_of_a) {
+  return std::make_unique<BulletContacts>(a, b, hull_of_a);
+}
 std::unique_ptr<BoxPeer> make_bullet_tree_boxes(std::span<const Box> boxes, std::size_t moving_count) {
   return std::make_unique<BulletBoxes>(std::make_unique<btDbvtBroadphase>(), boxes, moving_count);
 }

@@ -22,6 +22,9 @@ std::unique_ptr<Peer> make_fcl(const Mesh&) {
 }
 #endif
 #ifndef MORULA_PEER_BULLET
+std::unique_ptr<ContactPeer> make_bullet_contacts(const Mesh&, const Mesh&, bool) {
+  return nullptr;
+}
 std::unique_ptr<BoxPeer> make_bullet_tree_boxes(std::span<const Box>, std::size_t) {
   return nullptr;
 }

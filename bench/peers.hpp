@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <morula/geometry/box.hpp>
+#include <morula/geometry/rigid_transform.hpp>
 #include <span>
 #include <vector>
 
@@ -79,6 +80,21 @@ std::unique_ptr<BoxPeer> make_bullet_sweep_boxes(std::span<const Box> boxes, std
 std::unique_ptr<CrossingPeer> make_fcl_crossings(const Mesh& a, const Mesh& b);
 std::unique_ptr<CrossingPeer> make_bullet_crossings(const Mesh& a, const Mesh& b);
 std::unique_ptr<CrossingPeer> make_embree_crossings(const Mesh& a, const Mesh& b);
+
+/// A contact that a solver takes: the normal from b to a, and the depth.
+struct PeerContact {
+  Vec3 normal;
+  double depth;
+};
+/// Two meshes, placed, with the contacts between them.
+class ContactPeer {
+ public:
+  virtual ~ContactPeer() = default;
+  /// Appends the contacts. Timed.
+  virtual void find(const RigidTransform& a, const RigidTransform& b, std::vector<PeerContact>& contacts) = 0;
+};
+/// Manifolds of GImpact's shapes, or of the convex hull of a with the facets of b. Nothing where Bullet is not there.
+std::unique_ptr<ContactPeer> make_bullet_contacts(const Mesh& a, const Mesh& b, bool hull_of_a);
 
 std::unique_ptr<Peer> make_fcl(const Mesh& mesh);
 std::unique_ptr<Peer> make_bullet(const Mesh& mesh);

@@ -21,8 +21,8 @@
 namespace morula {
 
 struct ContactPatchOptions {
-  /// Largest number of points of a patch, from 0 to 16. Three or more reproduce force and torque of the patch; one or
-  /// two reproduce the force.
+  /// Largest number of points of a patch, from 0 to 16. Three or more reproduce force and torque of the patch, of
+  /// any shape; one or two reproduce the force.
   std::uint32_t max_points = 4;
   /// true: compute ContactPatch::depth; for patches of 1,000 facets this may cost more than the rest of the run.
   bool depths = true;
@@ -63,7 +63,9 @@ struct PatchPoint {
   /// the normal, plus the least correction with which all forces and torques sum up to those of the patch.
   Vec3 force;
   double volume = 0;  ///< volume of the sector, mesh units³; the sum over all points is ContactPatch::volume
-  double depth = 0;   ///< volume of the sector over its area across the normal: its mean depth, mesh units
+  /// Volume of the sector over its area across the normal: its mean depth, mesh units. 0 for a sector without area,
+  /// which has a point only where fewer than three sectors have one.
+  double depth = 0;
   /// Points of both surfaces on the line through `point` along the normal; where the line misses the region, the center
   /// of the facet's part that is nearest to it.
   SurfacePoint on_a, on_b;
@@ -114,7 +116,7 @@ class ContactPatchQuery {
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
-  /// 16 points and a negative budget (bad_option), and a surface that is inside out around a vertex of the other
+  /// 16 points and a negative budget (bad_option), and a surface that is inside out where it meets the other
   /// (inside_out); all results then stay as they were. If a callback (clock) throws or moves a body, the query has no
   /// results, and patches get new ids.
   ///

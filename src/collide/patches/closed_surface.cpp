@@ -9,6 +9,7 @@
 
 #include "collide/pairs/placed_spheres.hpp"
 #include "collide/patches/shifted_predicates.hpp"
+#include "geometry/disjoint_sets.hpp"
 #include "geometry/inspect_sides.hpp"
 
 namespace morula::detail {
@@ -78,6 +79,23 @@ ShiftedHalfLine shortest_way_out(const Collider& body, const PlacedSpheres& sphe
   return lines[static_cast<std::size_t>(std::min_element(facets.begin(), facets.end()) - facets.begin())];
 }
 
+/// Components by vertices of all facets but those with a repeated index, which get the number no_facet: they are no
+/// part of the surface, and would join components that are apart.
+Components components_of(std::size_t facet_count, const Connectivity& connectivity) {
+  DisjointSets sets(facet_count);
+  for (std::uint32_t v = 0; v + 1 < connectivity.fan_begin.size(); ++v) {
+    const auto fan = connectivity.vertex_facets(v);
+    for (const std::uint32_t f : fan) sets.join(fan[0], f);
+  }
+  Components components;
+  components.of_facet.assign(facet_count, no_facet);
+  for (std::uint32_t f = 0; f < facet_count; ++f) {
+    if (connectivity.facet_edges[f][0] == no_edge) continue;
+    components.of_facet[f] = sets.root(f) == f ? components.count++ : components.of_facet[sets.root(f)];
+  }
+  return components;
+}
+
 }  // namespace
 
 ClosedSurface::ClosedSurface(const Collider& body, const char* which) {
@@ -96,13 +114,12 @@ ClosedSurface::ClosedSurface(const Collider& body, const char* which) {
   if (report.volume < 0)
     throw std::invalid_argument(name + " is inside out: its volume is " + std::to_string(report.volume) +
                                 ", so turn its facets over");
-  components = components_by_vertices(mesh);
+  components = components_of(mesh.facet_count(), connectivity);
   component_vertex.assign(components.count, 0xffffffffu);
   for (std::size_t f = 0; f < mesh.facet_count(); ++f)
-    for (const std::uint32_t v : mesh.facets[f]) {
-      std::uint32_t& lowest = component_vertex[components.of_facet[f]];
-      lowest = std::min(lowest, v);
-    }
+    if (const std::uint32_t component = components.of_facet[f]; component != no_facet)
+      for (const std::uint32_t v : mesh.facets[f])
+        component_vertex[component] = std::min(component_vertex[component], v);
 }
 
 int ShiftedWinding::around(const Collider& body, const Vec3& point, bool of_a) {

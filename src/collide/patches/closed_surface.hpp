@@ -16,7 +16,7 @@ struct ClosedSurface {
   ClosedSurface(const Collider& body, const char* which);
 
   Connectivity connectivity;
-  Components components;                        ///< by vertices
+  Components components;  ///< by vertices; no_facet for facets with a repeated index, which belong to none
   std::vector<std::uint32_t> component_vertex;  ///< a vertex of each component
 };
 

@@ -11,6 +11,26 @@
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
+namespace {
+
+/// The position on an edge that is nearest to `along` and in the triangle, both projected along the triangle's normal;
+/// `along` if the edge passes the triangle.
+double within(const Triangle& t, const Vec3& from, const Vec3& to, double along) {
+  const auto [first, second] = TrianglePlane(t).projection();
+  const auto turn = [&](const Vec3& p, const Vec3& q, const Vec3& x) {
+    return (q[first] - p[first]) * (x[second] - p[second]) - (q[second] - p[second]) * (x[first] - p[first]);
+  };
+  const double outward = turn(t[0], t[1], t[2]) < 0 ? -1 : 1;
+  double low = 0, high = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double h = outward * turn(t[k], t[(k + 1) % 3], from), g = outward * turn(t[k], t[(k + 1) % 3], to);
+    if (h < 0 && g > 0) low = std::max(low, h / (h - g));
+    if (h > 0 && g < 0) high = std::min(high, h / (h - g));
+  }
+  return low <= high ? std::clamp(along, low, high) : along;
+}
+
+}  // namespace
 
 void LoopNodeTable::clear() {
   used_ = 0;
@@ -135,8 +155,19 @@ std::uint32_t ContactLoops::node(const FacetPair& pair, std::size_t side, std::s
   if ((*pair.corners[side])[k] != pair.surface[side]->connectivity.edges[edge][0]) std::swap(k, next);
   const TrianglePlane::Side &s0 = pair.side[side][k], &s1 = pair.side[side][next];
   const double h0 = std::max(0.0, s0.value * s0.sign), h1 = std::max(0.0, s1.value * s1.sign), sum = h0 + h1;
-  const double along = sum > 0 ? h0 / sum : 0.5, back = sum > 0 ? h1 / sum : 0.5;
-  const Vec3 p = (*pair.triangle[side])[k] - origin_, q = (*pair.triangle[side])[next] - origin_;
+  const Triangle& t = *pair.triangle[1 - side];
+  const Vec3 &from = (*pair.triangle[side])[k], &to = (*pair.triangle[side])[next];
+  // Heights above the plane have errors of 10 times 2^-53 of the permanent (TrianglePlane), which is at most six times
+  // the product of three max norms. For an edge in the plane, up to rounding, the point may be anywhere on the edge.
+  const double error =
+      0x1p-46 * max_norm(t[1] - t[0]) * max_norm(t[2] - t[0]) * (max_norm(from - t[0]) + max_norm(to - t[0]));
+  double along = sum > 0 ? h0 / sum : 0.5, back = sum > 0 ? h1 / sum : 0.5;
+  // mutant patches-in-plane-anywhere: `16 * error > sum` -> `false`
+  if (16 * error > sum) {
+    along = within(t, from, to, along);
+    back = 1 - along;
+  }
+  const Vec3 p = from - origin_, q = to - origin_;
   points.push_back(along <= back ? p + (q - p) * along : q + (p - q) * back);
   nodes.push_back({edge, facet, along, s0.sign > s1.sign ? 1 : -1, static_cast<std::uint8_t>(side)});
   return place;

@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/triangle_intersection.hpp>
-#include <tuple>
+
+#include "collide/pairs/placed_spheres.hpp"
 
 namespace morula::detail {
 namespace {
-
-constexpr std::uint32_t no_id = 0xffffffffu;
 
 /// The axis of the body's coordinates that is most nearly across the normal.
 int axis_across(const RigidTransform& transform, const Vec3& normal) {
@@ -70,13 +69,16 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
     if (!crossings_.add(pair, meter)) return {};
   crossings_.finish();
   const auto pairs = crossings_.pairs();
+  // Without crossings the overlap is a part of either body: near the smaller one.
+  const Collider& inner = PlacedSpheres(a)(0).radius < PlacedSpheres(b)(0).radius ? a : b;
   const Vec3 origin = pairs.empty()
-                          ? b.vertex(b.mesh_facets()[0][0])
+                          ? inner.vertex(inner.mesh_facets()[0][0])
                           : intersection(a.triangle(pairs[0].facet_a()), b.triangle(pairs[0].facet_b()))->from;
   if (!loops_.find(a, *bodies.surface[0], b, *bodies.surface[1], pairs, origin, meter)) return {};
   if (const Status status = regions_.find(a, *bodies.surface[0], b, *bodies.surface[1], loops_, origin); !status)
     return {status};
   result.clear();
+  diagonals_.clear();
   for (std::uint32_t patch = 0; patch < regions_.patch_count; ++patch) {
     if (out_of_time()) return {};
     if (const Status status = measure(patch, result); !status) return {status};
@@ -88,7 +90,7 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
   }
   result.volume = std::max(0.0, result.volume);
   for (std::size_t i = 0; i < result.patches.size(); ++i) {
-    if (result.known[i].id == no_id) result.known[i].id = next_id++;
+    if (result.known[i].id == PatchMatching::none) result.known[i].id = next_id++;
     result.patches[i].id = result.known[i].id;
   }
   result.link();
@@ -99,10 +101,14 @@ Status PatchEngine::measure(std::uint32_t patch, PatchResult& result) {
   const PatchIntegrals sums = integrator_.integrate(regions_, patch, result.sides);
   for (std::uint8_t k = 0; k < 2; ++k)
     if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
+  // Winding numbers below 0 that no vertex shows: the body whose winding numbers are lower is inside out.
+  if (sums.volume < -sums.volume_rounding) {
+    const bool lower_on_a = sums.wound_area[0] * sums.area[1] < sums.wound_area[1] * sums.area[0];
+    return {Status::Code::inside_out, static_cast<std::uint8_t>(lower_on_a ? 1 : 0)};
+  }
   ContactPatch made;
   made.volume = std::max(0.0, sums.volume);
-  // Of a volume that rounds to 0 the reference point is the centroid, up to rounding.
-  const Vec3 arm = sums.volume > 0 ? sums.first_moment / sums.volume : Vec3{};
+  const Vec3 arm = centroid_of(sums);
   made.centroid = regions_.origin() + sums.reference + arm;
   for (std::size_t k = 0; k < 2; ++k) {
     PatchSide& side = k == 0 ? made.a : made.b;
@@ -119,42 +125,31 @@ Status PatchEngine::measure(std::uint32_t patch, PatchResult& result) {
   }
   made.crossing_count = regions_.crossing_counts[patch];
   result.volume += sums.volume;
+  diagonals_.push_back(sums.box.diagonal());
   result.patches.push_back(made);
   return {};
 }
 
-// Pairs of a known and a new patch in the order of their distance; each is taken once.
 void PatchEngine::recognize(const PatchBodies& bodies, std::span<const KnownPatch> earlier, PatchResult& result) {
-  candidates_.clear();
-  for (std::uint32_t p = 0; p < result.patches.size(); ++p) {
-    const ContactPatch& patch = result.patches[p];
-    KnownPatch& known = result.known.emplace_back(KnownPatch{no_id,
+  const RigidTransform& transform_a = bodies.body[0]->transform();
+  for (const ContactPatch& patch : result.patches) {
+    KnownPatch& known = result.known.emplace_back(KnownPatch{PatchMatching::none,
                                                              {},
                                                              std::sqrt(std::max(patch.a.area, patch.b.area)),
-                                                             axis_across(bodies.body[0]->transform(), patch.normal)});
+                                                             axis_across(transform_a, patch.normal)});
     for (std::size_t k = 0; k < 2; ++k) {
       const RigidTransform& transform = bodies.body[k]->transform();
       known.centroid[k] = transform.inverse_rotate(patch.centroid - transform.translation);
     }
-    for (std::uint32_t q = 0; q < earlier.size(); ++q) {
-      const double gap = std::min(distance(earlier[q].centroid[0], known.centroid[0]),
-                                  distance(earlier[q].centroid[1], known.centroid[1]));
-      if (gap <= std::max(known.size, earlier[q].size)) candidates_.push_back({gap, q, p});
-    }
   }
-  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& c, const Candidate& d) {
-    return std::tie(c.distance, c.known, c.patch) < std::tie(d.distance, d.known, d.patch);
-  });
-  taken_.assign(earlier.size(), 0);
-  for (const Candidate& c : candidates_) {
-    KnownPatch& patch = result.known[c.patch];
-    if (taken_[c.known] || patch.id != no_id) continue;
-    taken_[c.known] = 1;
-    patch.id = earlier[c.known].id;
+  const std::span<const std::uint32_t> matches = matching_.find(earlier, result.known);
+  for (std::uint32_t p = 0; p < matches.size(); ++p) {
+    if (matches[p] == PatchMatching::none) continue;
+    const KnownPatch& before = earlier[matches[p]];
+    result.known[p].id = before.id;
     // The axis stays until it is too near the normal.
-    const RigidTransform& transform = bodies.body[0]->transform();
-    if (std::abs(transform.inverse_rotate(result.patches[c.patch].normal)[earlier[c.known].axis]) < 0.9)
-      patch.axis = earlier[c.known].axis;
+    if (std::abs(transform_a.inverse_rotate(result.patches[p].normal)[before.axis]) < 0.9)
+      result.known[p].axis = before.axis;
   }
 }
 
@@ -163,8 +158,10 @@ void PatchEngine::complete(const PatchBodies& bodies, std::uint32_t patch, const
   ContactPatch& made = result.patches[patch];
   result.points_begin.push_back(result.points.size());
   if (made.normal == Vec3{} || (!options.depths && options.max_points == 0)) return;
-  // The point on the axis of the wrench that is nearest to the centroid.
-  const Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
+  // The point on the axis of the wrench that is nearest to the centroid; of a region that is nearly closed, whose axis
+  // may be far away, the centroid.
+  Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
+  if (!(length(arm) <= diagonals_[patch])) arm = {};
   const Vec3 center = made.centroid - regions_.origin() + arm;
   const PatchFrame frame = frame_of(bodies.body[0]->transform(), result.known[patch].axis, made.normal, center);
   for (std::size_t k = 0; k < 2; ++k) projected_[k].read(regions_, k, patch, frame);

@@ -10,18 +10,10 @@
 #include <vector>
 
 #include "collide/facets/facet_crossings.hpp"
+#include "collide/patches/patch_matching.hpp"
 #include "collide/patches/patch_points.hpp"
 
 namespace morula::detail {
-
-/// A patch of the last run, by which the next run recognizes it: its centroid in the coordinates of both bodies, and
-/// the axis of a's coordinates from which its sectors are counted.
-struct KnownPatch {
-  std::uint32_t id;
-  std::array<Vec3, 2> centroid;
-  double size;  // square root of its area
-  int axis;
-};
 
 /// All that the patches of a pair of bodies refer to.
 struct PatchResult {
@@ -71,13 +63,8 @@ class PatchEngine {
   ProjectedRegion projected_[2];
   PatchDepth depth_;
   PatchPoints points_;
-  // For recognize().
-  struct Candidate {
-    double distance;
-    std::uint32_t known, patch;
-  };
-  std::vector<Candidate> candidates_;
-  std::vector<std::uint8_t> taken_;
+  PatchMatching matching_;
+  std::vector<double> diagonals_;  // of the boxes of patches
 };
 
 }  // namespace morula::detail

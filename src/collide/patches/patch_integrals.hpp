@@ -26,6 +26,7 @@
 
 #include <array>
 #include <morula/collide/contact_patches.hpp>
+#include <morula/geometry/box.hpp>
 #include <span>
 #include <vector>
 
@@ -44,13 +45,24 @@ struct SideResult {
 struct PatchIntegrals {
   Vec3 reference;  ///< a point of the patch, about which moments are summed
   double volume = 0;
-  Vec3 first_moment;                        ///< of the volume
+  Vec3 first_moment;    ///< of the volume
+  Vec3 surface_moment;  ///< first moment of the pieces' triangles, weighted with sizes of areas
+  double surface = 0;   ///< sum of these weights
+  /// The largest error of the volume by rounding, with a factor of 10 to spare.
+  double volume_rounding = 0;
+  Box box;                                  ///< of all points, about the reference point
   std::array<Vec3, 2> area_vector, moment;  ///< of each side
   std::array<double, 2> area{};
   /// Area of each side times the winding number of the other body around it, and the largest error of this by rounding,
-  /// with a factor of 1,000 to spare. Where no winding number is below 0, neither is this, up to rounding.
+  /// with
+  /// a factor of 1,000 to spare. Where no winding number
+  /// is below 0, neither is this, up to rounding.
   std::array<double, 2> wound_area{}, rounding{};
 };
+
+/// The centroid about the reference point: in the box of the points, and that of the surface where the volume is one
+/// of rounding errors.
+Vec3 centroid_of(const PatchIntegrals& sums);
 
 /// The parts of a patch.
 std::span<const FacetPart> parts_of(const SurfaceRegion& region, std::uint32_t patch);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <numbers>
 
@@ -15,17 +16,54 @@ double turn_of(const Vec3& d, const Vec3& x) {
   return d.x * x.y - d.y * x.x;
 }
 
-/// The vector b for which the sum of y x (b x y) over all points is `moment`; 0 if points on one line do not allow it.
-Vec3 spin_for(const std::vector<Vec3>& arms, const Vec3& moment) {
-  double xx = 0, yy = 0, zz = 0, xy = 0, yz = 0, zx = 0;
-  for (const Vec3& y : arms) {
-    xx += y.y * y.y + y.z * y.z, yy += y.z * y.z + y.x * y.x, zz += y.x * y.x + y.y * y.y;
-    xy -= y.x * y.y, yz -= y.y * y.z, zx -= y.z * y.x;
+/// Coordinates in which the arms of points are well scaled: `along` the longest arm, `across` the part of an arm that
+/// is farthest from it, `upright` across both; length and width are those arms' sizes.
+struct ArmFrame {
+  Vec3 along, across, upright;
+  double length = 0, width = 0;
+
+  explicit ArmFrame(const std::vector<Vec3>& arms) {
+    for (const Vec3& y : arms)
+      if (const double size = morula::length(y); size > length) length = size, along = y;
+    if (!(length > 0)) return;
+    along = along / length;
+    for (const Vec3& y : arms)
+      if (const Vec3 off = cross(along, y); morula::length(off) > width) width = morula::length(off), upright = off;
+    // Arms on one line, up to rounding, allow no torque about it.
+    if (!(width > 0x1p-45 * length)) {
+      width = 0;
+      return;
+    }
+    upright = upright / width;
+    across = cross(upright, along);
   }
-  const Vec3 r0{xx, xy, zx}, r1{xy, yy, yz}, r2{zx, yz, zz};
-  const double determinant = dot(r0, cross(r1, r2)), size = xx + yy + zz;
-  if (!(determinant > 1e-9 * size * size * size)) return {};
-  return (cross(r1, r2) * moment.x + cross(r2, r0) * moment.y + cross(r0, r1) * moment.z) / determinant;
+};
+
+/// The vector b for which the sum of y x (b x y) over all points is `moment`; for points on one line, that for the part
+/// of the moment across the line. In coordinates divided by length and width all entries of the matrix are at most the
+/// number of points, and its determinant does not depend on the ratio of both; so the solution is as exact for a patch
+/// of any shape.
+Vec3 spin_for(const ArmFrame& frame, const std::vector<Vec3>& arms, const Vec3& moment) {
+  if (!(frame.length > 0)) return {};
+  if (frame.width == 0) {
+    double square = 0;
+    for (const Vec3& y : arms) square += squared_length(y);
+    return (moment - frame.along * dot(frame.along, moment)) / square;
+  }
+  double uu = 0, vv = 0, ww = 0, uv = 0, vw = 0, wu = 0;
+  for (const Vec3& y : arms) {
+    const double u = dot(frame.along, y) / frame.length, v = dot(frame.across, y) / frame.width,
+                 w = dot(frame.upright, y) / frame.width;
+    uu += u * u, vv += v * v, ww += w * w, uv += u * v, vw += v * w, wu += w * u;
+  }
+  const double thin = (frame.width / frame.length) * (frame.width / frame.length);
+  const Vec3 r0{vv + ww, -uv, -wu}, r1{-uv, uu + thin * ww, -thin * vw}, r2{-wu, -thin * vw, uu + thin * vv};
+  const Vec3 m{dot(frame.along, moment) / frame.width, dot(frame.across, moment) / frame.length,
+               dot(frame.upright, moment) / frame.length};
+  const double determinant = dot(r0, cross(r1, r2));
+  if (!(determinant > 0)) return {};
+  const Vec3 b = (cross(r1, r2) * m.x + cross(r2, r0) * m.y + cross(r0, r1) * m.z) / determinant;
+  return frame.along * (b.x / frame.width) + frame.across * (b.y / frame.length) + frame.upright * (b.z / frame.length);
 }
 
 /// The point of a region on the line through x along the normal, on the side of the other body; else a part's middle.
@@ -108,6 +146,7 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
     const SinCos angle = sin_cos(2 * std::numbers::pi * k / count);
     rays_.push_back({angle.cos, angle.sin, 0});
   }
+  const auto middle_ray = [&](std::uint32_t k) { return normalized(rays_[k] + rays_[(k + 1) % count]); };
   collect(a, true);
   collect(b, false);
 
@@ -119,36 +158,49 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
   arms.clear();
   Vec3 force = wrench.force, middle;
   double volume = 0;
+  // Three points are to carry any torque: then sectors without area also get one, a quarter of its size away.
+  const auto has_area = [&](const Sector& sector) { return sector.area > 1e-9 * all; };
+  const bool fills = count >= 3 && std::count_if(sectors_.begin(), sectors_.end(), has_area) < 3;
+  Box box;
+  for (const Vec3& x : a.points) box.add(x);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const Sector& sector = sectors_[k];
-    if (!(sector.area > 1e-9 * all)) {
+    Sector sector = sectors_[k];
+    if (!has_area(sector)) {
       volume += sector.volume;
-      continue;
+      if (!fills) continue;
+      sector.area = sector.volume = 0;
     }
-    const Vec3 at = sector.weighted / sector.area;
+    // Where facets of a face along the normal, too, the mean of positions with areas of both signs may be far away.
+    const Vec3 mean = sector.area > 0 ? sector.weighted / sector.area : middle_ray(k) * (0.25 * box.diagonal());
+    const Vec3 at = min(max(mean, box.lower), box.upper);
     const SurfacePoint on_a = surface_point(a, at, true, frame, *bodies[0], origin);
     const SurfacePoint on_b = surface_point(b, at, false, frame, *bodies[1], origin);
     points.push_back({k, origin + frame.center + world(at), frame.normal * sector.area, sector.volume,
-                      sector.volume / sector.area, on_a, on_b});
+                      sector.area > 0 ? sector.volume / sector.area : 0.0, on_a, on_b});
     arms.push_back(world(at));
     middle += arms.back();
-    force -= points.back().force;
   }
   if (arms.empty()) return;
   // Each force is along the normal, as the sector's area across it. The rest of force and torque, which comes from
   // sectors without a point and from parts of the region along the normal, goes to all points as the least change.
   const double share = 1.0 / static_cast<double>(arms.size());
   middle *= share;
-  Vec3 moment = wrench.moment;
   for (std::size_t k = 0; k < arms.size(); ++k) {
     PatchPoint& point = points[begin + k];
     point.volume += volume * share;
-    point.force += force * share;
-    moment -= cross(arms[k], point.force);
     arms[k] -= middle;
   }
-  const Vec3 spin = spin_for(arms, moment);
-  for (std::size_t k = 0; k < arms.size(); ++k) points[begin + k].force += cross(spin, arms[k]);
+  const ArmFrame scaled(arms);
+  // Later rounds correct the rounding errors of the first.
+  for (int round = 0; round < 3; ++round) {
+    force = wrench.force;
+    for (std::size_t k = 0; k < arms.size(); ++k) force -= points[begin + k].force;
+    for (std::size_t k = 0; k < arms.size(); ++k) points[begin + k].force += force * share;
+    Vec3 moment = wrench.moment - cross(middle, wrench.force);
+    for (std::size_t k = 0; k < arms.size(); ++k) moment -= cross(arms[k], points[begin + k].force);
+    const Vec3 spin = spin_for(scaled, arms, moment);
+    for (std::size_t k = 0; k < arms.size(); ++k) points[begin + k].force += cross(spin, arms[k]);
+  }
 }
 
 }  // namespace morula::detail

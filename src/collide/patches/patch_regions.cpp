@@ -3,8 +3,7 @@
 #include "collide/patches/patch_regions.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <numeric>
 #include <tuple>
 
 #include "parallel/interruption.hpp"
@@ -208,63 +207,15 @@ void PatchRegions::add_whole_facets(SurfaceRegion& s) {
   }
 }
 
-// A facet's part may consist of several polygons. One that runs clockwise about the normal is a hole, and belongs to
-// the smallest polygon around it that runs counter-clockwise. Polygons of one set already need no search.
+// Polygons of one set already need no search.
 void PatchRegions::join_holes(const SurfaceRegion& s, const FacetPart& part) {
   const auto pieces = std::span(s.pieces).subspan(part.begin, part.end - part.begin);
   const std::uint32_t root = sets_.root(pieces[0].from);
   if (std::all_of(pieces.begin(), pieces.end(),
                   [&](const BoundaryPiece& piece) { return sets_.root(piece.from) == root; }))
     return;
-  ends_.clear();
-  for (const BoundaryPiece& piece : pieces) ends_.insert(ends_.end(), {piece.from, piece.to});
-  std::sort(ends_.begin(), ends_.end());
-  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
-  const auto place = [&](std::uint32_t e) {
-    return static_cast<std::uint32_t>(std::lower_bound(ends_.begin(), ends_.end(), e) - ends_.begin());
-  };
-  polygons_.clear();
-  for (std::size_t k = 0; k < ends_.size(); ++k) polygons_.add();
-  for (const BoundaryPiece& piece : pieces) polygons_.join(place(piece.from), place(piece.to));
-
-  const Vec3 normal = area_vector(s.body->triangle(part.facet));
-  const int axis = std::abs(normal.x) > std::abs(normal.y) && std::abs(normal.x) > std::abs(normal.z) ? 0
-                   : std::abs(normal.y) > std::abs(normal.z)                                          ? 1
-                                                                                                      : 2;
-  const auto [first, second] = projections[axis];
-  const double outward = normal[axis] < 0 ? -1 : 1;
-  const auto area_of = [&](std::uint32_t polygon) {
-    const Vec3& c = points[ends_[polygon]];
-    double area = 0;
-    for (const BoundaryPiece& piece : pieces) {
-      if (polygons_.root(place(piece.from)) != polygon) continue;
-      const Vec3 p = points[piece.from] - c, q = points[piece.to] - c;
-      area += piece.weight * (p[first] * q[second] - p[second] * q[first]);
-    }
-    return outward * area;
-  };
-  const auto holds = [&](std::uint32_t polygon, const Vec3& x) {
-    bool inside = false;
-    for (const BoundaryPiece& piece : pieces) {
-      if (polygons_.root(place(piece.from)) != polygon) continue;
-      const Vec3 &p = points[piece.from], &q = points[piece.to];
-      if ((p[second] <= x[second]) == (q[second] <= x[second])) continue;
-      const double at = p[first] + (q[first] - p[first]) * ((x[second] - p[second]) / (q[second] - p[second]));
-      if (at > x[first]) inside = !inside;
-    }
-    return inside;
-  };
-  for (std::uint32_t hole = 0; hole < ends_.size(); ++hole) {
-    if (polygons_.root(hole) != hole || !(area_of(hole) < 0)) continue;
-    double least = std::numeric_limits<double>::infinity();
-    std::uint32_t around = hole;
-    for (std::uint32_t polygon = 0; polygon < ends_.size(); ++polygon) {
-      if (polygons_.root(polygon) != polygon || polygon == hole) continue;
-      const double area = area_of(polygon);
-      if (area > 0 && area < least && holds(polygon, points[ends_[hole]])) least = area, around = polygon;
-    }
-    sets_.join(ends_[hole], ends_[around]);
-  }
+  for (const auto& [hole, around] : holes_.find(pieces, points, area_vector(s.body->triangle(part.facet))))
+    sets_.join(hole, around);
 }
 
 void PatchRegions::assign_patches(const ContactLoops& loops) {

@@ -21,16 +21,10 @@
 
 #include "collide/patches/closed_surface.hpp"
 #include "collide/patches/contact_loops.hpp"
+#include "collide/patches/facet_holes.hpp"
 #include "geometry/disjoint_sets.hpp"
 
 namespace morula::detail {
-
-/// A directed piece of the boundary of a facet's part.
-struct BoundaryPiece {
-  std::uint32_t from, to;  ///< elements
-  int weight;
-  bool is_loop;  ///< true for a segment, false for a part of an edge
-};
 
 /// The part of a facet in one patch.
 struct FacetPart {
@@ -85,6 +79,8 @@ class PatchRegions {
   Status find(const Collider& a, const ClosedSurface& surface_a, const Collider& b, const ClosedSurface& surface_b,
               const ContactLoops& loops, const Vec3& origin);
 
+  std::uint32_t& patch_at(const BoundaryPiece& piece) { return patch_of_[sets_.root(piece.from)]; }
+
  private:
   void sort_loops(SurfaceRegion& s, const ContactLoops& loops);
   bool find_windings(SurfaceRegion& s, const Collider& other, const ContactLoops& loops);
@@ -96,14 +92,9 @@ class PatchRegions {
   std::uint32_t element_of(SurfaceRegion& s, std::uint32_t vertex);
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
-  const std::vector<double>& volumes_of_patches();
-  double winding_of(std::uint32_t patch, const Vec3& point);
-  Vec3 point_of_cavity(std::uint32_t patch);
   void join_cavities();
   void split_parts(SurfaceRegion& s);
   void number_patches();
-
-  std::uint32_t& patch_at(const BoundaryPiece& piece) { return patch_of_[sets_.root(piece.from)]; }
 
   DisjointSets sets_{0};
   std::vector<std::uint32_t> patch_of_;  // by root
@@ -116,19 +107,17 @@ class PatchRegions {
   };
   std::vector<NodeOfEdge> nodes_of_edges_;
   std::vector<std::uint64_t> facet_keys_;
-  // For join_cavities(), number_patches() and split_parts().
+  // For number_patches() and split_parts().
   struct Lowest {
     std::uint32_t facet[2], patch;
   };
-  std::vector<double> volumes_;
   std::vector<Lowest> lowest_;
   std::vector<std::uint32_t> number_;
   std::vector<std::size_t> counts_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;
   std::vector<BoundaryPiece> sorted_;
-  // For the parts of one facet.
-  std::vector<std::uint32_t> ends_;
-  DisjointSets polygons_{0};
+  FacetHoles holes_;
+  std::vector<std::pair<double, double>> volumes_;  // by patch, with their rounding errors
 };
 
 }  // namespace morula::detail
