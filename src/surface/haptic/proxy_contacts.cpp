@@ -69,11 +69,14 @@ double time_until_near(const Triangle& t, const Vec3& center, const Vec3& move, 
   double time = 0, value = 0, least_gap = 0;
   for (int steps = 0; steps < most_steps; ++steps) {
     const Approach now = approach(t, center + time * move);
-    // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
-    // mutant haptic-loses-all: `std::min(kept.skin, now.distance) / 64` -> `now.distance`
-    if (steps == 0) value = std::min(kept.stop, now.distance - std::min(kept.skin, now.distance) / 64);
-    // mutant haptic-stuck-near: `std::min(kept.skin, now.distance) * 0x1p-12` -> `kept.skin * 0x1p-12`
-    if (steps == 0) least_gap = std::min(kept.skin, now.distance) * 0x1p-12;
+    if (steps == 0) {
+      // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
+      const double held = std::max(0.0, std::min(kept.skin, now.distance - kept.core));
+      // mutant haptic-loses-all: `held / 64` -> `now.distance`
+      value = std::min(kept.stop, now.distance - held / 64);
+      // mutant haptic-stuck-near: `held * 0x1p-12` -> `kept.skin * 0x1p-12`
+      least_gap = held * 0x1p-12;
+    }
     const double speed = -dot(now.normal, move);
     // mutant haptic-no-sweep: `!(speed > 0)` -> `true`
     if (!(speed > 0)) return end;

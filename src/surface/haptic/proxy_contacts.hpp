@@ -16,6 +16,7 @@ struct KeptDistances {
       : skin(skin_), rest(radius + skin_), stop(rest - skin_ / 8), touching(rest + skin_ / 16) {}
   double skin, rest, stop;
   double touching;  ///< up to this distance a facet is a contact
+  double core = 0;  ///< a distance of which nothing is lost: what may be lost is 1/64 of the skin or of the rest
 };
 
 struct NearFacet {
