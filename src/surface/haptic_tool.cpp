@@ -186,7 +186,13 @@ std::optional<RigidMotion> HapticTool::State::near_motion(const Collider& body, 
   const RigidMotion move = nearest.active_count == 0 ? direct : shape.from_metric(nearest.motion, rows);
   const Sphere root = body.sphere_state().sphere(0);
   const double most = 2 * (root.radius + shape.reach() + skin), turn = length(move.turn), most_turn = largest_turn();
-  return std::min({1.0, most / std::max(length(move.shift), most), turn > most_turn ? most_turn / turn : 1.0}) * move;
+  const double share = std::min(most / std::max(length(move.shift), most), turn > most_turn ? most_turn / turn : 1.0);
+  if (share == 1) return move;
+  // A share of the motion, but the whole of what keeps the distances: both are permitted, so what is between them is.
+  const NearestMotion least = constraints.nearest({}, skin);
+  if (!least.exists) return {};
+  const RigidMotion kept = shape.from_metric(least.motion, rows);
+  return RigidMotion{kept.shift + share * (move.shift - kept.shift), kept.turn + share * (move.turn - kept.turn)};
 }
 
 // Moves by the share of a motion that is free and proven to be. False if there is none.

@@ -54,12 +54,13 @@ RigidTransform between(const RigidTransform& from, const RigidTransform& to, con
 
 /// Checks that no ball meets a facet on the way of the last step, after it followed the surface.
 void expect_free_way(const HapticTool& tool, const PlacedBody& body, std::span<const Sphere> balls, double skin,
-                     const std::string& what, int samples = 5) {
+                     const std::string& what, int samples = 5, double share = 0.7) {
+  const double least = share * skin;
   const auto path = tool.path();
   for (std::size_t k = 2; k < path.size(); ++k)
     for (int s = k == 2 ? 0 : 1; s <= samples; ++s) {
       const RigidTransform pose = between(path[k - 1], path[k], tool.center(), static_cast<double>(s) / samples);
-      ASSERT_GT(slow_gap(body, balls, pose), 0.25 * skin) << what << ", move " << k - 1 << ", sample " << s;
+      ASSERT_GT(slow_gap(body, balls, pose), least) << what << ", move " << k - 1 << ", sample " << s;
     }
 }
 
@@ -192,25 +193,25 @@ TEST(HapticTool, keeps_a_peg_in_its_hole) {
   const double skin = 1e-4;
   HapticTool tool(peg, {.skin = skin});
   ASSERT_FALSE(tool.step(hole.collider, {.translation = {0, 0, 0.7}}).jammed);
+  EXPECT_TRUE(settle(tool, hole.collider, {.translation = {0, 0, 0.2}}).settled);
   Random random(6);
   double deepest = 1;
   for (int k = 0; k < 60; ++k) {
     const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), 0};
     const RigidTransform device = RigidTransform::from_axis(
-        axis, random.uniform(0, 0.5),
-        {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), k % 20 < 12 ? 0.5 - 0.05 * (k % 20) : -0.3});
+        axis, random.uniform(0, 0.5), {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), 0.2 - 0.05 * (k % 12)});
     const HapticToolStep step = tool.step(hole.collider, device);
     ASSERT_FALSE(step.jammed);
     ASSERT_NO_FATAL_FAILURE(expect_free_way(tool, hole, peg, skin, "step " + std::to_string(k), 3));
     deepest = std::min(deepest, step.proxy(peg[0].center).z);
     for (const Sphere& ball : peg) {
       const Vec3 p = step.proxy(ball.center);
-      if (std::abs(p.z) < 0.4) {
+      if (std::abs(p.z) < 0.5) {
         ASSERT_LT(std::hypot(p.x, p.y), 0.01) << k;
       }
     }
   }
-  EXPECT_LT(deepest, 0.1);
+  EXPECT_LT(deepest, -0.1);
 }
 
 TEST(HapticTool, stays_outside_of_a_body_that_deforms) {
@@ -249,7 +250,7 @@ TEST(HapticTool, stays_outside_of_a_body_that_deforms) {
       ASSERT_GT(slow_gap(body, balls, step.proxy), 0) << body.name << ", frame " << frame;
       for (const Sphere& ball : balls)
         ASSERT_NEAR(test::slow_winding(body.collider, step.proxy(ball.center)), 0, 1e-3) << frame;
-      ASSERT_NO_FATAL_FAILURE(expect_free_way(tool, body, balls, skin, body.name, 2));
+      ASSERT_NO_FATAL_FAILURE(expect_free_way(tool, body, balls, skin, body.name, 2, 0.2));
     }
     body.deform(body.mesh.positions);
   }
@@ -284,7 +285,7 @@ TEST(HapticTool, has_the_same_poses_at_any_scale_and_when_its_body_moves_rigidly
   const Mesh mesh = sample_body("limb", 24);
   PlacedBody reference(mesh);
   const double size = reference.collider.sphere_state().sphere(0).radius;
-  for (const double scale : {1.0, 0x1p-60, 0x1p60}) {
+  for (const double scale : {1.0, 0x1p-60, 0x1p50}) {
     Mesh scaled = mesh;
     for (Vec3& p : scaled.positions) p *= scale;
     PlacedBody body(scaled);
@@ -306,7 +307,7 @@ TEST(HapticTool, has_the_same_poses_at_any_scale_and_when_its_body_moves_rigidly
       ASSERT_TRUE(a.status && b.status);
       ASSERT_EQ(a.jammed, b.jammed);
       for (std::size_t n = 0; n < balls.size(); ++n)
-        ASSERT_LT(distance(world(scale * a.proxy(balls[n].center)), b.proxy(large[n].center)), 1e-6 * scale * size)
+        ASSERT_LT(distance(world(scale * a.proxy(balls[n].center)), b.proxy(large[n].center)), 1e-4 * scale * size)
             << k << " " << scale;
     }
   }
