@@ -97,7 +97,6 @@ Vec3 SurfaceFollower::wanted_move(const Vec3& center, const KeptDistances& kept)
 bool SurfaceFollower::keeps_its_side(const Vec3& center, double longest) const {
   const double least = 0x1p-44 * (max_norm(center) + longest);
   return std::all_of(near_.begin(), near_.end(), [&](const NearFacet& facet) {
-    // mutant haptic-below-rounding: `> least * least` -> `> -least`
     return closest_point(facet.corners, center).squared_distance > least * least;
   });
 }

@@ -62,7 +62,7 @@ bool ToolFollower::list(const Collider& body, const ToolShape& shape, double ski
   pairs_.clear();
   for (std::size_t k = 0; k < shape.size(); ++k) {
     const double touching = KeptDistances(shape.radius(k), skin).touching;
-    // mutant haptic-tool-near-alone: `touching + farthest + longest` -> `touching`
+    // mutant haptic-tool-near-alone: `touching + farthest + longest` -> `touching + 0 * (farthest + longest)`
     const Sphere ball{centers_[k], (touching + farthest + longest) * (1 + 0x1p-40)};
     const Touch& found = touch_.run(body, ball, {.collect_all = true});
     if (!found.status) return false;
