@@ -342,11 +342,11 @@ TEST(HapticTool, does_not_cut_a_body_that_its_center_passes_by) {
   PlacedBody body(test::icosphere(2));
   const std::vector<Sphere> balls = bar(5, 1.2, 0.05);
   HapticTool tool(balls, {.skin = 1e-3});
-  for (int k = 0; k < 12; ++k) {
-    const Vec3 at{k % 2 == 0 ? -3.0 : 3.0, 1.1 + 0.05 * k, 0};
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 at{k % 2 == 0 ? -3.0 : 3.0, 1.1 + 0.1 * k, 0};
     const HapticToolStep step = tool.step(body.collider, RigidTransform::from_axis({0, 0, 1}, test::pi / 2, at));
     ASSERT_FALSE(step.jammed);
-    ASSERT_NO_FATAL_FAILURE(expect_free_way(tool, body, balls, 1e-3, std::to_string(k), 60));
+    ASSERT_NO_FATAL_FAILURE(expect_free_way(tool, body, balls, 1e-3, std::to_string(k), 30));
     tool.reset();
     ASSERT_FALSE(tool.step(body.collider, RigidTransform::from_axis({0, 0, 1}, test::pi / 2, {at.x, at.y, 0})).jammed);
   }
