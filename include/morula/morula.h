@@ -271,14 +271,14 @@ typedef struct morula_haptic_tool_options {
   int max_moves;             /* largest number of moves in a step, 1 or more */
 } morula_haptic_tool_options;
 
-typedef struct morula_haptic_tool_step {
+typedef struct morula_haptic_tool_result {
   double rotation[9], translation[3];          /* pose of the proxy, tool coordinates to world; rotation by rows */
   double force[3], torque[3];                  /* on the device, about the center of mass of the balls */
   int32_t touches, settled, jammed, certified; /* as in morula_haptic_step; jammed also if the tool has not started,
                                                 * because a ball reaches the surface at each device pose so far */
   uint32_t moves;
   uint32_t contact_count;
-} morula_haptic_tool_step;
+} morula_haptic_tool_result;
 
 typedef struct morula_tool_contact {
   double point[3], barycentric[3], normal[3]; /* as in morula_haptic_step */
@@ -297,9 +297,9 @@ MORULA_API morula_status morula_haptic_tool_create(const morula_sphere* balls, s
 MORULA_API void morula_haptic_tool_destroy(morula_haptic_tool* tool);
 /* Moves the proxy toward the device pose x -> R x + t; no ball meets a facet on the way. rotation: 9, by rows.
  * translation: 3. The body: as in morula_haptic_probe_step. */
-MORULA_API morula_status morula_haptic_tool_step_to(morula_haptic_tool* tool, const morula_body* body,
-                                                    const double* rotation, const double* translation,
-                                                    morula_haptic_tool_step* step);
+MORULA_API morula_status morula_haptic_tool_step(morula_haptic_tool* tool, const morula_body* body,
+                                                 const double* rotation, const double* translation,
+                                                 morula_haptic_tool_result* step);
 /* Contacts of the last step, contact_count of them; valid until the next step. */
 MORULA_API const morula_tool_contact* morula_haptic_tool_contacts(const morula_haptic_tool* tool);
 /* Forgets the proxy: the next step starts at its device pose. */

@@ -113,8 +113,8 @@ void morula_haptic_tool_destroy(morula_haptic_tool* tool) {
   delete tool;
 }
 
-morula_status morula_haptic_tool_step_to(morula_haptic_tool* tool, const morula_body* body, const double* rotation,
-                                         const double* translation, morula_haptic_tool_step* step) {
+morula_status morula_haptic_tool_step(morula_haptic_tool* tool, const morula_body* body, const double* rotation,
+                                      const double* translation, morula_haptic_tool_result* step) {
   return guarded([&] {
     require_pointer(step, "step");
     *step = {};

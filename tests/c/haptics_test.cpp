@@ -98,8 +98,8 @@ TEST_F(CHaptics, tools_have_the_bits_of_the_other_interface) {
     double rotation[9];
     for (std::size_t n = 0; n < 9; ++n) rotation[n] = device.rows[n / 3][static_cast<int>(n % 3)];
     const double translation[3] = {device.translation.x, device.translation.y, device.translation.z};
-    morula_haptic_tool_step step;
-    ASSERT_EQ(morula_haptic_tool_step_to(tool, c_body, rotation, translation, &step), MORULA_OK) << morula_message();
+    morula_haptic_tool_result step;
+    ASSERT_EQ(morula_haptic_tool_step(tool, c_body, rotation, translation, &step), MORULA_OK) << morula_message();
     const HapticToolStep other = expected.step(collider, device);
     for (std::size_t row = 0; row < 3; ++row) EXPECT_EQ(vec(step.rotation + 3 * row), other.proxy.rows[row]);
     EXPECT_EQ(vec(step.translation), other.proxy.translation);

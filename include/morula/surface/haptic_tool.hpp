@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Haptic tool: a rigid tool that stays on its side of a surface while the device pose goes through it; force and torque.
+// Haptic tool: a rigid tool that stays on its side of a surface while the device pose goes through it; force and
+// torque.
 //
 //   const std::vector<morula::Sphere> balls = morula::leaf_spheres(b.sphere_state());  // they cover the tool's mesh
 //   morula::HapticTool tool(balls, {.stiffness = 400});
@@ -32,8 +33,8 @@ struct HapticToolOptions {
   /// most about max_moves × √(skin / tool radius / 8) radians near the surface.
   std::optional<double> skin{};
   double stiffness = 1;  ///< force per mesh unit between the centers of proxy and device; 0 or more
-  /// Torque per radian between proxy and device, 0 or more. No value: stiffness × inertia / mass of the balls; force and
-  /// torque of a tool at rest are then those of normal forces at the contacts.
+  /// Torque per radian between proxy and device, 0 or more. No value: stiffness × inertia / mass of the balls; force
+  /// and torque of a tool at rest are then those of normal forces at the contacts.
   std::optional<double> rotation_stiffness{};
   std::size_t max_moves = 16;  ///< largest number of moves toward the device pose in a step, 1 or more
 };
@@ -59,11 +60,11 @@ struct [[nodiscard]] HapticToolStep {
   /// true: the tool has no proven place. The surface closed around it, or moved too far in one step to be followed; or
   /// it has not started, because a ball reaches the surface at each device pose so far. The proxy stays, or is at the
   /// device pose before a start; force and torque are 0. It continues in the first step at whose beginning all balls of
-  /// the proxy, or of the device pose, are off the surface.
+  /// the proxy, or of the device pose, are off the surface; it may then be on another side.
   bool jammed = false;
-  bool certified = false;                  ///< SphereState::covers of the body; if false, facets may be missed
-  std::span<const ToolContact> contacts{};  ///< valid until the next step
-  std::size_t moves = 0;                    ///< number of moves
+  bool certified = false;                         ///< SphereState::covers of the body; if false, facets may be missed
+  std::span<const ToolContact> contacts{};        ///< valid until the next step
+  std::size_t moves = 0;                          ///< number of moves
   std::size_t sphere_tests = 0, facet_tests = 0;  ///< numbers of tests of spheres and of facets in queries
 };
 
@@ -77,10 +78,10 @@ struct [[nodiscard]] HapticToolStep {
 /// radius + 3/4 of the skin, or loses at most 1/32 of its gap per move where it has less. Each move is proven for every
 /// ball and every facet near it by a direction that separates them, with the deviation of its path from a segment and
 /// with rounding counted against it, and shortened until it is proven. So if the balls cover a tool's mesh, its surface
-/// meets no facet either, and the tool stays on its side of thin and open surfaces. If vertices move between steps, the
-/// same holds while vertices move on straight lines, unless HapticToolStep::jammed. A transform of the body carries the
-/// proxy as if it were a part of the body. All this holds in the body's coordinates, for a body that covers its surface
-/// (SphereState::covers).
+/// meets no facet either, and the tool stays on its side of thin and open surfaces. If vertices move between steps,
+/// they push the tool; no ball meets a facet while vertices move on straight lines, unless HapticToolStep::jammed. A
+/// transform of the body carries the proxy as if it were a part of the body. All this holds in the body's coordinates,
+/// for a body that covers its surface (SphereState::covers).
 ///
 /// One thread may use a tool at a time; the body must stay unchanged during a call. Memory grows to that of one
 /// position per vertex and of the facets near the balls. Cost: a capsule query for each ball that leaves the facets of
