@@ -128,6 +128,27 @@ RigidTransform tool_pose(const Vec3& at, int step) {
   return RigidTransform::from_axis({1, 2, 3}, 4 * std::numbers::pi * step / step_count, at);
 }
 
+/// Compares some poses with all facets, at the positions of their frames.
+void check_tool(const Mesh& mesh, const std::vector<Frame>& frames, const std::vector<Sphere>& balls,
+                const std::vector<RigidTransform>& proxies, Result& result) {
+  Mesh now = mesh;
+  const bool has_volume = inspect(now).has_volume();
+  int inside = 0, near = 0;
+  for (int k = 0; k < step_count; k += step_count / checked_steps) {
+    if (!frames.empty()) {
+      const Frame& frame = frames[static_cast<std::size_t>(k / steps_per_frame) % frames.size()];
+      std::transform(frame.begin(), frame.end(), now.positions.begin(), [](const Vec3f& p) { return Vec3(p); });
+    }
+    for (std::size_t b = 0; b < balls.size(); b += 7) {
+      const Vec3 at = proxies[static_cast<std::size_t>(k)](balls[b].center);
+      inside += has_volume && brute_force::winding_number(now, at) > 0.5;
+      near += distance(brute_force::closest_point(now, at).point, at) < balls[b].radius;
+    }
+  }
+  result.expect(inside == 0, "a ball is inside");
+  result.expect(near == 0, "a facet is nearer to a ball than its radius");
+}
+
 Result tool_result(const std::string& item, const Input& input, const CoveredTree& model,
                    const std::vector<Frame>& frames, const Settings& settings) {
   Result result{.scenario = "haptic", .item = item, .mesh = input.name};
@@ -163,22 +184,7 @@ Result tool_result(const std::string& item, const Input& input, const CoveredTre
   });
   result.expect(is_same, "another run has other poses");
   result.expect(jammed == 0, "the tool is jammed");
-  Mesh now = input.mesh;
-  const bool has_volume = inspect(now).has_volume();
-  int inside = 0, near = 0;
-  for (int k = 0; k < step_count; k += step_count / checked_steps) {
-    if (!frames.empty()) {
-      const Frame& frame = frames[static_cast<std::size_t>(k / steps_per_frame) % frames.size()];
-      std::transform(frame.begin(), frame.end(), now.positions.begin(), [](const Vec3f& p) { return Vec3(p); });
-    }
-    for (std::size_t b = 0; b < balls.size(); b += 7) {
-      const Vec3 at = proxies[static_cast<std::size_t>(k)](balls[b].center);
-      inside += has_volume && brute_force::winding_number(now, at) > 0.5;
-      near += distance(brute_force::closest_point(now, at).point, at) < balls[b].radius;
-    }
-  }
-  result.expect(inside == 0, "a ball is inside");
-  result.expect(near == 0, "a facet is nearer to a ball than its radius");
+  check_tool(input.mesh, frames, balls, proxies, result);
   std::vector<double> sorted = result.seconds;
   std::sort(sorted.begin(), sorted.end());
   result.figures = {{"us/step", 1e6 * median(result.seconds)},

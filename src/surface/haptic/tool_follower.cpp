@@ -87,24 +87,22 @@ double ToolFollower::measure(const ToolShape& shape) {
   return least;
 }
 
-// The least motion that keeps away from the facets in contact as they move on.
+// The least motion that keeps away from the facets in contact as they move on. Those farther away end a slice, and are
+// contacts in the next one.
 RigidMotion ToolFollower::wanted(const ToolShape& shape, double skin, const ToolPose& pose) {
   const RigidTransform rows = pose.rotation.rows();
   constraints_.clear();
   for (std::size_t begin = 0, end = 0; begin < pairs_.size(); begin = end) {
     const std::uint32_t ball = pairs_[begin].ball;
-    near_.clear();
-    for (end = begin; end < pairs_.size() && pairs_[end].ball == ball; ++end)
-      near_.push_back({pairs_[end].facet, pairs_[end].now});
     const double radius = shape.radius(ball);
-    KeptDistances kept = kept_of_ball(radius, skin);
-    // A facet that can reach the ball in the rest of the motion is a contact already.
-    double ahead = 0;
-    for (std::size_t k = begin; k < end; ++k) ahead = std::max(ahead, largest_move(pairs_[k].now, pairs_[k].last));
-    kept.touching += ahead;
+    const KeptDistances kept = kept_of_ball(radius, skin, ToolNeighbors::lookahead(radius, skin));
+    near_.clear(), places_.clear();
+    for (end = begin; end < pairs_.size() && pairs_[end].ball == ball; ++end)
+      if (pairs_[end].distance <= kept.touching)
+        near_.push_back({pairs_[end].facet, pairs_[end].now}), places_.push_back(end);
     find_contacts(near_, centers_[ball], kept, contacts_);
     for (const ProxyContact& contact : contacts_) {
-      const Vec3 shift = at_barycentric(pairs_[begin + contact.place].last, contact.barycentric) - contact.point;
+      const Vec3 shift = at_barycentric(pairs_[places_[contact.place]].last, contact.barycentric) - contact.point;
       constraints_.add(shape.row(ball, contact.normal, rows),
                        kept.rest - contact.distance + dot(contact.normal, shift));
     }

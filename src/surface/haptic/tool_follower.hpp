@@ -52,6 +52,7 @@ class ToolFollower {
   std::vector<Pair> pairs_;  // in the order of the balls
   std::vector<Vec3> start_, centers_, ends_;
   std::vector<NearFacet> near_;
+  std::vector<std::size_t> places_;  // of the facets of near_ in pairs_
   std::vector<ProxyContact> contacts_;
   ToolConstraints constraints_;
   TouchQuery touch_;
