@@ -5,8 +5,8 @@
 //
 //   const std::vector<morula::Sphere> balls = morula::leaf_spheres(b.sphere_state());  // they cover the tool's mesh
 //   morula::HapticTool tool(balls, {.stiffness = 400});
-//   for (const morula::RigidTransform& device : poses) {         // a pose of the device, 1,000 times a second
-//     const morula::HapticToolStep step = tool.step(a, device);
+//   for (const morula::Vec3& position : positions) {            // poses of the device, 1,000 times a second
+//     const morula::HapticToolStep step = tool.step(a, {.translation = position});
 //     if (!step.status) std::puts(message(step.status).c_str());
 //     std::printf("%g %g\n", step.force.z, step.torque.x);
 //   }
