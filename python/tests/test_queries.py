@@ -409,7 +409,7 @@ def test_a_haptic_tool_lies_on_a_plate_while_the_device_goes_through():
         assert contact.distance == pytest.approx(0.02, abs=2e-4)
     assert len(tool.path()) == step.moves + 2
     tool.reset()
-    device[axis, 3] = 0
+    device[axis, 3] = thickness
     assert tool.step(body, device).jammed
     with pytest.raises(ValueError, match="skin"):
         morula.HapticTool(balls, skin=-1)
@@ -422,4 +422,6 @@ def test_leaf_spheres_are_those_of_the_leaves():
     model = morula.build(mesh, method="octree")
     body = morula.Body(mesh, model)
     leaves = numpy.array(model.tree.child_count) == 0
-    assert numpy.allclose(morula.leaf_spheres(body), numpy.array(body.spheres, float)[leaves])
+    spheres = numpy.array(body.spheres, float)[leaves]
+    spheres[:, :3] += body.origin
+    assert numpy.allclose(morula.leaf_spheres(body), spheres)

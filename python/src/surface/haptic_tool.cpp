@@ -38,7 +38,7 @@ void make_tool(HeldTool* self, ArrayGiven balls, std::optional<double> skin, dou
   new (self) HeldTool(spheres_of(balls.object, "balls"), options);
 }
 
-OwnStep step_of(HeldTool& self, ColliderGiven given, TransformGiven pose) {
+OwnStep tool_step_of(HeldTool& self, ColliderGiven given, TransformGiven pose) {
   const auto side = side_of(given, "body");
   const RigidTransform device = transform_of(pose, "device");
   const OwnStep step = without_gil([&] {
@@ -87,7 +87,7 @@ void bind_haptic_tool(nb::module_& m) {
                                                       {"rotation_stiffness", doc::HapticToolOptions_rotation_stiffness},
                                                       {"max_moves", doc::HapticToolOptions_max_moves}})
               .c_str())
-      .def("step", &step_of, nb::arg("body"), nb::arg("device"), doc::HapticTool_step)
+      .def("step", &tool_step_of, nb::arg("body"), nb::arg("device"), doc::HapticTool_step)
       .def(
           "reset",
           [](HeldTool& self) {
