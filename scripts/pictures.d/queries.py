@@ -365,13 +365,13 @@ def haptic():
 
     probe = morula.HapticProbe(radius=0.09)
     probe.step(body, at(0.2, 1.5))
-    point = at(0.2, 0.0)
+    point = at(0.2, 0.45)
     for _ in range(50):
         ball = probe.step(body, point)
     rod = np.array([(0.13 * k, 0, 0, 0.07) for k in range(-3, 4)])
     tool = morula.HapticTool(rod)
     tool.step(body, morula.RigidTransform.from_axis((0, 0, 1), 0.0, at(0.7, 1.5)))
-    pose = morula.RigidTransform.from_axis((0, 0, 1), 0.5, at(0.7, 0.15))
+    pose = morula.RigidTransform.from_axis((0, 0, 1), 0.2, at(0.7, -0.2))
     for _ in range(200):
         held = tool.step(body, pose)
     assert ball.touches and ball.settled and held.touches and held.settled
