@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Scenario haptic: steps of a haptic probe that slides over a body at a depth, over the body at rest and over one that
-// bends by a frame every 40 steps; compared with all facets.
+// Scenario haptic: steps of a haptic probe, and of a tool of 50 balls, that slide over a body at a depth, over the body
+// at rest and over one that bends by a frame every 40 steps; compared with all facets.
 #include <algorithm>
 #include <cmath>
 #include <morula/collide/primitives.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/surface/haptic_probe.hpp>
+#include <morula/surface/haptic_tool.hpp>
 #include <numbers>
 #include <scenes/brute_force.hpp>
 #include <scenes/median.hpp>
@@ -114,6 +115,87 @@ Result haptic_result(const std::string& item, const Input& input, const CoveredT
   return result;
 }
 
+/// A rod of 50 balls.
+std::vector<Sphere> tool_balls(double size) {
+  std::vector<Sphere> balls;
+  for (int k = 0; k < 50; ++k)
+    balls.push_back({{0.3 * size * (k / 49.0 - 0.5), 0.01 * size * (k % 2), 0.01 * size * (k / 2 % 2)}, 0.02 * size});
+  return balls;
+}
+
+/// The rod turns as it goes around, at the device points of a ball.
+RigidTransform tool_pose(const Vec3& at, int step) {
+  return RigidTransform::from_axis({1, 2, 3}, 4 * std::numbers::pi * step / step_count, at);
+}
+
+/// Compares some poses with all facets, at the positions of their frames.
+void check_tool(const Mesh& mesh, const std::vector<Frame>& frames, const std::vector<Sphere>& balls,
+                const std::vector<RigidTransform>& proxies, Result& result) {
+  Mesh now = mesh;
+  const bool has_volume = inspect(now).has_volume();
+  int inside = 0, near = 0;
+  for (int k = 0; k < step_count; k += step_count / checked_steps) {
+    if (!frames.empty()) {
+      const Frame& frame = frames[static_cast<std::size_t>(k / steps_per_frame) % frames.size()];
+      std::transform(frame.begin(), frame.end(), now.positions.begin(), [](const Vec3f& p) { return Vec3(p); });
+    }
+    for (std::size_t b = 0; b < balls.size(); b += 7) {
+      const Vec3 at = proxies[static_cast<std::size_t>(k)](balls[b].center);
+      inside += has_volume && brute_force::winding_number(now, at) > 0.5;
+      near += distance(brute_force::closest_point(now, at).point, at) < balls[b].radius;
+    }
+  }
+  result.expect(inside == 0, "a ball is inside");
+  result.expect(near == 0, "a facet is nearer to a ball than its radius");
+}
+
+Result tool_result(const std::string& item, const Input& input, const CoveredTree& model,
+                   const std::vector<Frame>& frames, const Settings& settings) {
+  Result result{.scenario = "haptic", .item = item, .mesh = input.name};
+  Body body(input.mesh, model);
+  const Collider collider(input.mesh, body);
+  const Sphere root = collider.sphere_state().sphere(0);
+  const std::vector<Sphere> balls = tool_balls(root.radius);
+  const std::vector<Vec3> devices = device_points(collider, 0.02 * root.radius);
+  std::vector<RigidTransform> proxies;
+  int touching = 0, settled = 0, jammed = 0;
+  std::size_t moves = 0, contacts = 0;
+  bool is_same = true;
+  timed(settings, [&] {
+    require(body.update(input.mesh.positions));
+    HapticTool tool(balls);
+    const Vec3 away = root.center + 3 * root.radius * normalized(devices.front() - root.center);
+    require(tool.step(collider, tool_pose(away, 0)).status);
+    touching = settled = jammed = 0, moves = contacts = 0;
+    std::vector<RigidTransform> found;
+    for (int k = 0; k < step_count; ++k) {
+      if (k % steps_per_frame == 0 && !frames.empty())
+        require(body.update(frames[static_cast<std::size_t>(k / steps_per_frame) % frames.size()]));
+      const RigidTransform device = tool_pose(devices[static_cast<std::size_t>(k)], k);
+      HapticToolStep step;
+      result.seconds.push_back(seconds_of([&] { step = tool.step(collider, device); }));
+      require(step.status);
+      touching += step.touches, settled += step.settled, jammed += step.jammed;
+      moves += step.moves, contacts += step.contacts.size();
+      found.push_back(step.proxy);
+    }
+    is_same = is_same && (proxies.empty() || proxies == found);
+    proxies = found;
+  });
+  result.expect(is_same, "another run has other poses");
+  result.expect(jammed == 0, "the tool is jammed");
+  check_tool(input.mesh, frames, balls, proxies, result);
+  std::vector<double> sorted = result.seconds;
+  std::sort(sorted.begin(), sorted.end());
+  result.figures = {{"us/step", 1e6 * median(result.seconds)},
+                    {"us at 99 %", 1e6 * sorted[sorted.size() * 99 / 100]},
+                    {"touching", static_cast<double>(touching) / step_count},
+                    {"settled", static_cast<double>(settled) / step_count},
+                    {"moves/step", static_cast<double>(moves) / step_count},
+                    {"contacts/step", static_cast<double>(contacts) / step_count}};
+  return result;
+}
+
 }  // namespace
 
 std::vector<Result> run_haptic(const Input& input, const Settings& settings) {
@@ -127,6 +209,9 @@ std::vector<Result> run_haptic(const Input& input, const Settings& settings) {
     results.push_back(
         haptic_result(shape + ", a frame per 40 steps", input, model, options, bend_and_back(input.mesh), settings));
   }
+  results.push_back(tool_result("tool of 50 balls, at rest", input, model, {}, settings));
+  results.push_back(
+      tool_result("tool of 50 balls, a frame per 40 steps", input, model, bend_and_back(input.mesh), settings));
   return results;
 }
 

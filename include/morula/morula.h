@@ -287,6 +287,89 @@ MORULA_API morula_status morula_distance_of(const morula_body* a, const morula_b
  * pairs may be NULL with capacity 0. The first call sorts the facets; later calls reuse the order. */
 MORULA_API morula_status morula_self_crossings(morula_body* body, uint32_t* pairs, size_t capacity, size_t* count);
 
+/* ---- Haptics: proxies that stay on their side of the surface of a body. ---- */
+
+typedef struct morula_haptic_options {
+  size_t size;
+  double radius;      /* of the ball that touches, mesh units; 0: a point */
+  double skin;        /* distance kept besides the radius, mesh units; 0 or less: a default that depends on the body */
+  double stiffness;   /* force per mesh unit between proxy and device point */
+  double friction;    /* coefficient of Coulomb friction */
+  int smooth_normals; /* not 0: the direction of the force does not jump between facets */
+  int max_moves;      /* largest number of straight moves in a step, 1 or more */
+} morula_haptic_options;
+
+typedef struct morula_haptic_step {
+  double proxy[3];       /* center of the proxy */
+  double force[3];       /* on the device: stiffness times (proxy - device point) */
+  double point[3];       /* of the surface, nearest to the proxy; this, barycentric and normal are 0 without a touch */
+  double barycentric[3]; /* of the point */
+  double normal[3];      /* unit vector from the point to the proxy */
+  uint32_t facet;        /* of the point; UINT32_MAX without a touch */
+  int32_t touches;       /* 1: a facet is at radius + skin */
+  int32_t settled;       /* 1: no move that brings the proxy nearer to the device point was found */
+  int32_t jammed;        /* 1: the surface closed around the proxy, or moved too far in one step to be followed */
+  int32_t certified;     /* 1: the spheres of the body cover; if 0, facets may be missed */
+  uint32_t moves;        /* number of straight moves */
+} morula_haptic_step;
+
+typedef struct morula_haptic_probe morula_haptic_probe;
+
+MORULA_API void morula_haptic_options_init(morula_haptic_options* options);
+/* Creates a probe: a point or a ball. options: NULL for the defaults: a point, stiffness 1, 8 moves. */
+MORULA_API morula_status morula_haptic_probe_create(const morula_haptic_options* options, morula_haptic_probe** probe);
+MORULA_API void morula_haptic_probe_destroy(morula_haptic_probe* probe);
+/* Moves the proxy toward the device point (3 numbers, world coordinates); its center passes through no facet. The first
+ * step starts at its device point. The body: the same in every step, or another one of the same mesh; it must stay
+ * unchanged during the call. Rejected, with no change: a body whose last update was rejected, another number of
+ * vertices or facets than in the last step, a point that is not finite, a skin too small for the body. */
+MORULA_API morula_status morula_haptic_probe_step(morula_haptic_probe* probe, const morula_body* body,
+                                                  const double* device, morula_haptic_step* step);
+/* Forgets the proxy: the next step starts at its device point. */
+MORULA_API void morula_haptic_probe_reset(morula_haptic_probe* probe);
+
+typedef struct morula_haptic_tool_options {
+  size_t size;
+  double skin;               /* as in morula_haptic_options */
+  double stiffness;          /* force per mesh unit between the centers of proxy and device */
+  double rotation_stiffness; /* torque per radian; negative: stiffness times inertia per mass of the balls */
+  int max_moves;             /* largest number of moves in a step, 1 or more */
+} morula_haptic_tool_options;
+
+typedef struct morula_haptic_tool_result {
+  double rotation[9], translation[3];          /* pose of the proxy, tool coordinates to world; rotation by rows */
+  double force[3], torque[3];                  /* on the device, about the center of mass of the balls */
+  int32_t touches, settled, jammed, certified; /* as in morula_haptic_step; jammed also if the tool has not started,
+                                                * because a ball reaches the surface at each device pose so far */
+  uint32_t moves;
+  uint32_t contact_count;
+} morula_haptic_tool_result;
+
+typedef struct morula_tool_contact {
+  double point[3], barycentric[3], normal[3]; /* as in morula_haptic_step */
+  double distance;                            /* from the point to the center of the ball, mesh units */
+  uint32_t ball, facet;
+} morula_tool_contact;
+
+typedef struct morula_haptic_tool morula_haptic_tool;
+
+MORULA_API void morula_haptic_tool_options_init(morula_haptic_tool_options* options);
+/* Creates a rigid tool of balls, copied, in the tool's coordinates: at least one. options: NULL for the defaults:
+ * stiffness 1, 16 moves. */
+MORULA_API morula_status morula_haptic_tool_create(const morula_sphere* balls, size_t ball_count,
+                                                   const morula_haptic_tool_options* options,
+                                                   morula_haptic_tool** tool);
+MORULA_API void morula_haptic_tool_destroy(morula_haptic_tool* tool);
+/* Moves the proxy toward the device pose x -> R x + t; no ball meets a facet on the way. rotation: 9, by rows.
+ * translation: 3. The body: as in morula_haptic_probe_step. */
+MORULA_API morula_status morula_haptic_tool_step(morula_haptic_tool* tool, const morula_body* body,
+                                                 const double* rotation, const double* translation,
+                                                 morula_haptic_tool_result* step);
+/* Contacts of the last step, contact_count of them; valid until the next step. */
+MORULA_API const morula_tool_contact* morula_haptic_tool_contacts(const morula_haptic_tool* tool);
+/* Forgets the proxy: the next step starts at its device pose. */
+MORULA_API void morula_haptic_tool_reset(morula_haptic_tool* tool);
+
 /* ---- Scenes: contacts among many bodies. ---- */
 
 typedef struct morula_scene morula_scene;

@@ -93,6 +93,7 @@ NB_MODULE(_morula, m) {
   bind_rays(m);
   bind_inside(m);
   bind_haptic_probe(m);
+  bind_haptic_tool(m);
   bind_scene_results(m);
   bind_scene_class(m);
   bind_broad_phase(m);

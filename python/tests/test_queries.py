@@ -380,3 +380,48 @@ def test_a_haptic_probe_stays_outside_while_the_device_goes_through():
         probe.step(body, (math.nan, 0, 0))
     with pytest.raises(ValueError, match="radius"):
         morula.HapticProbe(radius=-1)
+
+
+def test_a_haptic_tool_lies_on_a_plate_while_the_device_goes_through():
+    plate = morula.sample_body("plate")
+    body = morula.Body(plate, morula.build(plate, quality="draft"))
+    axis = int(numpy.argmin(numpy.ptp(plate.positions, axis=0)))
+    along = (axis + 1) % 3
+    thickness = plate.positions[:, axis].max()
+    balls = numpy.zeros((3, 4))
+    balls[:, along], balls[:, 3] = (-0.1, 0, 0.1), 0.02
+    tool = morula.HapticTool(balls, skin=1e-4, stiffness=100)
+    assert tool.center == pytest.approx((0, 0, 0))
+    device = numpy.eye(4)
+    device[axis, 3] = 1
+    assert not tool.step(body, device).jammed
+    device[axis, 3] = -0.1
+    for _ in range(20):
+        step = tool.step(body, morula.RigidTransform(device))
+    assert step.touches and step.settled and step.certified and not step.jammed
+    height = thickness + 0.02 + 1e-4
+    assert step.proxy.translation[axis] == pytest.approx(height, abs=1e-4)
+    assert step.force[axis] == pytest.approx(100 * (height + 0.1), rel=1e-2)
+    assert numpy.linalg.norm(step.torque) < 1e-2 * step.force[axis]
+    assert sorted({contact.ball for contact in step.contacts}) == [0, 1, 2]
+    for contact in step.contacts:
+        assert contact.normal[axis] == pytest.approx(1) and contact.point.facet < plate.facet_count
+        assert contact.distance == pytest.approx(0.02, abs=2e-4)
+    assert len(tool.path()) == step.moves + 2
+    tool.reset()
+    device[axis, 3] = thickness
+    assert tool.step(body, device).jammed
+    with pytest.raises(ValueError, match="skin"):
+        morula.HapticTool(balls, skin=-1)
+    with pytest.raises(ValueError, match="ball"):
+        morula.HapticTool(numpy.zeros((0, 4)))
+
+
+def test_leaf_spheres_are_those_of_the_leaves():
+    mesh = morula.sample_body("limb", 12)
+    model = morula.build(mesh, method="octree")
+    body = morula.Body(mesh, model)
+    leaves = numpy.array(model.tree.child_count) == 0
+    spheres = numpy.array(body.spheres, float)[leaves]
+    spheres[:, :3] += body.origin
+    assert numpy.allclose(morula.leaf_spheres(body), spheres)

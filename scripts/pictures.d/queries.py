@@ -352,6 +352,45 @@ def inside():
     return page
 
 
+@picture("haptic.svg")
+def haptic():
+    mesh = limb(32)
+    body = morula.Body(mesh, model(resolution=32))
+    low, high = mesh.positions.min(0), mesh.positions.max(0)
+    axis = int(np.argmax(high - low))
+    assert axis == 0
+
+    def at(share, y):
+        return np.array((low[0] + share * (high[0] - low[0]), y, 0.0))
+
+    probe = morula.HapticProbe(radius=0.09)
+    probe.step(body, at(0.2, 1.5))
+    point = at(0.2, 0.45)
+    for _ in range(50):
+        ball = probe.step(body, point)
+    rod = np.array([(0.13 * k, 0, 0, 0.07) for k in range(-3, 4)])
+    tool = morula.HapticTool(rod)
+    tool.step(body, morula.RigidTransform.from_axis((0, 0, 1), 0.0, at(0.7, 1.5)))
+    pose = morula.RigidTransform.from_axis((0, 0, 1), 0.2, at(0.7, -0.2))
+    for _ in range(200):
+        held = tool.step(body, pose)
+    assert ball.touches and ball.settled and held.touches and held.settled
+    page = Picture(420)
+    view = View(0, 0, 720, 360, np.concatenate([mesh.positions * (1, 1, 0), at(0.7, 0.9)[None]]), margin=10)
+    loops, _ = section(mesh.positions, mesh.facets, ORIGIN, UP)
+    shape(page, view, loops)
+    balls(page, view, np.append(point, 0.09)[None], "muted", "thin dash", "s")
+    balls(page, view, np.append(ball.proxy, 0.09)[None], "contact")
+    page.arrow(view(point)[0], view(np.asarray(ball.proxy))[0], "ink")
+    balls(page, view, moved_spheres(pose, rod), "muted", "thin dash", "s")
+    balls(page, view, moved_spheres(held.proxy, rod), "contact")
+    page.arrow(view(np.asarray(pose.translation))[0], view(np.asarray(held.proxy.translation))[0], "ink")
+    for contact in held.contacts:
+        page.dot(*view(np.asarray(contact.point.point))[0], "proof", 5)
+    page.text(360, 402, "dashed: the device; arrows: the force on the device", size=22)
+    return page
+
+
 @picture("penetration.svg")
 def penetration():
     mesh, built, a, b = crossed(depth=3, branching=8, height=0.6)

@@ -15,6 +15,8 @@
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/scene/scene.hpp>
+#include <morula/surface/haptic_probe.hpp>
+#include <morula/surface/haptic_tool.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/update/body.hpp>
 #include <optional>
@@ -49,6 +51,15 @@ struct morula_contacts {
   morula::ContactQuery query;
   std::vector<morula_contact> found;
   bool finished = false;
+};
+
+struct morula_haptic_probe {
+  morula::HapticProbe probe;
+};
+
+struct morula_haptic_tool {
+  morula::HapticTool tool;
+  std::vector<morula_tool_contact> contacts;
 };
 
 struct morula_scene {

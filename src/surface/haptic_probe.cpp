@@ -11,6 +11,7 @@
 #include "parallel/float_environment.hpp"
 #include "surface/haptic/half_spaces.hpp"
 #include "surface/haptic/proxy_contacts.hpp"
+#include "surface/haptic/proxy_start.hpp"
 #include "surface/haptic/surface_follower.hpp"
 
 namespace morula {
@@ -70,7 +71,10 @@ struct HapticProbe::State {
   Status start(const Collider& body, const Vec3& goal, const Status& usable_so_far);
   void follow(const Collider& body, HapticStep& result);
   void approach(const Collider& body, const Vec3& goal, HapticStep& result);
+  bool leave_surface(const Collider& body, HapticStep& result);
+  NearestKept nearest_with_most_room(const Vec3& goal);
   NearestKept wanted(const Vec3& goal);
+  Vec3 free_end(const Vec3& move, double share) const;
   double move_freely(const Collider& body, const Vec3& move, HapticStep& result);
   template <class Shape>
   bool gather(const Collider& body, const Shape& shape, HapticStep& result);
@@ -78,7 +82,8 @@ struct HapticProbe::State {
 
   HapticOptions options;
   bool is_started = false;
-  Vec3 center;  // in the body's coordinates
+  bool is_off_surface = false;  // false: the start has found no place beside the surface; the next step starts again
+  Vec3 center;                  // in the body's coordinates
   double skin = 0;
   SurfaceFollower surface;
   VertexNormals normals;
@@ -86,6 +91,7 @@ struct HapticProbe::State {
   std::vector<NearFacet> near;
   std::vector<ProxyContact> contacts;
   std::vector<KeptSide> sides;
+  double room = 0;  // distance that the wanted point keeps: rest, or less where that is impossible
   std::vector<Vec3> path;
   NearestKept last_wanted;  // the planes that hold the proxy at the end of the step
 
@@ -105,11 +111,14 @@ Status HapticProbe::State::start(const Collider& body, const Vec3& goal, const S
   // The normal of a contact has an error of about 2^-53 of the size over the skin. With a skin of 2^-27 of the size, a
   // move along a facet has passed through it; from 2^-26 on, none has.
   if (!(wanted_skin > 0x1p-24 * size)) return {Code::bad_option};
-  if (is_started) return {};
+  if (is_started) {
+    if (!is_off_surface) center = goal;
+    return {};
+  }
   surface.start(body);
   if (options.smooth_normals) normals.start(body);
-  path.reserve(options.max_moves + 2);
-  skin = wanted_skin, center = goal, is_started = true;
+  path.reserve(options.max_moves + 3);
+  skin = wanted_skin, center = goal, is_started = true, is_off_surface = false;
   return {};
 }
 
@@ -127,32 +136,85 @@ void HapticProbe::State::follow(const Collider& body, HapticStep& result) {
   const auto followed = surface.follow(body, touch, center, kept());
   result.sphere_tests += surface.sphere_tests(), result.facet_tests += surface.facet_tests();
   if (!followed.moved) return;
-  center = followed.center, result.jammed = followed.jammed;
+  if (is_off_surface) center = followed.center, result.jammed = followed.jammed;
   surface.accept(body);
+}
+
+// Moves a center that starts on the surface, or hardly off it, to a place that has room. False if there is none.
+bool HapticProbe::State::leave_surface(const Collider& body, HapticStep& result) {
+  is_off_surface = std::none_of(contacts.begin(), contacts.end(),
+                                [&](const ProxyContact& contact) { return contact.distance < skin / 64; });
+  if (is_off_surface) return true;
+  const std::optional<Vec3> place = place_beside(body, touch, contacts, center, kept());
+  result.jammed = !place;
+  if (!place) return false;
+  center = *place, is_off_surface = true;
+  path.push_back(center), ++result.moves;
+  if (!gather(body, Sphere{center, kept().touching}, result)) return false;
+  find_contacts(near, center, kept(), contacts);
+  return true;
+}
+
+// The nearest point that keeps as much distance from all contacts as is possible, by bisection between the distance of
+// the nearest one, at which the center is, and `rest`.
+NearestKept HapticProbe::State::nearest_with_most_room(const Vec3& goal) {
+  double least = kept().rest;
+  for (const ProxyContact& contact : contacts) least = std::min(least, contact.distance);
+  const double tolerance = std::min(skin, least) / 64;
+  const auto at = [&](double share, const Vec3& toward) {
+    room = least + share * (kept().rest - least);
+    for (std::size_t k = 0; k < contacts.size(); ++k) sides[k].offset = room - contacts[k].distance;
+    return nearest_kept(toward, sides, tolerance);
+  };
+  double possible = 0, impossible = 1;
+  for (int k = 0; k < 10; ++k) {
+    const double share = 0.5 * (possible + impossible);
+    (at(share, {}).exists ? possible : impossible) = share;
+  }
+  return at(possible, goal);
 }
 
 // The point to which the proxy is to go: nearest to the goal beyond the planes of contact. With friction it stays as
 // long as the goal is in the friction cone, and else stops where the cone reaches it [ruspini1997].
+//
+// The rounding of a goal far away may exceed the skin. It is replaced by a nearer one in its direction; a center is at
+// rest for both or for neither.
 NearestKept HapticProbe::State::wanted(const Vec3& goal) {
-  const KeptDistances distances = kept();
-  const double tolerance = skin / 64;
+  const double tolerance = skin / 64, farthest = 0x1p38 * skin, distance_to_goal = length(goal - center);
+  // mutant haptic-far-goal: `distance_to_goal > farthest` -> `false`
+  const double scale = distance_to_goal > farthest ? farthest / distance_to_goal : 1;
+  const Vec3 toward = scale * (goal - center);
+  room = kept().rest;
   sides.clear();
-  for (const ProxyContact& contact : contacts) sides.push_back({contact.normal, distances.rest - contact.distance});
-  const bool is_too_near = std::any_of(contacts.begin(), contacts.end(), [&](const ProxyContact& contact) {
-    return contact.distance < distances.rest - skin / 4;
-  });
-  NearestKept nearest = nearest_kept(is_too_near ? Vec3{} : goal - center, sides, tolerance);
-  if (!nearest.exists) {
-    nearest.point = Vec3{};
-    return nearest;
+  for (const ProxyContact& contact : contacts) sides.push_back({contact.normal, room - contact.distance});
+  const bool is_too_near = std::any_of(contacts.begin(), contacts.end(),
+                                       [&](const ProxyContact& contact) { return contact.distance < room - skin / 4; });
+  NearestKept nearest = nearest_kept(is_too_near ? Vec3{} : toward, sides, tolerance);
+  if (nearest.exists && is_too_near) return nearest;
+  // mutant haptic-no-room: `!nearest.exists` -> `false`
+  if (!nearest.exists) nearest = nearest_with_most_room(toward);
+  if (!nearest.exists) nearest.point = Vec3{};
+  if (!nearest.exists) return nearest;
+  if (options.friction > 0 && nearest.active_count > 0) {
+    const double pressure = length(nearest.point - toward);
+    const NearestKept here = nearest_kept(Vec3{}, sides, tolerance);
+    const Vec3 slide = nearest.point - here.point;
+    const double way = length(slide), held = options.friction * pressure;
+    nearest.point = here.exists && way > held ? here.point + slide * ((way - held) / way) : here.point;
   }
-  if (is_too_near || options.friction == 0 || nearest.active_count == 0) return nearest;
-  const double pressure = length(nearest.point - (goal - center));
-  const NearestKept here = nearest_kept(Vec3{}, sides, tolerance);
-  const Vec3 slide = nearest.point - here.point;
-  const double way = length(slide), held = options.friction * pressure;
-  nearest.point = here.exists && way > held ? here.point + slide * ((way - held) / way) : here.point;
+  if (nearest.active_count == 0) nearest.point = goal - center;
+  for (double& weight : nearest.weight) weight /= scale;
   return nearest;
+}
+
+// The end of the free share of a move, whose facets are in `near`. The share is computed with rounding, the test of the
+// segment is exact: while it meets a facet it is halved.
+Vec3 HapticProbe::State::free_end(const Vec3& move, double share) const {
+  for (int halvings = 0; halvings < 8; ++halvings, share /= 2) {
+    const Vec3 end = share < 1 ? center + share * move : center + move;
+    if (!meets_a_facet(near, center, end)) return end;
+  }
+  return center;
 }
 
 // The share of a move that is free, 0 to 1, with the facets near it in `near`.
@@ -167,10 +229,12 @@ double HapticProbe::State::move_freely(const Collider& body, const Vec3& move, H
   const double tested = way > reach ? reach / way : 1;
   const double pad = 0x1p-48 * (max_norm(center) + reach);
   // mutant haptic-far-pad: `(pad > skin / 64 ? pad : 0)` -> `0.0 * pad`
-  const KeptDistances distances(options.radius + (pad > skin / 64 ? pad : 0), skin);
+  const double lost = kept().rest - room;
+  const KeptDistances distances(std::max(0.0, options.radius - lost) + (pad > skin / 64 ? pad : 0),
+                                std::min(skin, room));
   const Vec3 part = tested * move;
   // mutant haptic-thin-capsule: `distances.touching` -> `0.0`
-  if (!gather(body, Capsule{center, center + part, distances.touching}, result)) return 0;
+  if (!gather(body, Capsule{center, center + part, distances.touching + lost}, result)) return 0;
   const double share = free_share(near, center, part, distances);
   return share < 1 ? share * tested : 1;
 }
@@ -180,13 +244,15 @@ void HapticProbe::State::approach(const Collider& body, const Vec3& goal, Haptic
   contacts.clear(), last_wanted = {};
   if (!gather(body, Sphere{center, kept().touching}, result)) return;
   find_contacts(near, center, kept(), contacts);
+  if (!is_off_surface && !leave_surface(body, result)) return;
   for (;; ++result.moves) {
     last_wanted = wanted(goal);
     const Vec3 move = last_wanted.point;
-    result.settled = length(move) <= least_move;
-    if (result.settled || result.moves == options.max_moves) return;
-    const double share = move_freely(body, move, result);
-    center = share < 1 ? center + share * move : center + move;
+    result.settled = last_wanted.exists && length(move) <= least_move;
+    if (result.settled || !last_wanted.exists || result.moves >= options.max_moves) return;
+    const Vec3 end = free_end(move, move_freely(body, move, result));
+    if (end == center) return;
+    center = end;
     path.push_back(center);
     find_contacts(near, center, kept(), contacts);
   }

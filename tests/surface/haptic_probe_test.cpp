@@ -187,6 +187,19 @@ TEST(HapticProbe, follows_the_device_where_it_is_free_from_near_and_from_far) {
   }
 }
 
+TEST(HapticProbe, keeps_its_radius_when_it_comes_from_far_away) {
+  PlacedBody body(test::icosphere(2));
+  for (const double far : {1e13, 1e14, 1e15, 3e15})
+    for (const Vec3& from : {Vec3{1, 0, 0}, Vec3{0.3, -0.7, 0.2}, Vec3{-0.1, 0.2, 0.9}}) {
+      HapticProbe probe({.radius = 0.1});
+      ASSERT_TRUE(probe.step(body.collider, far * from).status);
+      for (int k = 0; k < 4; ++k) {
+        ASSERT_TRUE(probe.step(body.collider, {0.1, 0.1, 0}).status);
+        for (const Vec3& at : probe.path().subspan(1)) ASSERT_GT(test::slow_clearance(body, at, at), 0.1) << far;
+      }
+    }
+}
+
 TEST(HapticProbe, turns_smoothly_over_facets_with_smooth_normals) {
   PlacedBody body(test::uv_sphere(24, 12));
   double largest[2];

@@ -39,11 +39,12 @@ struct [[nodiscard]] HapticStep {
   Vec3 proxy{};          ///< center of the proxy
   Vec3 force{};          ///< force on the device: stiffness × (proxy − device point), with smooth_normals turned
   bool touches = false;  ///< a facet is within radius + skin of the proxy, up to a sixteenth of the skin
-  /// true: no move that brings the proxy nearer to the device point was found. false: the next step
-  /// continues.
+  /// true: no move that brings the proxy nearer to the device point was found, up to 1/64 of the skin or 2^-44 of the
+  /// distance to the device point. false: the next step continues.
   bool settled = false;
   /// true: the surface closed around the proxy, or moved too far in one step to be followed. The proxy is
-  /// then on its side of the facet that was nearest, and may be on the other side of another one.
+  /// then on its side of the facet that was nearest, and may be on the other side of another one. Also true for a start
+  /// on the surface with no room on either side.
   bool jammed = false;
   bool certified = false;  ///< SphereState::covers of the body; if false, facets may be missed
   /// Contact point: the point of the surface nearest to the proxy. No value if the proxy does not touch.
@@ -59,13 +60,17 @@ struct [[nodiscard]] HapticStep {
 /// facet is at radius + skin, then along the planes of contact toward their point nearest to the device point. At rest
 /// it is the constrained nearest point for one, two or three planes of contact.
 ///
-/// Guarantee: on its way in a step, the center passes through no facet, however fast the device point moves. From every
-/// facet it keeps radius + 7/8 of the skin, or its distance at the beginning of the step if that is less, up to 1/64 of
-/// the skin per move. The body needs no inside: surfaces may be open or thin, and both sides hold the proxy. If
-/// vertices move between steps, the proxy is carried with the facet it touches, and pushed where the surface meets it,
-/// so that it passes through no facet while vertices and proxy move on straight lines; HapticStep::jammed is true if no
-/// such path was found. A transform of the body carries the proxy as if it were a part of the body. All this holds in
-/// the body's coordinates, for a body that covers its surface (SphereState::covers).
+/// Guarantee: on its way in a step, the center passes through no facet, however fast the device point moves. Each move
+/// is a segment that is tested against the facets near it by exact predicates, and shortened while it meets one. From
+/// every facet the center keeps radius + 7/8 of the skin, or its distance at the beginning of the step if that is less,
+/// up to 1/64 of the skin per move. In a slot that is narrower than the ball, it keeps to the middle. The body needs no
+/// inside: surfaces may be open or thin, and both sides hold the proxy.
+///
+/// If vertices move between steps, the proxy is carried with the facet it touches, and pushed where the surface meets
+/// it. It passes through no facet while vertices and proxy move on straight lines: proven with time_of_impact() while
+/// the center is farther from all facets than rounding. HapticStep::jammed is true if no such path was found. A
+/// transform of the body carries the proxy as if it were a part of the body. All this holds in the body's coordinates,
+/// for a body that covers its surface (SphereState::covers).
 ///
 /// One thread may use a probe at a time. The body must stay unchanged during a call; Snapshots pass bodies from the
 /// thread of a solver. Memory grows to that of one position per vertex and of the facets near the proxy; after that a
@@ -82,8 +87,10 @@ class HapticProbe {
   const HapticOptions& options() const;
 
   /// Moves the proxy toward the device point, in world coordinates. In the first step, and after reset(), the proxy
-  /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it. A
-  /// start on an edge or a vertex, or where there is no room, may stay there; reset() and start elsewhere.
+  /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it, on its
+  /// side. A start on a facet, an edge or a vertex goes to the outer side if this has room, else to any side that has.
+  /// Where none has, HapticStep::jammed is true, and the next step starts at its device point. Such a start costs up to
+  /// 300 ball queries, and allocates.
   ///
   /// body: the same body in every step, or another object of the same mesh, such as a copy of the body in another
   /// snapshot: positions are compared with those of the last step. Rejected, with no change: a body that queries

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <morula/geometry/triangle_intersection.hpp>
+
+#include "geometry/exact_predicates.hpp"
 
 namespace morula::detail {
 namespace {
@@ -15,20 +18,43 @@ struct Approach {
   Vec3 normal;  // from the facet to the point; the facet's own where they meet
 };
 
+// The direction from the nearest point has an error of about 2^-53 of the coordinates over the distance. Inside a facet
+// the direction is known: the facet's normal, on the exact side; on an edge, it is across the edge. A normal of a facet
+// that is nearly a segment has a larger error, and is not used.
+Vec3 direction_from(const Triangle& t, const TrianglePoint& nearest, const Vec3& p, double distance) {
+  const Vec3 area = area_vector(t), away = distance > 0 ? (p - nearest.point) / distance : Vec3{};
+  if (!(distance > 0)) return normalized(area);
+  const auto inside =
+      std::count_if(nearest.barycentric.begin(), nearest.barycentric.end(), [](double b) { return b > 0; });
+  if (inside == 1) return away;
+  if (inside == 3) {
+    const double longest =
+        std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])});
+    if (!(length(area) > 0x1p-10 * longest)) return away;
+    const int side = TrianglePlane(t).side(p).sign;
+    return side < 0 ? -normalized(area) : normalized(area);
+  }
+  const std::size_t opposite = nearest.barycentric[0] > 0 ? nearest.barycentric[1] > 0 ? 2 : 1 : 0;
+  const Vec3 edge = normalized(t[(opposite + 2) % 3] - t[(opposite + 1) % 3]);
+  return normalized(away - dot(away, edge) * edge, away);
+}
+
 Approach approach(const Triangle& t, const Vec3& p) {
   Approach made{closest_point(t, p), 0, {}};
   made.distance = std::sqrt(made.nearest.squared_distance);
-  const Vec3 away = p - made.nearest.point;
-  made.normal = made.distance > 0 ? away / made.distance : normalized(area_vector(t));
+  made.normal = direction_from(t, made.nearest, p, made.distance);
   return made;
 }
 
-/// Whether a nearest point is also on another facet that is nearer to the center, or as near and before it.
+/// Whether a nearest point is also on another facet that is nearer to the center, or as near and before it. The normals
+/// of both then make an acute angle; facets that face each other, nearer to each other than the tolerance, do not.
 bool is_hidden(const ProxyContact& contact, const std::vector<ProxyContact>& all, const std::vector<NearFacet>& near,
                double tolerance) {
   for (const ProxyContact& nearer : all) {
     if (nearer.facet == contact.facet || nearer.distance > contact.distance) continue;
     if (nearer.distance == contact.distance && nearer.facet > contact.facet) continue;
+    // mutant haptic-hides-opposite: `!(dot(nearer.normal, contact.normal) > 0)` -> `false`
+    if (!(dot(nearer.normal, contact.normal) > 0)) continue;
     if (closest_point(near[nearer.place].corners, contact.point).squared_distance <= tolerance * tolerance) return true;
   }
   return false;
@@ -40,17 +66,22 @@ bool is_hidden(const ProxyContact& contact, const std::vector<ProxyContact>& all
 // distances are off by a few 2^-53 of the coordinates, which is less than 2^-14 of the skin.
 double time_until_near(const Triangle& t, const Vec3& center, const Vec3& move, double end, const KeptDistances& kept) {
   constexpr int most_steps = 32;
-  double time = 0, value = 0;
+  double time = 0, value = 0, least_gap = 0;
   for (int steps = 0; steps < most_steps; ++steps) {
     const Approach now = approach(t, center + time * move);
-    // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
-    // mutant haptic-loses-all: `std::min(kept.skin, now.distance) / 64` -> `now.distance`
-    if (steps == 0) value = std::min(kept.stop, now.distance - std::min(kept.skin, now.distance) / 64);
+    if (steps == 0) {
+      // A little may be lost in any case, so that rounding does not hold a proxy that slides; but never all.
+      const double held = std::max(0.0, std::min(kept.skin, now.distance - kept.core));
+      // mutant haptic-loses-all: `held / 64` -> `now.distance`
+      value = std::min(kept.stop, now.distance - held / 64);
+      // mutant haptic-stuck-near: `held * 0x1p-12` -> `kept.skin * 0x1p-12`
+      least_gap = held * 0x1p-12;
+    }
     const double speed = -dot(now.normal, move);
     // mutant haptic-no-sweep: `!(speed > 0)` -> `true`
     if (!(speed > 0)) return end;
     const double gap = now.distance - value;
-    if (!(gap > kept.skin * 0x1p-12)) return time;
+    if (!(gap > least_gap)) return time;
     time += gap / speed;
     if (!(time < end)) return end;
   }
@@ -80,6 +111,23 @@ double free_share(const std::vector<NearFacet>& near, const Vec3& center, const 
   for (const NearFacet& facet : near)
     share = std::min(share, time_until_near(facet.corners, center, move, share, kept));
   return share;
+}
+
+bool meets_a_facet(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to) {
+  return std::any_of(near.begin(), near.end(), [&](const NearFacet& facet) {
+    const TrianglePlane plane(facet.corners);
+    if (plane.side(from).sign * plane.side(to).sign > 0) return false;
+    // mutant haptic-no-exact-test: `intersect(facet.corners, {from, to, to})` -> `false`
+    return intersect(facet.corners, {from, to, to});
+  });
+}
+
+bool leaves_facets(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to) {
+  return std::all_of(near.begin(), near.end(), [&](const NearFacet& facet) {
+    const Triangle& t = facet.corners;
+    if (intersect(t, {from, from, from})) return orient3d(t[0], t[1], t[2], to) != 0;
+    return !intersect(t, {from, to, to});
+  });
 }
 
 TriangleFrame::TriangleFrame(const Triangle& t) {

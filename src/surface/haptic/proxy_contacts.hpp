@@ -16,6 +16,7 @@ struct KeptDistances {
       : skin(skin_), rest(radius + skin_), stop(rest - skin_ / 8), touching(rest + skin_ / 16) {}
   double skin, rest, stop;
   double touching;  ///< up to this distance a facet is a contact
+  double core = 0;  ///< a distance of which nothing is lost: what may be lost is 1/64 of the skin or of the rest
 };
 
 struct NearFacet {
@@ -43,6 +44,12 @@ void find_contacts(const std::vector<NearFacet>& near, const Vec3& center, const
 
 /// The share of the move, 0 to 1, after which the center is as near to one of the facets as it may come.
 double free_share(const std::vector<NearFacet>& near, const Vec3& center, const Vec3& move, const KeptDistances& kept);
+
+/// Whether the closed segment has a common point with one of the facets. Exact.
+bool meets_a_facet(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to);
+/// Whether the closed segment has no common point with the facets, except its beginning. Exact; facets in one plane
+/// with the segment that contain its beginning count as met.
+bool leaves_facets(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to);
 
 /// A vector in the frame of a triangle: along its first side, across it, and along its normal.
 struct TriangleFrame {

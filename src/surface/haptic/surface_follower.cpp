@@ -9,17 +9,6 @@
 namespace morula::detail {
 namespace {
 
-Triangle between(const Triangle& from, const Triangle& to, double share) {
-  return {from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share,
-          from[2] + (to[2] - from[2]) * share};
-}
-
-double largest_move(const Triangle& from, const Triangle& to) {
-  double squared = 0;
-  for (std::size_t k = 0; k < 3; ++k) squared = std::max(squared, squared_distance(from[k], to[k]));
-  return std::sqrt(squared);
-}
-
 // The center when a facet moves and carries it, at the same place in its frame.
 Vec3 carried(const Vec3& center, const Vec3& point, const Barycentric& barycentric, const Triangle& from,
              const Triangle& to) {
@@ -29,66 +18,13 @@ Vec3 carried(const Vec3& center, const Vec3& point, const Barycentric& barycentr
 
 }  // namespace
 
-void SurfaceFollower::start(const Collider& body) {
-  const std::size_t vertices = body.vertex_count();
-  std::vector<std::uint8_t> is_used(vertices, 0);
-  for (const Facet& facet : body.mesh_facets())
-    for (const std::uint32_t v : facet) is_used[v] = 1;
-  used_.clear();
-  for (std::uint32_t v = 0; v < vertices; ++v)
-    if (is_used[v] != 0) used_.push_back(v);
-  facet_count_ = body.mesh_facets().size();
-  before_.assign(vertices, {});
-  after_.assign(vertices, {});
-  copy_positions(body);
-  accept(body);
-  after_ = before_;
-}
-
-void SurfaceFollower::accept(const Collider& body) {
-  before_.swap(after_);
-  source_ = body.sphere_state().shared;
-  frame_ = body.sphere_state().frame;
-  first_vertex_ = body.positions().address(0);
-}
-
-// Every state of a source has another frame, and positions that a state was updated with do not change. States that
-// nobody shares may be anywhere and have any frame: their positions are compared.
-bool SurfaceFollower::has_same_state(const Collider& body) const {
-  const std::weak_ptr<const void>& source = body.sphere_state().shared;
-  // mutant haptic-any-source: `source.owner_before(source_) || source_.owner_before(source)` -> `false`
-  if (source.expired() || source.owner_before(source_) || source_.owner_before(source)) return false;
-  // mutant haptic-any-frame: `body.sphere_state().frame == frame_ && ` -> ``
-  return body.sphere_state().frame == frame_ && body.positions().address(0) == first_vertex_;
-}
-
-// Returns the largest distance that a vertex has moved.
-double SurfaceFollower::copy_positions(const Collider& body) {
-  const PositionView& positions = body.positions();
-  double squared = 0;
-  for (const std::uint32_t v : used_) {
-    after_[v] = positions[v];
-    squared = std::max(squared, squared_distance(before_[v], after_[v]));
-  }
-  return std::sqrt(squared);
-}
-
 // The center stays within `longest` of where it is. A point of a facet that comes to within `touching` of it at some
 // time has then moved by at most `farthest` when the positions are those of the body, which the ball is tested against.
 SurfaceFollower::Followed SurfaceFollower::follow(const Collider& body, TouchQuery& touch, const Vec3& center,
                                                   const KeptDistances& kept) {
   sphere_tests_ = facet_tests_ = 0;
-  if (has_same_state(body)) return {center, false, false};
-  const double farthest = copy_positions(body);
-  if (farthest == 0) {
-    accept(body);
-    return {center, false, false};
-  }
-  const auto facets = body.mesh_facets();
-  const auto corners = [&](const std::vector<Vec3>& at, std::uint32_t facet) {
-    const Facet& f = facets[facet];
-    return Triangle{at[f[0]], at[f[1]], at[f[2]]};
-  };
+  const double farthest = motion_.compare(body);
+  if (farthest == 0) return {center, false, false};
   const double longest = 2 * farthest + 4 * kept.rest;
   // mutant haptic-near-facets-alone: `kept.touching + farthest + longest` -> `kept.touching`
   const double reach = (kept.touching + farthest + longest) * (1 + 0x1p-40);
@@ -97,8 +33,9 @@ SurfaceFollower::Followed SurfaceFollower::follow(const Collider& body, TouchQue
   sphere_tests_ = found.sphere_tests, facet_tests_ = found.facet_tests;
   near_.clear(), last_.clear();
   for (const TouchingFacet& facet : found.facets) {
-    near_.push_back({facet.point.facet, corners(before_, facet.point.facet)});
-    last_.push_back({facet.point.facet, corners(after_, facet.point.facet)});
+    const Facet& corners = body.mesh_facets()[facet.point.facet];
+    near_.push_back({facet.point.facet, motion_.before(corners)});
+    last_.push_back({facet.point.facet, motion_.after(corners)});
   }
   return slices(center, longest, kept);
 }
@@ -116,6 +53,7 @@ SurfaceFollower::Followed SurfaceFollower::slices(const Vec3& start, double long
   for (int count = 0; count < most_slices; ++count) {
     Vec3 move = wanted_move(center, kept);
     if (const double way = distance(center + move, start); !(way <= longest)) move = Vec3{};
+    if (!keeps_its_side(center, longest)) break;
     const double share = free_time(center, move, kept);
     // mutant haptic-no-impact: `if (share >= 1) return` -> `return`
     if (share >= 1) return {center + move, true, false};
@@ -152,6 +90,15 @@ Vec3 SurfaceFollower::wanted_move(const Vec3& center, const KeptDistances& kept)
     sides_.push_back({contact.normal, kept.rest - contact.distance + dot(contact.normal, shift)});
   }
   return nearest_kept(goal - center, sides_, kept.skin / 64).point;
+}
+
+// Positions within a slice, and the center, are off by less than 2^-50 of their coordinates. A center that is much
+// farther from all facets is on the side of each that it seems to be on.
+bool SurfaceFollower::keeps_its_side(const Vec3& center, double longest) const {
+  const double least = 0x1p-44 * (max_norm(center) + longest);
+  return std::all_of(near_.begin(), near_.end(), [&](const NearFacet& facet) {
+    return closest_point(facet.corners, center).squared_distance > least * least;
+  });
 }
 
 // The share of the rest of the motion in which no facet comes nearer to the center than half of `rest`, or of its

@@ -3,12 +3,12 @@
 // Carries the proxy of a haptic probe from the positions of one step to those of the next.
 #pragma once
 
-#include <memory>
 #include <morula/collide/primitives.hpp>
 #include <vector>
 
 #include "surface/haptic/half_spaces.hpp"
 #include "surface/haptic/proxy_contacts.hpp"
+#include "surface/haptic/surface_motion.hpp"
 
 namespace morula::detail {
 
@@ -16,9 +16,9 @@ namespace morula::detail {
 class SurfaceFollower {
  public:
   /// Remembers the body's positions. It is the first step.
-  void start(const Collider& body);
-  std::size_t vertex_count() const { return before_.size(); }
-  std::size_t facet_count() const { return facet_count_; }
+  void start(const Collider& body) { motion_.start(body); }
+  std::size_t vertex_count() const { return motion_.vertex_count(); }
+  std::size_t facet_count() const { return motion_.facet_count(); }
 
   struct Followed {
     Vec3 center;
@@ -28,26 +28,17 @@ class SurfaceFollower {
   /// Keeps the remembered positions until accept().
   Followed follow(const Collider& body, TouchQuery& touch, const Vec3& center, const KeptDistances& kept);
   /// Remembers the positions of the last follow(), which are the body's.
-  void accept(const Collider& body);
+  void accept(const Collider& body) { motion_.accept(body); }
   std::size_t sphere_tests() const { return sphere_tests_; }
   std::size_t facet_tests() const { return facet_tests_; }
 
  private:
-  double copy_positions(const Collider& body);
-  bool has_same_state(const Collider& body) const;
   Followed slices(const Vec3& start, double longest, const KeptDistances& kept);
+  bool keeps_its_side(const Vec3& center, double longest) const;
   double free_time(const Vec3& center, const Vec3& move, const KeptDistances& kept);
   Vec3 wanted_move(const Vec3& center, const KeptDistances& kept);
 
-  // The state whose positions are remembered. The weak pointer keeps the numbers of a state that ended from meaning
-  // another one.
-  std::weak_ptr<const void> source_;
-  std::uint64_t frame_ = 0;
-  const std::byte* first_vertex_ = nullptr;
-
-  std::size_t facet_count_ = 0;
-  std::vector<std::uint32_t> used_;     // vertices of facets
-  std::vector<Vec3> before_, after_;    // of all vertices; only those of facets are read
+  SurfaceMotion motion_;
   std::vector<Triangle> first_;         // corners at the beginning of the motion, of the facets of near_
   std::vector<NearFacet> near_, last_;  // facets within reach of the motion, at the present time and at the end
   std::vector<ProxyContact> contacts_;
