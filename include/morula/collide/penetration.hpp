@@ -40,7 +40,7 @@ struct [[nodiscard]] Penetration {
 /// only narrows them. Bodies may deform and move; inside is defined by InsideQuery.
 class PenetrationQuery {
  public:
-  /// Borrows both colliders. Throws std::invalid_argument for an open surface, like InsideQuery. Cost: O(F log F),
+  /// Shares the state of both colliders. Throws std::invalid_argument for an open surface, like InsideQuery. Cost: O(F log F),
   /// once.
   PenetrationQuery(const Collider& a, const Collider& b);
   ~PenetrationQuery();
