@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 18> scenarios{{
+constexpr std::array<NamedScenario, 19> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -43,6 +43,7 @@ constexpr std::array<NamedScenario, 18> scenarios{{
     {"swept", run_swept},
     {"filters", run_filters},
     {"scene", run_scene},
+    {"scene_queries", run_scene_queries},
 }};
 
 int run(int argc, char** argv) {
@@ -63,7 +64,7 @@ int run(int argc, char** argv) {
   app.add_option(
          "--scenario", wanted,
          "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, swept, "
-         "filters, scene, "
+         "filters, scene, scene_queries, "
          "distance, haptic, peers; may be repeated "
          "(default: all)")
       ->check(CLI::IsMember(names));
