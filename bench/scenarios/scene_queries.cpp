@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "frames.hpp"
+#include "resources.hpp"
 
 namespace morula::bench {
 namespace {
