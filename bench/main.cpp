@@ -24,17 +24,28 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 19> scenarios{{
-    {"build", run_build},       {"update", run_update},
-    {"modal", run_modal},       {"rebuild", run_rebuild},
-    {"measure", run_measure},   {"query", run_query},
-    {"collide", run_collide},   {"volumes", run_volumes},
-    {"patches", run_patches},   {"pressed", run_pressed},
-    {"distance", run_distance}, {"haptic", run_haptic},
-    {"peers", run_peers},       {"crossings", run_crossings},
-    {"self", run_self},         {"proximity", run_proximity},
-    {"swept", run_swept},       {"filters", run_filters},
-    {"scene", run_scene},       {"scene-patches", run_scene_patches},
+constexpr std::array<NamedScenario, 21> scenarios{{
+    {"build", run_build},
+    {"update", run_update},
+    {"modal", run_modal},
+    {"rebuild", run_rebuild},
+    {"measure", run_measure},
+    {"query", run_query},
+    {"collide", run_collide},
+    {"volumes", run_volumes},
+    {"patches", run_patches},
+    {"pressed", run_pressed},
+    {"distance", run_distance},
+    {"haptic", run_haptic},
+    {"peers", run_peers},
+    {"crossings", run_crossings},
+    {"self", run_self},
+    {"proximity", run_proximity},
+    {"swept", run_swept},
+    {"filters", run_filters},
+    {"scene", run_scene},
+    {"scene-patches", run_scene_patches},
+    {"scene-queries", run_scene_queries},
 }};
 
 int run(int argc, char** argv) {
@@ -54,7 +65,7 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option("--scenario", wanted,
                  "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
-                 "proximity, swept, filters, scene, scene-patches, "
+                 "proximity, swept, filters, scene, scene-patches, scene-queries, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));

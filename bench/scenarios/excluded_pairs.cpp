@@ -105,7 +105,11 @@ std::vector<Result> with_filters(const std::string& kind, const Input& input, co
   });
   const std::vector<FeaturePair> all = pairs_of(plain);
   results[0].figures = {{"pairs", static_cast<double>(all.size())}};
-  results[0].expect(!all.empty(), "nothing is near: take a body that can be poked through itself");
+  // A coarse body does not touch itself: filters then have nothing to leave out.
+  if (all.empty()) {
+    results[0].note = "nothing is near: take a finer body";
+    return results;
+  }
   for (const auto& [name, filter] : filters) {
     Result result{.scenario = "filters", .item = kind + ", " + name, .mesh = input.name};
     Options options = plain_options;

@@ -20,6 +20,7 @@
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>
+#include <morula/collide/sweep.hpp>
 #include <morula/deform/deformation.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>

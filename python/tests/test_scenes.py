@@ -299,6 +299,20 @@ def test_rays_and_shapes_find_what_each_body_says(crowd):
         alone = {ids[i]: morula.touch(collider, shape) for i, (_, collider) in enumerate(crowd)}
         found = {touch.body: touch.touch.touches for touch in scene.touch(shape)}
         assert {body for body, touches in found.items() if touches} == {body for body, touch in alone.items() if touch.touches}
+    for shape in ((0.5, 0.1, 4.0, 0.2), morula.Capsule((0, 0, 4), (1, 1, 5), 0.2), morula.ConvexHull([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (4.0, 5.0)])):
+        motion = (0.1, 0.2, -8.0)
+        alone = {ids[i]: morula.sweep(collider, shape, motion) for i, (_, collider) in enumerate(crowd)}
+        found = scene.sweep_all(shape, motion)
+        assert {hit.body: hit.first for hit in found} == {body: hit.first for body, hit in alone.items() if hit}
+        assert [hit.first.t for hit in found] == sorted(hit.first.t for hit in found)
+        first = scene.sweep(shape, motion)
+        assert bool(first) == bool(found) and (not first or (first.body, first.first) == (found[0].body, found[0].first))
+        assert not scene.sweep(shape, motion, mask=2) and scene.sweep_all(shape, motion, ignored=ids) == []
+    with pytest.raises(TypeError, match="HalfSpace"):
+        scene.sweep(morula.HalfSpace((0, 1, 0), 0), (0, 0, 1))
+    far = scene.touch((40.0, 0.0, 0.0, 0.1), nearest=True)
+    distances = [-morula.touch(collider, (40.0, 0.0, 0.0, 0.1), nearest=True).deepest.depth for _, collider in crowd]
+    assert len(far) == 1 and far[0].body == ids[int(numpy.argmin(distances))]
     crowd[0][1].set_transform((9.0, 9.0, 9.0))
     with pytest.raises(ValueError):
         scene.first_hit((0, 0, 9.0), (0, 0, -1.0))

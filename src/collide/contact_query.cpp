@@ -188,7 +188,7 @@ std::uint32_t ContactQuery::add(const Collider& a, const Collider& b, double wei
     throw std::invalid_argument("the weight of a pair of bodies is " + std::to_string(weight) +
                                 ": it must be finite and not negative");
   require_idle(state_->call);
-  state_->walk.pairs.push_back({&a, &b, weight});
+  state_->walk.pairs.push_back({hold(a), hold(b), weight});
   state_->walk.end_front();
   state_->walk.extras.forget();
   return static_cast<std::uint32_t>(state_->walk.pairs.size() - 1);

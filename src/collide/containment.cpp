@@ -135,7 +135,7 @@ std::vector<std::uint32_t> component_vertices(const MeshView& mesh) {
   return lowest;
 }
 
-InsideQuery::InsideQuery(const Collider& body) : body_(&body) {
+InsideQuery::InsideQuery(const Collider& body) : body_(hold(body)) {
   const StandardFloats standard;
   if (!body.has_surface()) throw std::invalid_argument(message(Status{Status::Code::no_surface}));
   const MeshReport report = inspect(body.surface());

@@ -121,10 +121,10 @@ Box box_of(const Collider& body) {
 }  // namespace
 
 struct PenetrationQuery::State {
-  State(const Collider& a, const Collider& b) : body{&a, &b}, queries{InsideQuery(a), InsideQuery(b)} {}
+  State(const Collider& a, const Collider& b) : body{hold(a), hold(b)}, queries{InsideQuery(a), InsideQuery(b)} {}
 
   CallState call;
-  std::array<const Collider*, 2> body;
+  std::array<std::shared_ptr<const Collider>, 2> body;
   std::array<InsideQuery, 2> queries;
   std::array<Frame, 2> frames{};
   PairAsRead read{};  // the pair as the present call reads it

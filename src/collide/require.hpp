@@ -24,15 +24,15 @@ class ColliderAsRead {
  public:
   ColliderAsRead() = default;
   explicit ColliderAsRead(const Collider& collider)
-      : collider_(&collider),
-        pose_(collider.pose_),
+      : data_(collider.data_.get()),
+        pose_(data_->pose),
         frame_(pose_->frame),
-        changes_(collider.changes_.value),
+        changes_(data_->changes.value),
         was_usable_(is_usable()) {}
   bool has_moved() const {
-    // mutant collider-moved-in-call: `return ... ->changes_.value != changes_ || pose_->frame != frame_ ||` -> `return`
-    // mutant collider-placed-in-call: `collider_->changes_.value != changes_ || pose_` -> `pose_`
-    return collider_->pose_ != pose_ || collider_->changes_.value != changes_ || pose_->frame != frame_ ||
+    // mutant collider-moved-in-call: `return ... ->changes.value != changes_ || pose_->frame != frame_ ||` -> `return`
+    // mutant collider-placed-in-call: `data_->changes.value != changes_ || pose_` -> `pose_`
+    return data_->pose != pose_ || data_->changes.value != changes_ || pose_->frame != frame_ ||
            // mutant body-refused-in-call: `is_usable() != was_usable_` -> `false`
            is_usable() != was_usable_;
   }
@@ -41,7 +41,7 @@ class ColliderAsRead {
   // An update that is rejected and the end of a body do not count as a frame.
   bool is_usable() const { return pose_->current && !pose_->ended; }
 
-  const Collider* collider_ = nullptr;
+  const Collider::Data* data_ = nullptr;
   const SphereState* pose_ = nullptr;
   std::uint64_t frame_ = 0, changes_ = 0;
   bool was_usable_ = true;

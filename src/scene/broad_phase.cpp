@@ -175,6 +175,7 @@ Status BroadPhase::move(std::uint32_t number, const Box& box) {
 }
 
 void BroadPhase::reserve(std::size_t boxes, std::size_t pairs) {
+  require_reservable({boxes, pairs});
   State& s = *state_;
   s.entries.reserve(boxes);
   s.reserve_as_entries();
@@ -254,8 +255,17 @@ void BroadPhase::find(const Box& box, std::vector<std::uint32_t>& found) const {
   std::erase_if(found, [&](std::uint32_t number) { return !overlap(state_->entries[number].box, box); });
 }
 
-void BroadPhase::find_behind(const Vec3& normal, double offset, std::vector<std::uint32_t>& found) const {
+void BroadPhase::find_behind(const Vec3& direction, double distance, std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
+  // A normal of usual length: products of a very short one would lose digits, and those of a long one overflow.
+  Vec3 normal = direction;
+  double offset = distance;
+  if (const double longest = max_norm(direction); is_finite(direction) && longest > 0) {
+    const int exponent = std::ilogb(longest);
+    normal = {std::ldexp(direction.x, -exponent), std::ldexp(direction.y, -exponent),
+              std::ldexp(direction.z, -exponent)};
+    offset = std::ldexp(distance, -exponent);
+  }
   // Tests the corner that is farthest behind; rounding only adds boxes.
   state_->list(
       [&](const FloatBox& b) {
@@ -267,36 +277,58 @@ void BroadPhase::find_behind(const Vec3& normal, double offset, std::vector<std:
           least += normal[axis] * corner;
           size += std::abs(normal[axis] * corner);
         }
-        return !(least - 0x1p-50 * size > offset);
+        return !(least - 0x1p-50 * size - 0x1p-900 > offset);
       },
       found);
 }
 
+namespace {
+
+/// A test whether a box, grown by `half` on all sides, meets origin + t direction for a t in [0, t_end].
+class Slabs {
+ public:
+  Slabs(const Vec3& origin, const Vec3& half, const Vec3& direction, double t_end)
+      : origin_(origin), half_(half), direction_(direction), t_end_(t_end) {}
+
+  // A comparison with NaN keeps the box.
+  bool operator()(const FloatBox& b) const {
+    double enter = 0, leave = t_end_;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double lower = static_cast<double>(b.lower[axis]) - half_[axis];
+      const double upper = static_cast<double>(b.upper[axis]) + half_[axis];
+      // The rounding of sums and differences, as a share of the largest coordinate.
+      const double size = std::abs(origin_[axis]) + std::max(std::abs(lower), std::abs(upper));
+      if (direction_[axis] == 0) {
+        const double pad = half_[axis] > 0 ? 0x1p-50 * size : 0;
+        if (origin_[axis] < lower - pad || origin_[axis] > upper + pad) return false;
+        continue;
+      }
+      double near = (lower - origin_[axis]) / direction_[axis], far = (upper - origin_[axis]) / direction_[axis];
+      if (near > far) std::swap(near, far);
+      const double pad = 0x1p-50 * size / std::abs(direction_[axis]) + 0x1p-50 * (std::abs(near) + std::abs(far));
+      if (near - pad > enter) enter = near - pad;
+      if (far + pad < leave) leave = far + pad;
+    }
+    return !(enter > leave);
+  }
+
+ private:
+  Vec3 origin_, half_, direction_;
+  double t_end_;
+};
+
+}  // namespace
+
 void BroadPhase::find_along(const Vec3& origin, const Vec3& direction, double t_end,
                             std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
-  // The slab test; a comparison with NaN keeps the box.
-  state_->list(
-      [&](const FloatBox& b) {
-        double enter = 0, leave = t_end;
-        for (int axis = 0; axis < 3; ++axis) {
-          const double lower = static_cast<double>(b.lower[axis]), upper = static_cast<double>(b.upper[axis]);
-          if (direction[axis] == 0) {
-            if (origin[axis] < lower || origin[axis] > upper) return false;
-            continue;
-          }
-          double near = (lower - origin[axis]) / direction[axis], far = (upper - origin[axis]) / direction[axis];
-          if (near > far) std::swap(near, far);
-          // The rounding of differences and quotients, as a share of the largest coordinate.
-          const double pad = 0x1p-50 * (std::abs(origin[axis]) + std::max(std::abs(lower), std::abs(upper))) /
-                                 std::abs(direction[axis]) +
-                             0x1p-50 * (std::abs(near) + std::abs(far));
-          if (near - pad > enter) enter = near - pad;
-          if (far + pad < leave) leave = far + pad;
-        }
-        return !(enter > leave);
-      },
-      found);
+  state_->list(Slabs(origin, {}, direction, t_end), found);
+}
+
+void BroadPhase::find_along(const Box& box, const Vec3& motion, std::vector<std::uint32_t>& found) const {
+  const StandardFloats standard;
+  // mutant broad-swept-half: `box.extent() * 0.5` -> `box.extent() * 0.4`
+  state_->list(Slabs(box.center(), box.extent() * 0.5, motion, 1), found);
 }
 
 }  // namespace morula

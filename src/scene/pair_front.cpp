@@ -30,10 +30,13 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
   bodies_.a = &a, bodies_.b = &b;
   // mutant scene-patches-of-others: `patches.reset()` -> ``
   patches.reset();
+  bodies_.tests_to_open = std::size_t{a.tree().branching} * b.tree().branching;
   front_.is_there = is_current_ = touch_found_ = roots_.overlap = front_.carrying_was_dear = false;
   extras_.forget();
   cost_.to_finish.reset();
   cost_.in_vain = 0;
+  // mutant scene-inherits-waiting: `priority = {};` -> ``
+  priority = {};
 }
 
 CollideOptions PairFront::options_for(const SceneOptions& options, const Budget& budget) const {
@@ -81,9 +84,12 @@ bool PairFront::may_carry() const {
   return a().tree().node_count() + b().tree().node_count() <= most_bytes_to_carry / of_node;
 }
 
-// Carrying a front into the next frame reads all nodes once: that is expensive if there are more nodes than tests.
+// Carrying a front into the next frame reads all nodes once: that is expensive if there are more nodes than tests. An
+// unfinished front is carried all the same: if the budget is small, its verdicts are all that the updates achieve.
 bool PairFront::carries() const {
-  return front_.is_there && may_carry() && front_.tests > a().tree().node_count() + b().tree().node_count();
+  return front_.is_there && may_carry() &&
+         // mutant scene-starts-again: `!front_.query->contacts().finished ||` -> ``
+         (!front_.query->contacts().finished || front_.tests > a().tree().node_count() + b().tree().node_count());
 }
 
 Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) {
@@ -112,22 +118,24 @@ Descent PairFront::descend(const SceneOptions& options, std::size_t most_tests) 
 
 std::size_t PairFront::refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time) {
   const bool goes_on = is_current_ && front_.is_there;
-  if (!most_tests && !goes_on) return descend(options, std::numeric_limits<std::size_t>::max()).tests;
+  if (!most_tests && !goes_on) return descend(options, std::numeric_limits<std::size_t>::max()).tests - 1;
   std::size_t spent = 0;
   if (most_tests) {
     const std::size_t most = *most_tests * (by_time ? descent_tests : 1);
     if (is_worth_a_descent(options, most, by_time)) {
-      const Descent done = descend(options, most);
-      if (done.finished || done.tests >= *most_tests) return done.tests;
-      spent = done.tests;
+      const Descent done = descend(options, most + 1);
+      spent = done.tests - 1;
+      if (done.finished || spent >= *most_tests) return spent;
       *most_tests -= spent;
     }
   }
-  const ContactStatus status = refine_front(options, most_tests ? Budget(*most_tests) : Budget());
+  // mutant scene-pays-for-roots: `goes_on ? 0 : 1` -> `0`
+  const std::size_t roots = goes_on ? 0 : 1;
+  const ContactStatus status = refine_front(options, most_tests ? Budget(*most_tests + roots) : Budget());
   if (status.finished) cost_.to_finish = front_.tests;
   front_.is_there = is_current_ = extras_.are_due = static_cast<bool>(status);
   extras_.forget();
-  return spent + status.pair_tests;
+  return spent + status.pair_tests - std::min(roots, status.pair_tests);
 }
 
 ContactStatus PairFront::refine_front(const SceneOptions& options, const Budget& budget) {

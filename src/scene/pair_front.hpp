@@ -96,13 +96,16 @@ class PairFront {
   void forget_front() { front_.is_there = false; }
 
   /// Continues with at most so many tests; without a number, to the end. by_time: the budget is one of time, so there
-  /// are more tests where tests take less time. Returns the number of tests done.
+  /// are more tests where tests take less time. Returns the number of tests done. Neither number includes the test of
+  /// both roots, which visit() does in any case. An unfinished pair progresses if it gets tests_to_open() tests.
   std::size_t refine(const SceneOptions& options, std::optional<std::size_t> most_tests, bool by_time = false);
   /// Adds surfaces and crossings of finished contacts, by the options. is_late() ends surfaces.
   template <class IsLate>
   void add_extras(const SceneOptions& options, PairExtras& extras, const IsLate& is_late);
 
   bool roots_overlap() const { return roots_.overlap; }
+  /// The most tests that one pair of nodes takes to open.
+  std::size_t tests_to_open() const { return bodies_.tests_to_open; }
   bool is_finished() const {
     return !roots_.overlap || (is_current_ && (!front_.is_there || front_.query->contacts().finished));
   }
@@ -144,6 +147,7 @@ class PairFront {
   struct Bodies {
     BodyId id_a{}, id_b{};
     const Collider *a = nullptr, *b = nullptr;
+    std::size_t tests_to_open = 0;
   };
   /// The result of visit() or part() for the roots in the present poses.
   struct Roots {

@@ -21,6 +21,14 @@ constexpr std::size_t most_expected = 2048;
 // The least budget of a round, one block of eight by eight nodes; with fewer tests a round is not worthwhile.
 constexpr std::size_t least_budget = 64;
 
+// The tests that a pair gets at a time: those that it took last time and somewhat more, or a quantum, and always enough
+// to open a pair of nodes.
+std::size_t wanted_tests(const PairFront& front) {
+  const std::size_t expected = std::clamp(front.tests_expected().value_or(quantum), least_budget, most_expected);
+  // mutant scene-wide-trees: `std::max(expected, front.tests_to_open())` -> `expected`
+  return std::max(expected, front.tests_to_open());
+}
+
 }  // namespace
 
 std::size_t PairRefinement::run(const SceneOptions& options, std::chrono::nanoseconds deadline, Workers& workers) {
@@ -57,9 +65,8 @@ void PairRefinement::run_all(const SceneOptions& options, Workers& workers) {
 }
 
 // Works in rounds. Each round assigns the rest of the budget to the pairs with the greatest importance per work already
-// done, the lowest first among equals: each pair gets the tests that it took last time and somewhat more, or a quantum.
-// Unused tests are available in the next round. The result depends only on counts, so the same pairs get the same tests
-// for any number of workers.
+// done, the lowest first among equals. Unused tests are available in the next round. The result depends only on counts,
+// so the same pairs get the same tests for any number of workers.
 void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests, Workers& workers) {
   std::size_t left = tests;
   while (left >= std::min(least_budget, tests) && left > 0 && !work_.empty()) {
@@ -75,16 +82,15 @@ void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests
       return values_[x] != values_[y] ? values_[x] > values_[y] : x < y;
     });
     shares_.assign(work_.size(), 0);
-    std::size_t assigned = 0, count = 0;
-    for (; count < order_.size() && assigned < left; ++count) {
-      const PairFront& front = *work_[order_[count]];
-      const std::size_t wanted = std::clamp(front.tests_expected().value_or(quantum), least_budget, most_expected);
-      // The last pair gets the rest; if that is too little to open any pair of nodes, no pair gets it.
-      const std::size_t share = std::min(wanted, left - assigned);
-      if (count > 0 && share < std::min(wanted, least_budget)) break;
-      shares_[order_[count]] = share;
+    std::size_t assigned = 0;
+    for (const std::uint32_t i : order_) {
+      // A pair that cannot open a pair of nodes with the rest leaves it to others.
+      const std::size_t share = std::min(wanted_tests(*work_[i]), left - assigned);
+      if (share == 0 || share < work_[i]->tests_to_open()) continue;
+      shares_[i] = share;
       assigned += share;
     }
+    if (assigned == 0) return;
     // work_ stays in the order of places.
     used_.assign(work_.size(), 0);
     parallel_for(workers, work_.size(), 4, [&](std::size_t begin, std::size_t end) {
@@ -98,7 +104,6 @@ void PairRefinement::run_by_tests(const SceneOptions& options, std::size_t tests
       front->priority.tests += used_[i];
       left -= used_[i];
       tests_done_ += used_[i];
-      // The pair got too few tests to open any pair of nodes, and later rounds give no more.
       if (front->is_finished() || used_[i] == 0) front = nullptr;
     }
     std::erase(work_, nullptr);
@@ -178,7 +183,7 @@ void PairRefinement::run_by_time(const SceneOptions& options, std::chrono::nanos
       }
       for (std::size_t i = first; i < last; ++i) {
         work_[i]->priority.updates_left_out = 0;
-        used_[i] = work_[i]->refine(options, share, true);
+        used_[i] = work_[i]->refine(options, std::max(share, work_[i]->tests_to_open()), true);
       }
       spent += (now(options.clock) - begin).count();
       pairs += count;

@@ -40,14 +40,17 @@ BodyStamp detail::stamp_of(const Collider& collider) {
 // A pair test counts r_a as (1 + 2^-20) r_a, r_b as (1 + 2^-19) r_b, and adds 2^-20 (|c_b|_1 + U) + 2^-46 A + 2^-60 and
 // the margin (placed_pair.hpp). U, the distance of both origins along an axis, is at most |c_a| + |c_b| + r_a + r_b and
 // the margin if the test returns that they overlap. So each side's share is below 2^-18 (|c|_1 + r) + 2^-46 A + 2^-60
-// and half the margin with 2^-19 of it; the pad here is twice that, which pays for rounding, the kernel's included.
+// and half the margin with 2^-19 of it; the pad here is twice that, which pays for rounding, the kernel's included. All
+// bodies are nearer to each other than the greatest margin that counts in full, so boxes of larger ones stay finite.
 Sphere detail::ball_around(const Collider& collider, double margin) {
   const Sphere root = PlacedSpheres(collider)(0);
   const Spheref& local = collider.sphere_state().spheres[0];
   const double size = static_cast<double>(std::abs(local.center.x) + std::abs(local.center.y) +
                                           std::abs(local.center.z) + local.radius);
   const double far = max_norm(collider.sphere_state().origin) + max_norm(collider.transform().translation);
-  const double half = root.radius + 0x1p-17 * size + 0x1p-45 * far + 0x1p-59 + 0.5 * margin * (1 + 0x1p-18);
+  const double half = root.radius + 0x1p-17 * size + 0x1p-45 * far + 0x1p-59 +
+                      // mutant scene-margin-overflows: `std::min(0.5 * margin, 0x1p300)` -> `0.5 * margin`
+                      std::min(0.5 * margin, 0x1p300) * (1 + 0x1p-18);
   return {root.center, half};
 }
 
@@ -107,7 +110,7 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
   const std::uint32_t place = s.broad.add(box_around(ball_around(collider, s.options.margin)), options.is_static);
   if (place >= s.bodies.size()) s.bodies.resize(place + 1);
   SceneBody& body = s.bodies[place];
-  body = {.collider = &collider,
+  body = {.collider = hold(collider),
           .generation = body.generation + 1,
           .options = options,
           .is_to_be_read = true,
@@ -130,7 +133,7 @@ void Scene::replace(BodyId id, const Collider& collider) {
   require_good(s.usable(collider));
   body.surface = {};
   if (s.options.patches) body.surface = s.examined(collider);
-  body.collider = &collider;
+  body.collider = hold(collider);
   body.is_to_be_read = true;
   for (NearPair& pair : s.near.pairs)
     if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {

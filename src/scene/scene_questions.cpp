@@ -3,7 +3,9 @@
 // Rays and shapes against all bodies of a scene.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <morula/geometry/scale.hpp>
+#include <numeric>
 #include <utility>
 
 #include "collide/shapes/placed_shapes.hpp"
@@ -21,48 +23,71 @@ Box grown(Box box, double by) {
   return box;
 }
 
-/// Leaves the bodies out that the query does not look at.
-void filter_bodies(const SceneState& s, const SceneFilter& filter) {
-  std::erase_if(s.shapes.bodies, [&](std::uint32_t place) { return !s.looks_at(place, filter); });
-}
-
-/// Whether the spheres of all bodies that a query looks at cover. Bodies that it does not come near count too, because
-/// they could stick out of their boxes.
-bool all_cover(const SceneState& s, const SceneFilter& filter) {
-  for (std::uint32_t place = 0; place < s.bodies.size(); ++place)
-    if (s.bodies[place].collider != nullptr && s.looks_at(place, filter) &&
-        !s.bodies[place].collider->sphere_state().covers)
-      return false;
-  return true;
-}
-
 /// The bodies that a ray comes near, in s.shapes.bodies. Rejects a bad ray, and bodies that have moved.
 SceneStatus find_bodies_along(const SceneState& s, const Ray& ray, const SceneFilter& filter) {
   if (SceneStatus status = s.current(); !status) return status;
   if (!is_usable(ray)) return rejection({Status::Code::bad_shape});
   s.broad.find_along(ray.origin, ray.direction, ray.t_end, s.shapes.bodies);
-  filter_bodies(s, filter);
+  s.filter_bodies(filter);
+  return {};
+}
+
+/// ok, or the first of the bodies to look at that queries on facets reject.
+SceneStatus askable_bodies(const SceneState& s) {
+  for (const std::uint32_t place : s.shapes.bodies)
+    if (const Status status = askable(*s.bodies[place].collider); !status) return rejection(status, s.id_of(place));
+  return {};
+}
+
+/// Looks at all bodies in the order of lower bounds of their distances, until the bounds exceed the margin and the
+/// distance of the nearest body. Lists the bodies within the margin, or the nearest one.
+template <class Shape, class Placed>
+SceneStatus touch_nearest(SceneState& s, const Shape& shape, const Placed& placed, const TouchOptions& options) {
+  s.shapes.nearest.clear();
+  for (const std::uint32_t place : s.shapes.bodies)
+    s.shapes.nearest.push_back({placed.bound(s.bodies[place].around), place});
+  std::sort(s.shapes.nearest.begin(), s.shapes.nearest.end());
+  double least = std::numeric_limits<double>::infinity();
+  BodyId nearest{};
+  for (const auto& [bound, place] : s.shapes.nearest) {
+    if (bound > std::max(least, options.margin)) break;
+    const std::size_t i = s.shapes.touches.size();
+    if (i == s.shapes.queries.size()) s.shapes.queries.push_back(std::make_unique<TouchQuery>());
+    const Touch& touch = s.shapes.queries[i]->run(*s.bodies[place].collider, shape, options);
+    if (!touch.status) return rejection(touch.status, s.id_of(place));
+    s.shapes.touches.push_back({s.id_of(place), &touch});
+    const double distance = touch.deepest ? -touch.deepest->depth : std::numeric_limits<double>::infinity();
+    // mutant scene-nearest-tie: `s.id_of(place) < nearest` -> `true`
+    if (distance < least || (distance == least && s.id_of(place) < nearest)) least = distance, nearest = s.id_of(place);
+  }
+  std::erase_if(s.shapes.touches,
+                [&](const SceneTouch& touch) { return touch.touch->proven_clear && touch.body != nearest; });
+  std::sort(s.shapes.touches.begin(), s.shapes.touches.end(),
+            [](const SceneTouch& x, const SceneTouch& y) { return x.body < y.body; });
   return {};
 }
 
 /// find(margin) writes the bodies within `margin` of the shape to s.shapes.bodies.
-template <class Shape, class Find>
+template <class Shape, class Place, class Find>
 SceneStatus touch_all(SceneState& s, const Shape& shape, bool is_near, const TouchOptions& options,
-                      const SceneFilter& filter, const Find& find) {
+                      const SceneFilter& filter, const Place& placed, const Find& find) {
   const StandardFloats standard;
   if (SceneStatus status = s.current(); !status) return status;
-  if (!std::isfinite(options.margin) || options.nearest) return rejection({Status::Code::bad_option});
+  if (!std::isfinite(options.margin)) return rejection({Status::Code::bad_option});
   if (!is_usable(shape) || !is_near) return rejection({Status::Code::bad_shape});
-  find(std::max(0.0, options.margin));
-  filter_bodies(s, filter);
-  for (const std::uint32_t place : s.shapes.bodies)
-    if (const Collider& collider = *s.bodies[place].collider; collider.has_surface())
-      if (const Status status = askable(collider); !status) return rejection(status, s.id_of(place));
+  if (options.nearest) {
+    s.shapes.bodies.resize(s.bodies.size());
+    std::iota(s.shapes.bodies.begin(), s.shapes.bodies.end(), 0u);
+  } else {
+    find(std::max(0.0, options.margin));
+  }
+  s.filter_bodies(filter);
+  if (const SceneStatus status = askable_bodies(s); !status) return status;
   s.shapes.touches.clear();
   try {
+    if (options.nearest) return touch_nearest(s, shape, placed(), options);
     for (const std::uint32_t place : s.shapes.bodies) {
       const Collider& collider = *s.bodies[place].collider;
-      if (!collider.has_surface()) continue;
       if (s.shapes.touches.size() == s.shapes.queries.size())
         s.shapes.queries.push_back(std::make_unique<TouchQuery>());
       const Touch& touch = s.shapes.queries[s.shapes.touches.size()]->run(collider, shape, options);
@@ -89,18 +114,29 @@ SceneStatus detail::SceneState::current() const {
   return {};
 }
 
+void detail::SceneState::filter_bodies(const SceneFilter& filter) const {
+  std::erase_if(shapes.bodies, [&](std::uint32_t place) {
+    return bodies[place].collider == nullptr || !looks_at(place, filter) || !bodies[place].collider->has_surface();
+  });
+}
+
+bool detail::SceneState::all_cover(const SceneFilter& filter) const {
+  for (std::uint32_t place = 0; place < bodies.size(); ++place)
+    if (bodies[place].collider != nullptr && looks_at(place, filter) && !bodies[place].collider->sphere_state().covers)
+      return false;
+  return true;
+}
+
 SceneRayHit Scene::first_hit(const Ray& ray, const SceneFilter& filter) const {
   const StandardFloats standard;
   const SceneState& s = state_->idle("first_hit");
   SceneRayHit hit{.status = find_bodies_along(s, ray, filter)};
   if (!hit.status) return hit;
-  hit.certified = all_cover(s, filter);
+  hit.certified = s.all_cover(filter);
   Ray rest = ray;
   const RayQuery query;
   for (const std::uint32_t place : s.shapes.bodies) {
-    const Collider& collider = *s.bodies[place].collider;
-    if (!collider.has_surface()) continue;
-    const RayHit here = query.run(collider, rest);
+    const RayHit here = query.run(*s.bodies[place].collider, rest);
     if (!here.status) return {.status = rejection(here.status, s.id_of(place))};
     if (!here.first || (hit.first && !(here.first->t < hit.first->t))) continue;
     hit.first = here.first;
@@ -116,12 +152,10 @@ SceneRayHits Scene::all_hits(const Ray& ray, const SceneFilter& filter) {
   s.shapes.hits.clear();
   SceneRayHits all{.status = find_bodies_along(s, ray, filter)};
   if (!all.status) return all;
-  all.certified = all_cover(s, filter);
+  all.certified = s.all_cover(filter);
   const RayQuery query;
   for (const std::uint32_t place : s.shapes.bodies) {
-    const Collider& collider = *s.bodies[place].collider;
-    if (!collider.has_surface()) continue;
-    if (const RayHit here = query.run_all(collider, ray, s.shapes.of_body); !here.status)
+    if (const RayHit here = query.run_all(*s.bodies[place].collider, ray, s.shapes.of_body); !here.status)
       return {.status = rejection(here.status, s.id_of(place))};
     for (const RayPoint& point : s.shapes.of_body) s.shapes.hits.push_back({s.id_of(place), point});
   }
@@ -135,7 +169,8 @@ SceneRayHits Scene::all_hits(const Ray& ray, const SceneFilter& filter) {
 
 SceneStatus Scene::touch(const HalfSpace& shape, const TouchOptions& options, const SceneFilter& filter) {
   SceneState& s = state_->idle("touch");
-  return touch_all(s, shape, true, options, filter, [&](double margin) {
+  const auto placed = [&] { return PlacedHalfSpace(shape); };
+  return touch_all(s, shape, true, options, filter, placed, [&](double margin) {
     const HalfSpace unit = scaled(shape);
     const double offset = unit.offset + margin * length(unit.normal);
     s.broad.find_behind(unit.normal, offset + 0x1p-40 * std::abs(offset), s.shapes.bodies);
@@ -148,7 +183,8 @@ SceneStatus Scene::touch(const Sphere& shape, const TouchOptions& options, const
 
 SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options, const SceneFilter& filter) {
   SceneState& s = state_->idle("touch");
-  return touch_all(s, shape, options.margin < 0x1p200, options, filter, [&](double margin) {
+  const auto placed = [&] { return PlacedCapsule(shape.p, shape.q, shape.radius); };
+  return touch_all(s, shape, options.margin < 0x1p200, options, filter, placed, [&](double margin) {
     Box box;
     box.add(shape.p), box.add(shape.q);
     s.broad.find(grown(box, shape.radius + margin), s.shapes.bodies);
@@ -157,7 +193,8 @@ SceneStatus Scene::touch(const Capsule& shape, const TouchOptions& options, cons
 
 SceneStatus Scene::touch(const ConvexHull& shape, const TouchOptions& options, const SceneFilter& filter) {
   SceneState& s = state_->idle("touch");
-  return touch_all(s, shape, options.margin < 0x1p200, options, filter, [&](double margin) {
+  const auto placed = [&] { return PlacedHull(shape); };
+  return touch_all(s, shape, options.margin < 0x1p200, options, filter, placed, [&](double margin) {
     Box box;
     for (const Vec3& p : shape.vertices()) box.add(p);
     s.broad.find(grown(box, margin), s.shapes.bodies);

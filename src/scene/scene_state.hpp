@@ -28,7 +28,7 @@ struct BodyStamp {
 
 /// A body of a scene: its collider, the data read from it, and the box that contains it.
 struct SceneBody {
-  const Collider* collider = nullptr;  ///< the collider; null: there is no such body
+  std::shared_ptr<const Collider> collider{};  ///< the collider; null: there is no such body
   std::uint32_t generation = 0;
   SceneBodyOptions options{};
   bool is_asleep = false;
@@ -131,13 +131,23 @@ class PublishedPairs {
   std::uint64_t next_touch_ = 1;
 };
 
-/// The results of Scene::touch(), and memory of all queries of rays and shapes: each call fills it again.
+/// A body with a lower bound of its distance from a shape.
+struct NearestBody {
+  double bound = 0;
+  std::uint32_t place = 0;
+  auto operator<=>(const NearestBody&) const = default;
+};
+
+/// The results of Scene::touch(), all_hits() and sweep_all(), and memory of all queries of rays and shapes: each call
+/// fills it again.
 struct ShapeTouches {
   std::vector<SceneTouch> touches;
   std::vector<std::unique_ptr<TouchQuery>> queries;  ///< queries; touch i belongs to query i
   mutable std::vector<std::uint32_t> bodies;         ///< places of the bodies that the ray or shape comes near
   std::vector<SceneHit> hits;                        ///< results of Scene::all_hits()
   std::vector<RayPoint> of_body;                     ///< hits of one body
+  std::vector<SceneSweep> sweeps;                    ///< results of Scene::sweep_all()
+  std::vector<NearestBody> nearest;                  ///< order in which Scene::touch() looks for the nearest body
 };
 
 /// Work and memory of add_extras(): surfaces and crossings of finished pairs.
@@ -181,6 +191,11 @@ struct SceneState {
   Status usable(const Collider& collider) const;
   /// ok, or the first body that has moved since the last update.
   SceneStatus current() const;
+  /// Leaves the bodies of `shapes` out that the query does not look at, and those without facets.
+  void filter_bodies(const SceneFilter& filter) const;
+  /// Whether the spheres of all bodies that a query looks at cover. Bodies that it does not come near count too,
+  /// because they could stick out of their boxes.
+  bool all_cover(const SceneFilter& filter) const;
 
   /// The surface of a collider, shared with a body that has the same facets. Cost: that of ClosedSurface, else linear
   /// in bodies.

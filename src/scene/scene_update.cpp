@@ -6,6 +6,7 @@
 
 #include "collide/pairs/meter.hpp"
 #include "parallel/interruption.hpp"
+#include "scene/box_tree.hpp"
 #include "scene/scene_state.hpp"
 
 namespace morula::detail {
@@ -74,6 +75,7 @@ SceneStatus SceneState::unmoved() const {
 }
 
 void SceneState::reserve(const SceneReserve& sizes) {
+  require_reservable({sizes.bodies, sizes.near_pairs, sizes.contacts});
   bodies.reserve(sizes.bodies);
   reads_.found.reserve(sizes.bodies), reads_.as_read.reserve(sizes.bodies);
   // The boxes that the tree stores are larger, and so more of them overlap.
@@ -239,7 +241,10 @@ void SceneState::publish(SceneStatus& status) {
     if (pair.front == nullptr) continue;
     const PairFront& front = *pair.front;
     ++status.near_pairs;
-    if (!front.is_finished()) ++status.open_pairs;
+    if (!front.is_finished()) {
+      ++status.open_pairs;
+      status.tests_to_open = std::max(status.tests_to_open, front.tests_to_open());
+    }
     const bool confirmed = front.touch_is_confirmed();
     if (!front.is_finished() && !confirmed) ++status.undecided_pairs;
     if (front.contacts().empty()) continue;

@@ -81,6 +81,7 @@ struct HapticProbe::State {
   Vec3 force_on_device(const Collider& body, const Vec3& goal, const NearestKept& held) const;
 
   HapticOptions options;
+  std::optional<Collider> resting;  // the body of the present step, without its transform
   bool is_started = false;
   bool is_off_surface = false;  // false: the start has found no place beside the surface; the next step starts again
   Vec3 center;                  // in the body's coordinates
@@ -276,7 +277,12 @@ HapticStep HapticProbe::State::step(const Collider& placed, const Vec3& device) 
   if (result.status && !(is_finite(device) && max_norm(device) < 0x1p200)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
   // In its own coordinates a body that moves rigidly rests, and the device point moves instead.
-  Collider body = placed;
+  if (resting) {
+    *resting = placed;
+  } else {
+    resting.emplace(placed);
+  }
+  Collider& body = *resting;
   body.set_transform({});
   const RigidTransform& transform = placed.transform();
   const Vec3 goal = transform.inverse_rotate(device - transform.translation);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/exact_predicates.hpp"
 #include "geometry/rounded_up.hpp"
 #include "parallel/float_environment.hpp"
 
@@ -45,6 +46,14 @@ struct PosedSpheres::State {
     pose.origin = origin;
     pose.frame = frame;
   }
+
+  /// Whether every sphere contains its children's, decided exactly.
+  bool is_nested() const {
+    const auto wide = [&](std::uint32_t node) { return Sphere{Vec3(spheres[node].center), spheres[node].radius}; };
+    for (std::uint32_t node = 1; node < tree.node_count(); ++node)
+      if (!encloses(wide(tree.parent[node]), wide(node))) return false;
+    return true;
+  }
 };
 
 PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(State::make()) {
@@ -58,6 +67,7 @@ PosedSpheres::PosedSpheres(SphereTree tree, bool covers) : state_(State::make())
   s.pose.cover_id = tree_hash(s.tree);
   s.pose.covers = covers;
   s.show(0, s.tree.spheres[0].center);
+  s.pose.nested = s.is_nested();
 }
 
 PosedSpheres::PosedSpheres(const SphereState& pose) : state_(State::make()) {
@@ -107,6 +117,8 @@ void PosedSpheres::set(std::span<const Spheref> spheres, const Vec3& origin) {
                                   " is not finite, has a negative radius, or reaches 1e17 about the origin");
   s.spheres.assign(spheres.begin(), spheres.end());
   s.show(s.pose.frame + 1, origin);
+  // mutant posed-stays-nested: `s.pose.nested = s.is_nested();` -> ``
+  s.pose.nested = s.is_nested();
 }
 
 void PosedSpheres::set(std::span<const Sphere> spheres) {

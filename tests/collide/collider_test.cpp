@@ -178,7 +178,8 @@ TEST_F(Limb, collider_refuses_what_does_not_fit_and_changes_nothing) {
   const std::vector<Vec3> few(3);
   EXPECT_THROW(collider.set_positions(few), std::invalid_argument);
   EXPECT_TRUE(collider.has_current_positions());
-  EXPECT_THROW(Collider(sample_body("torus"), body), std::invalid_argument);
+  const Mesh torus = sample_body("torus");
+  EXPECT_THROW(Collider(torus, body), std::invalid_argument);
 }
 
 TEST_F(Limb, body_counts_good_updates_and_knows_when_it_lags) {

@@ -368,7 +368,7 @@ TEST_F(TwoBodies, what_cannot_be_reached_stays_unfinished) {
   bool all = false;
   CollideOptions options;
   options.refresh_children = [&](const Collider& collider, std::uint32_t node) {
-    if (&collider != a.collider.get()) return true;
+    if (!(collider == *a.collider)) return true;
     reached.insert(node);
     return all || node < tree.level_begin[2];
   };

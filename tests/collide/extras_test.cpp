@@ -214,7 +214,7 @@ struct LazyBodies : ::testing::Test {
     for (Specimen* s : {&a, &b}) s->deform(random, 0.03);
     b.set_transform(RigidTransform::from_axis({1, 0, 1}, 2, {0.3, 0.6, 0.2}));
     options.refresh_children = [this](const Collider& collider, std::uint32_t node) {
-      (&collider == a.collider.get() ? a : b).body->refresh_children(node);
+      (collider == *a.collider ? a : b).body->refresh_children(node);
       return true;
     };
   }

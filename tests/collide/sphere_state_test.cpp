@@ -145,6 +145,41 @@ TEST(SphereState, spheres_that_were_set_are_the_ones_asked) {
   }
 }
 
+TEST(SphereState, is_nested_where_every_sphere_contains_those_below_in_this_frame) {
+  const Mesh mesh = sample_body("limb", 8);
+  SphereTree tree = build(mesh, {.method = Method::octree, .depth = 3}).tree;
+  make_nested(tree);
+  PosedSpheres posed(tree);
+  const auto is_nested = [&] {
+    const SphereState& state = posed.sphere_state();
+    for (std::uint32_t node = 1; node < tree.node_count(); ++node) {
+      const Sphere outer = state.sphere(tree.parent[node]), inner = state.sphere(node);
+      if (distance(outer.center, inner.center) + inner.radius > outer.radius + 1e-15) return false;
+    }
+    return true;
+  };
+  std::vector<Sphere> grown = tree.spheres;
+  for (std::uint32_t node = 0; node < grown.size(); ++node)
+    if (!tree.is_leaf(node)) grown[node].radius *= 1.01;
+  // Inner spheres need room for those below, which are rounded up.
+  for (std::uint32_t node = static_cast<std::uint32_t>(grown.size()); node-- > 1;) {
+    Sphere& outer = grown[tree.parent[node]];
+    outer.radius =
+        std::max(outer.radius, (distance(outer.center, grown[node].center) + grown[node].radius) * (1 + 1e-6));
+  }
+  posed.set(grown);
+  EXPECT_TRUE(is_nested());
+  EXPECT_TRUE(posed.sphere_state().nested);
+  EXPECT_TRUE(PosedSpheres(posed.sphere_state()).sphere_state().nested);
+  std::vector<Sphere> torn = grown;
+  torn.back().radius += 1;
+  posed.set(torn);
+  EXPECT_FALSE(is_nested());
+  EXPECT_FALSE(posed.sphere_state().nested);
+  posed.set(grown);
+  EXPECT_TRUE(posed.sphere_state().nested);
+}
+
 TEST(SphereState, refuses_spheres_that_are_none_and_changes_nothing) {
   Specimen limb("limb", 4, shallow);
   PosedSpheres spheres(limb.model.tree);

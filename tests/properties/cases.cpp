@@ -281,7 +281,7 @@ void two_bodies(const Source& source, Dice& dice, Record& record) {
     options.budget = dice.chance(0.5) ? Budget() : some_budget(dice);
     options.find_crossings = false;
     options.refresh_children = [&](const Collider& which, std::uint32_t node) {
-      if (&which == &a) first.body().refresh_children(node);
+      if (which == a) first.body().refresh_children(node);
       return true;
     };
     pair.judge_contacts(collide(a, b, options), 0, options.margin, record, "lazily");

@@ -161,6 +161,68 @@ TEST(BroadPhase, refuses_what_is_no_box_and_what_is_not_there) {
   EXPECT_EQ(broad.pairs().size(), 1u);
 }
 
+TEST(BroadPhase, finds_what_a_half_space_reaches_however_short_or_long_its_normal_is) {
+  Random random(9);
+  BroadPhase broad;
+  for (int i = 0; i < 300; ++i) broad.add(random_box(random, 6, 2), true);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 normal{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const double offset = random.uniform(-8, 3);
+    std::vector<std::uint32_t> expected, found;
+    broad.find_behind(normal, offset, expected);
+    for (const int exponent : {-1060, -1000, -300, 300, 1010}) {
+      const auto scaled = [&](double x) { return std::ldexp(x, exponent); };
+      broad.find_behind({scaled(normal.x), scaled(normal.y), scaled(normal.z)}, scaled(offset), found);
+      // The shortest normals have few digits.
+      if (exponent < -1022) {
+        EXPECT_NEAR(static_cast<double>(found.size()), static_cast<double>(expected.size()), 10);
+      } else {
+        EXPECT_EQ(found, expected);
+      }
+    }
+  }
+  // Boxes around the plane, so that every one is reached.
+  BroadPhase flat;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 c{random.uniform(-1, 1) * 1e-5, random.uniform(-9, 9), random.uniform(-9, 9)};
+    flat.add({{c.x, c.y, c.z}, {c.x + 1, c.y, c.z}}, true);
+  }
+  std::vector<std::uint32_t> found;
+  flat.find_behind({0x1p-1070, 0, 0}, std::ldexp(1.0, -1070), found);
+  EXPECT_EQ(found.size(), 100u);
+}
+
+TEST(BroadPhase, finds_the_boxes_that_a_moving_box_meets) {
+  Random random(10);
+  BroadPhase broad;
+  Boxes boxes;
+  for (int i = 0; i < 400; ++i) {
+    const Box box = random_box(random, 6, 1);
+    boxes[broad.add(box)] = {box, false};
+  }
+  std::size_t met = 0, listed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Box box = random_box(random, 6, 2);
+    Vec3 motion{random.uniform(-9, 9), random.uniform(-9, 9), random.uniform(-9, 9)};
+    if (i % 5 == 0) motion = {0, 0, 3};
+    if (i % 7 == 0) motion = {};
+    std::vector<std::uint32_t> found;
+    broad.find_along(box, motion, found);
+    for (const auto& [number, known] : boxes) {
+      bool hit = false;
+      for (int k = 0; k <= 1000 && !hit; ++k) {
+        const Vec3 shift = motion * (k / 1000.0);
+        hit = share_a_point(known.box, {box.lower + shift, box.upper + shift});
+      }
+      met += hit;
+      EXPECT_TRUE(!hit || std::binary_search(found.begin(), found.end(), number));
+    }
+    listed += found.size();
+  }
+  EXPECT_GT(met, 400u);
+  EXPECT_LT(listed, 2 * met) << "boxes about the whole way would list more";
+}
+
 TEST(BroadPhase, allocates_nothing_once_it_has_seen_the_motion) {
   BroadPhase broad;
   std::vector<std::uint32_t> numbers;

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <limits>
+#include <morula/collide/contacts.hpp>
+#include <morula/scene/broad_phase.hpp>
+#include <new>
 #include <set>
 
 #include "scene_bodies.hpp"
@@ -166,6 +170,127 @@ TEST(Scene, gives_a_budget_to_the_important_first_and_leaves_nobody_out_for_ever
     look();
   }
   EXPECT_EQ(refined.size(), 8u);
+}
+
+// A pair of nodes of such trees takes more tests to open than a pair usually gets at a time.
+TEST(Scene, pairs_of_wide_trees_are_opened_within_a_budget) {
+  for (const std::uint32_t branching : {24u, 48u, 64u}) {
+    const auto wide = [&](const Vec3& center) {
+      std::vector<Sphere> leaves;
+      Random random(branching);
+      for (int i = 0; i < 2000; ++i) leaves.push_back({center + test::random_point(random, 1), 0.02});
+      return PosedSpheres(tree_from_spheres(leaves, branching));
+    };
+    const PosedSpheres first = wide({}), second = wide({0.3, 0.2, 0.1});
+    const Collider a(first.sphere_state()), b(second.sphere_state());
+    ASSERT_EQ(a.tree().branching, branching);
+    for (const bool by_time : {false, true}) {
+      std::chrono::nanoseconds time{0};
+      SceneOptions options{.budget = std::size_t{branching} * branching};
+      if (by_time) options.budget = 1ms, options.clock = [&] { return time += 100us; };
+      Scene scene(options);
+      scene.add(a), scene.add(b);
+      SceneStatus status;
+      int updates = 0;
+      for (; updates < 5000 && !status.finished; ++updates) {
+        status = scene.update();
+        ASSERT_TRUE(status);
+        EXPECT_EQ(status.tests_to_open, status.finished ? 0 : std::size_t{branching} * branching);
+      }
+      EXPECT_TRUE(status.finished) << branching << by_time;
+      if (!by_time) {
+        EXPECT_GT(updates, 1) << "the budget ends some of them";
+      }
+      const Contacts all = collide(a, b);
+      ASSERT_EQ(scene.pairs().size(), 1u);
+      EXPECT_EQ(scene.pairs()[0].contacts.size(), all.contacts.size());
+    }
+  }
+}
+
+// The least budget with which a pair of nodes of branching 8 is opened. Bodies move a little, in every update.
+TEST(Scene, a_budget_of_one_pair_of_nodes_finishes_bodies_that_move_a_little) {
+  const Mesh mesh = test::box_mesh({-0.7, -0.4, -0.3}, {0.7, 0.4, 0.3}, 6);
+  const Body body(mesh, build(mesh, {.method = Method::grid, .branching = 8, .depth = 2}));
+  Collider a(mesh, body), b(mesh, body);
+  Scene scene({.budget = 64});
+  scene.add(a), scene.add(b);
+  SceneStatus status;
+  int updates = 0;
+  for (; updates < 300 && !status.finished; ++updates) {
+    b.set_transform({.translation = {0.8, 0.1, 0.05 + (updates % 2 == 0 ? 1e-7 : 0.0)}});
+    status = scene.update();
+    ASSERT_TRUE(status);
+    ASSERT_LE(status.pair_tests, 64u);
+    ASSERT_EQ(status.tests_to_open, status.finished ? 0u : 64u);
+  }
+  EXPECT_TRUE(status.finished);
+  EXPECT_GT(updates, 5);
+  ASSERT_EQ(scene.pairs().size(), 1u);
+  EXPECT_EQ(scene.pairs()[0].contacts.size(), collide(a, b).contacts.size());
+}
+
+// The memory of a pair that has waited for long serves other bodies, which have not waited.
+TEST(Scene, bodies_do_not_inherit_the_waiting_of_others) {
+  std::vector<std::unique_ptr<Thing>> things;
+  for (int i = 0; i < 6; ++i) {
+    things.push_back(std::make_unique<Thing>(test::icosphere(2, 0.6)));
+    things.back()->collider.set_transform({.translation = {10.0 * (i / 2) + 0.3 * (i % 2), 0, 0}});
+  }
+  const auto refined = [&](bool after_others) {
+    Scene scene({.budget = 0});
+    if (after_others) {
+      // The first two wait for a long time, with the lowest weight, and are removed.
+      const BodyId first = scene.add(things[4]->collider, {.weight = 0.01});
+      const BodyId second = scene.add(things[5]->collider, {.weight = 0.01});
+      for (int i = 0; i < 200; ++i) EXPECT_TRUE(scene.update());
+      scene.remove(first), scene.remove(second);
+      EXPECT_TRUE(scene.update());
+    }
+    scene.add(things[0]->collider, {.weight = 0.1}), scene.add(things[1]->collider, {.weight = 0.1});
+    scene.add(things[2]->collider), scene.add(things[3]->collider);
+    scene.set_options({.budget = 100});
+    EXPECT_TRUE(scene.update());
+    std::vector<std::size_t> contacts;
+    for (const ScenePair& pair : scene.pairs()) contacts.push_back(pair.contacts.size());
+    return contacts;
+  };
+  const std::vector<std::size_t> fresh = refined(false);
+  ASSERT_EQ(fresh.size(), 2u);
+  EXPECT_EQ(fresh[0], 1u);
+  EXPECT_GT(fresh[1], 1u);
+  EXPECT_EQ(refined(true), fresh);
+}
+
+TEST(Scene, the_greatest_margin_finds_all_pairs) {
+  Thing a(test::icosphere(1, 0.6)), b(test::icosphere(1, 0.6));
+  b.collider.set_transform({.translation = {1e30, 0, 0}});
+  for (const bool later : {false, true}) {
+    const double most = std::numeric_limits<double>::max();
+    Scene scene({.margin = later ? 0 : most});
+    scene.add(a.collider), scene.add(b.collider);
+    ASSERT_TRUE(scene.update());
+    if (later) {
+      ASSERT_TRUE(scene.pairs().empty());
+      scene.set_options({.margin = most});
+      ASSERT_TRUE(scene.update());
+    }
+    ASSERT_EQ(scene.pairs().size(), 1u);
+    EXPECT_TRUE(scene.pairs()[0].finished);
+  }
+}
+
+TEST(Scene, rejects_sizes_for_which_there_is_no_memory) {
+  Scene scene;
+  const std::size_t most = std::numeric_limits<std::size_t>::max();
+  for (const std::size_t size : {most, most / 2 + 1, most / 4 + 1, std::size_t{1} << 32}) {
+    EXPECT_THROW(scene.reserve({.bodies = size}), std::bad_alloc);
+    EXPECT_THROW(scene.reserve({.near_pairs = size}), std::bad_alloc);
+    EXPECT_THROW(scene.reserve({.bodies = 1, .near_pairs = 1, .contacts = size}), std::bad_alloc);
+    BroadPhase broad;
+    EXPECT_THROW(broad.reserve(size, 0), std::bad_alloc);
+    EXPECT_THROW(broad.reserve(0, size), std::bad_alloc);
+  }
 }
 
 }  // namespace

@@ -409,8 +409,6 @@ TEST(Scene, finds_what_rays_and_shapes_meet_of_all_bodies) {
   EXPECT_EQ(scene.touch(Sphere{{}, -1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(HalfSpace{{0, 0, 0}, 1}).code, Status::Code::bad_shape);
   EXPECT_EQ(scene.touch(HalfSpace{{1e-70, 0, 0}, -1}).code, Status::Code::bad_shape) << "and no body is near it";
-  EXPECT_EQ(scene.touch(Sphere{}, {.nearest = true}).code, Status::Code::bad_option);
-  EXPECT_EQ(scene.touch(ConvexHull::box({{0, 0, 0}, {1, 1, 1}}), {.nearest = true}).code, Status::Code::bad_option);
   EXPECT_EQ(scene.first_hit({{}, {}}).status.code, Status::Code::bad_shape);
   EXPECT_EQ(scene.first_hit({{1e6, 0, 0}, {1e-70, 0, 0}}).status.code, Status::Code::bad_shape)
       << "and no body is near it";

@@ -19,6 +19,7 @@
 #include <morula/update/body.hpp>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace morula {
@@ -28,6 +29,9 @@ class ColliderAsRead;
 class FacetLists;
 /// Copies, for each facet of a leaf, the share of its area that the leaf owns.
 void copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
+/// The same side, for a user that keeps it: it stays in place when the collider is moved, and after its end. Allocates
+/// nothing.
+std::shared_ptr<const Collider> hold(const Collider& collider);
 
 /// Counts the changes of the object that contains it. Assignment to the object is a change.
 struct ChangeCount {
@@ -43,8 +47,10 @@ struct ChangeCount {
 /// destroyed or assigned to, queries reject the collider with body_replaced. A collider is made once per tree and
 /// cover: a rebuilding body needs another collider when its tree_version() changes.
 ///
-/// A copy is another side over the same body with its own transform. Queries borrow colliders by address, so colliders
-/// in a growing container should be held by pointers.
+/// Queries and scenes that keep a collider share its state: they follow set_transform(), an assignment to the collider,
+/// and its move, such as that of a growing vector, and they may keep a temporary one. A copy is another side over the
+/// same body: it shares the body and all tables, and has its own transform and positions. Cost of a copy: constant, one
+/// allocation; an assignment allocates nothing. A collider that was moved from may only be assigned to or destroyed.
 class Collider {
  public:
   /// A body with its surface. The body must have been made from mesh. Throws std::invalid_argument if their sizes
@@ -56,12 +62,28 @@ class Collider {
   Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose);
   /// Spheres alone, of a body, an imported tree or a set of spheres. Queries on facets reject this collider.
   explicit Collider(const SphereState& pose);
+  // Temporaries that a collider would borrow.
+  Collider(const Mesh&&, const Body&) = delete;
+  Collider(const MeshView&, const Body&&) = delete;
+  Collider(const Mesh&&, const Body&&) = delete;
+  Collider(const Mesh&&, const Cover&, const SphereState&) = delete;
+  Collider(const MeshView&, const Cover&&, const SphereState&) = delete;
+  Collider(const MeshView&, const Cover&, const SphereState&&) = delete;
+  explicit Collider(const SphereState&&) = delete;
+  ~Collider();
+  Collider(const Collider& other);
+  Collider& operator=(const Collider& other);
+  Collider(Collider&& other) noexcept;
+  Collider& operator=(Collider&& other) noexcept;
+
+  /// True if both are the same side: one is the other, or the view of the other that a query passes to a callback.
+  friend bool operator==(const Collider& a, const Collider& b) { return a.data_ == b.data_; }
 
   /// Sets the transform of the body: x ↦ transform(x). A rotation in single precision becomes the nearest one in
   /// double. Throws std::invalid_argument, and changes nothing, if deviation_from_rigid() exceeds
   /// largest_float_deviation.
   void set_transform(const RigidTransform& transform);
-  const RigidTransform& transform() const { return transform_; }
+  const RigidTransform& transform() const { return data_->transform; }
 
   /// Sets the vertices of the present frame, for a sphere state without positions: the caller's own spheres, or a body
   /// that follows coordinates alone. A body that was updated with positions needs no call: the collider reads them from
@@ -69,55 +91,62 @@ class Collider {
   void set_positions(const PositionView& positions);
   /// Positions in the body's own coordinates, without the transform. At rest the mesh's.
   const PositionView& positions() const {
-    if (given_ && given_frame_ == pose_->frame) return *given_;
-    return pose_->positions ? *pose_->positions : *rest_;
+    if (data_->given && data_->given_frame == data_->pose->frame) return *data_->given;
+    return data_->pose->positions ? *data_->pose->positions : *data_->rest;
   }
   /// True if positions() belong to the present frame.
   bool has_current_positions() const {
-    return has_surface() && (pose_->positions || pose_->frame == 0 || (given_ && given_frame_ == pose_->frame));
+    return has_surface() && (data_->pose->positions || data_->pose->frame == 0 ||
+                             (data_->given && data_->given_frame == data_->pose->frame));
   }
 
-  const SphereState& sphere_state() const { return *pose_; }
-  const SphereTree& tree() const { return *pose_->tree; }
+  const SphereState& sphere_state() const { return *data_->pose; }
+  const SphereTree& tree() const { return *data_->pose->tree; }
 
   /// True if the collider has facets.
-  bool has_surface() const { return cover_ != nullptr; }
+  bool has_surface() const { return data_->cover != nullptr; }
   /// The part of the surface that each node owns. Requires a surface.
-  const Cover& cover() const { return *cover_; }
+  const Cover& cover() const { return *data_->cover; }
   /// The mesh's facets; empty without a surface.
-  std::span<const Facet> mesh_facets() const { return mesh_facets_; }
-  std::size_t vertex_count() const { return rest_ ? rest_->size() : 0; }
+  std::span<const Facet> mesh_facets() const { return data_->mesh_facets; }
+  std::size_t vertex_count() const { return data_->rest ? data_->rest->size() : 0; }
   /// Facets and positions(), without the transform. Requires a surface.
-  MeshView surface() const { return {positions(), mesh_facets_}; }
+  MeshView surface() const { return {positions(), data_->mesh_facets}; }
   /// Facets that the node's region contains in whole or in part. A leaf's facets are ascending, each once; an inner
   /// node's are the lists of the leaves below it, in order. Empty without a surface.
   std::span<const std::uint32_t> facets(std::uint32_t node) const {
-    if (facet_begin_.empty()) return {};
-    return facets_.subspan(facet_begin_[node], facet_end_[node] - facet_begin_[node]);
+    if (data_->facet_begin.empty()) return {};
+    return data_->facets.subspan(data_->facet_begin[node], data_->facet_end[node] - data_->facet_begin[node]);
   }
   /// Position of a vertex in the world: the present position, then the transform, each rounded to double. Exact
   /// verdicts are about these numbers.
-  Vec3 vertex(std::uint32_t index) const { return transform_(positions()[index]); }
+  Vec3 vertex(std::uint32_t index) const { return data_->transform(positions()[index]); }
   Triangle triangle(std::uint32_t facet) const {
-    const Facet& f = mesh_facets_[facet];
+    const Facet& f = data_->mesh_facets[facet];
     return {vertex(f[0]), vertex(f[1]), vertex(f[2])};
   }
 
  private:
   friend class detail::ColliderAsRead;
   friend void detail::copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
+  friend std::shared_ptr<const Collider> detail::hold(const Collider& collider);
+  struct Data {
+    const SphereState* pose;
+    std::shared_ptr<const void> kept;  // sphere state and cover, if the source shares them
+    const Cover* cover = nullptr;
+    std::span<const Facet> mesh_facets{};
+    RigidTransform transform{};
+    std::optional<PositionView> rest{}, given{};
+    std::uint64_t given_frame = 0;
+    std::shared_ptr<const detail::FacetLists> facet_lists{};
+    std::span<const std::uint32_t> facets{}, facet_begin{}, facet_end{};  // of facet_lists
+    detail::ChangeCount changes{};  // changes of the transform, of the given positions, and assignments
+  };
+  struct Shared;  // Data, and the collider that users of hold() read
+  explicit Collider(std::shared_ptr<Data> data) : data_(std::move(data)) {}
   Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose,
            std::shared_ptr<const detail::FacetLists> facet_lists);
-  const SphereState* pose_;
-  std::shared_ptr<const void> kept_;  // sphere state and cover, if the source shares them
-  const Cover* cover_ = nullptr;
-  std::span<const Facet> mesh_facets_{};
-  RigidTransform transform_{};
-  std::optional<PositionView> rest_{}, given_{};
-  std::uint64_t given_frame_ = 0;
-  std::shared_ptr<const detail::FacetLists> facet_lists_;
-  std::span<const std::uint32_t> facets_, facet_begin_, facet_end_;  // of facet_lists_
-  detail::ChangeCount changes_{};  // changes of the transform and of the given positions
+  std::shared_ptr<Data> data_;
 };
 
 /// A node of each of two bodies.

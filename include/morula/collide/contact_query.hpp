@@ -48,9 +48,9 @@ class ContactQuery {
   ContactQuery(ContactQuery&&) noexcept;
   ContactQuery& operator=(ContactQuery&&) noexcept;
 
-  /// Adds a pair, and returns its number: 0 for the first. The query borrows the colliders until clear(). weight:
-  /// factor of Priority::importance; throws std::invalid_argument if it is negative or not finite. The front is lost,
-  /// so call run() or start() next.
+  /// Adds a pair, and returns its number: 0 for the first. The query shares the state of the colliders until
+  /// clear(), so it follows them where they are moved. weight: factor of Priority::importance; throws
+  /// std::invalid_argument if it is negative or not finite. The front is lost, so call run() or start() next.
   std::uint32_t add(const Collider& a, const Collider& b, double weight = 1);
   /// Removes all pairs, with the front and the contacts, which refer to them. Keeps the memory.
   void clear();

@@ -81,6 +81,7 @@ struct CollideOptions {
   /// Callback for bodies whose spheres are refreshed only in nodes that a query visits. It runs before the children of
   /// a node are tested, on the thread of the query, perhaps more than once per node. True: the children are current.
   /// False: they are not available, and the pairs that need them stay unfinished. Empty: all nodes are current.
+  /// `collider` equals the collider of the pair; its address is another.
   std::function<bool(const Collider& collider, std::uint32_t node)> refresh_children{};
 };
 

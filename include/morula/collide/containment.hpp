@@ -64,10 +64,10 @@ std::vector<std::uint32_t> component_vertices(const MeshView& mesh);
 /// and per facet of these leaves; about 15 us on a body of 5,760 facets.
 class InsideQuery {
  public:
-  /// Borrows the collider, and reads its present transform and positions in every call. Throws std::invalid_argument
-  /// for a collider without facets, and for an open surface, which has no inside: one with an edge of an odd number of
-  /// facets (MeshReport::closed). The message has the numbers of edges with one facet and with more than two. Cost: O(F
-  /// log F) for F facets, so make the query once per mesh.
+  /// Shares the collider's state, and reads its present transform and positions in every call. Throws
+  /// std::invalid_argument for a collider without facets, and for an open surface, which has no inside: one with an
+  /// edge of an odd number of facets (MeshReport::closed). The message has the numbers of edges with one facet and with
+  /// more than two. Cost: O(F log F) for F facets, so make the query once per mesh.
   explicit InsideQuery(const Collider& body);
 
   /// Locates a point, in world coordinates. Rejects a point that is not finite or has a |coordinate| of 2^200 or more,
@@ -90,7 +90,7 @@ class InsideQuery {
   const Collider& collider() const { return *body_; }
 
  private:
-  const Collider* body_;
+  std::shared_ptr<const Collider> body_;
   bool is_oriented_;
   std::vector<std::uint32_t> facets_;
   TouchQuery touch_;

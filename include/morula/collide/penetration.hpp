@@ -40,8 +40,8 @@ struct [[nodiscard]] Penetration {
 /// only narrows them. Bodies may deform and move; inside is defined by InsideQuery.
 class PenetrationQuery {
  public:
-  /// Borrows both colliders. Throws std::invalid_argument for an open surface, like InsideQuery. Cost: O(F log F),
-  /// once.
+  /// Shares the state of both colliders. Throws std::invalid_argument for an open surface, like InsideQuery. Cost: O(F
+  /// log F), once.
   PenetrationQuery(const Collider& a, const Collider& b);
   ~PenetrationQuery();
   PenetrationQuery(PenetrationQuery&&) noexcept;

@@ -42,7 +42,7 @@ class BroadPhase {
   /// finite.
   Status move(std::uint32_t number, const Box& box);
   /// Allocates memory for so many boxes, and for so many pairs of stored, enlarged boxes. Until there are more, no call
-  /// allocates. Throws std::bad_alloc, and then has no effect besides memory.
+  /// allocates. Throws std::bad_alloc, also for sizes of 2^32 and more, and then has no effect besides memory.
   void reserve(std::size_t boxes, std::size_t pairs);
   bool has(std::uint32_t number) const;
   const Box& box(std::uint32_t number) const;
@@ -62,6 +62,9 @@ class BroadPhase {
   /// Finds the boxes that meet the points origin + t direction, 0 <= t <= t_end. No such box is missed; a box that the
   /// points only just miss may be included.
   void find_along(const Vec3& origin, const Vec3& direction, double t_end, std::vector<std::uint32_t>& found) const;
+  /// Finds the boxes that a box meets while it moves by `motion`. No such box is missed; a box that it only just misses
+  /// may be included.
+  void find_along(const Box& box, const Vec3& motion, std::vector<std::uint32_t>& found) const;
 
  private:
   struct State;

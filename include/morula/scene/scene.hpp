@@ -18,6 +18,7 @@
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/primitives.hpp>
+#include <morula/collide/sweep.hpp>
 #include <morula/parallel/workers.hpp>
 #include <optional>
 #include <span>
@@ -75,7 +76,7 @@ struct SceneOptions {
   std::function<bool(BodyId a, BodyId b)> accepts{};
 };
 
-/// Sizes for Scene::reserve().
+/// Sizes for Scene::reserve(), each below 2^32.
 struct SceneReserve {
   std::size_t bodies = 0;      ///< number of bodies
   std::size_t near_pairs = 0;  ///< number of pairs of bodies whose boxes overlap, before masks and filter
@@ -126,7 +127,10 @@ struct [[nodiscard]] SceneStatus : Status {
   /// each, at most one event, the beginning or the end of a touch, is still to be reported; all other events are
   /// reported. 0 without a budget.
   std::size_t undecided_pairs = 0;
-  std::size_t pair_tests = 0;  ///< number of tests of pairs of nodes in this call
+  std::size_t pair_tests = 0;  ///< number of tests of pairs of nodes in this call, without those of two roots
+  /// The least budget in pair tests with which every open pair progresses: the largest product of the branchings of
+  /// both trees; 0 if no pair is open. With a smaller one such a pair keeps its coarse contacts in every update.
+  std::size_t tests_to_open = 0;
 };
 /// The fault and its remedy as text, with the body that caused it; empty for ok.
 std::string message(const SceneStatus& status);
@@ -156,6 +160,28 @@ struct [[nodiscard]] SceneRayHit {
   std::optional<BodyId> body{};     ///< body that the ray hits first; at equal t the lowest by place; no value: no hit
   std::optional<RayPoint> first{};  ///< first hit; no value if there is none
   bool certified = false;           ///< true: the spheres of all bodies looked at cover, so no hit is missed
+};
+
+/// A body that a moving shape touches first.
+struct [[nodiscard]] SceneSweepHit {
+  SceneStatus status;
+  std::optional<BodyId> body{};       ///< first body; at equal t the lowest by place; no value: the shape passes all
+  std::optional<SweepPoint> first{};  ///< first touch; no value if there is none
+  bool certified = false;             ///< true: the spheres of all bodies looked at cover, so no touch is missed
+};
+
+/// The first touch of a moving shape with a body.
+struct SceneSweep {
+  BodyId body;
+  SweepPoint first;
+};
+
+/// The first touches of a moving shape with all bodies.
+struct [[nodiscard]] SceneSweepHits {
+  SceneStatus status;
+  /// One per body that the shape touches, ascending by t, then by place; valid until the next sweep_all().
+  std::span<const SceneSweep> hits{};
+  bool certified = false;  ///< true: the spheres of all bodies looked at cover, so no touch is missed
 };
 
 /// A body that a shape touches or may touch.
@@ -203,12 +229,12 @@ class Scene {
   /// surfaces, if SceneOptions::surfaces is set by then, is included. Three things still allocate while they grow:
   /// fronts of pairs that a budget leaves unfinished, crossings, and the memory in which a working thread reads facets.
   /// Cost: linear. Memory: near_pairs * (1 kB + 88 bytes * contacts, and 144 bytes with surfaces). Throws
-  /// std::bad_alloc, and then has no effect besides memory.
+  /// std::bad_alloc, also for sizes out of range, and then has no effect besides memory.
   void reserve(const SceneReserve& sizes);
 
-  /// Adds a body, and returns its id. The scene borrows the collider until remove() or replace(); between updates of
-  /// the scene, the caller may update and move the body. Throws std::invalid_argument for options out of range, and for
-  /// a body that update() rejects.
+  /// Adds a body, and returns its id. The scene shares the state of the collider until remove() or replace();
+  /// between updates of the scene, the caller may update and move the body. Throws std::invalid_argument for options
+  /// out of range, and for a body that update() rejects.
   BodyId add(const Collider& collider, const SceneBodyOptions& options = {});
   /// Removes a body; its touches end in the next update(). This and the next four functions throw std::invalid_argument
   /// for an id without a body, such as that of a removed one.
@@ -250,9 +276,19 @@ class Scene {
   SceneRayHit first_hit(const Ray& ray, const SceneFilter& filter = {}) const;
   /// Finds all facets that a ray hits, as RayQuery::run_all() does for one body. Rejects like first_hit().
   SceneRayHits all_hits(const Ray& ray, const SceneFilter& filter = {});
-  /// Finds the bodies that a shape touches or may touch: those without Touch::proven_clear. Rejects
-  /// TouchOptions::nearest, input that TouchQuery rejects, and otherwise like first_hit(); touches() then stays as it
-  /// was.
+  /// Finds the first body that a shape touches which starts at its own place and moves by `motion`, and where, as
+  /// SweepQuery does for one body. The bodies stay at their present poses. A box is ConvexHull::box(). Rejects input
+  /// that SweepQuery rejects, and otherwise like first_hit().
+  SceneSweepHit sweep(const Sphere& shape, const Vec3& motion, const SceneFilter& filter = {}) const;
+  SceneSweepHit sweep(const Capsule& shape, const Vec3& motion, const SceneFilter& filter = {}) const;
+  SceneSweepHit sweep(const ConvexHull& shape, const Vec3& motion, const SceneFilter& filter = {}) const;
+  /// Finds all bodies that the moving shape touches, each with its first touch, as if the others were not there.
+  SceneSweepHits sweep_all(const Sphere& shape, const Vec3& motion, const SceneFilter& filter = {});
+  SceneSweepHits sweep_all(const Capsule& shape, const Vec3& motion, const SceneFilter& filter = {});
+  SceneSweepHits sweep_all(const ConvexHull& shape, const Vec3& motion, const SceneFilter& filter = {});
+  /// Finds the bodies that a shape touches or may touch: those without Touch::proven_clear. With TouchOptions::nearest
+  /// also the body nearest to the shape, at any distance; at equal distances the lowest by place. Rejects input that
+  /// TouchQuery rejects, and otherwise like first_hit(); touches() then stays as it was.
   SceneStatus touch(const HalfSpace& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
   SceneStatus touch(const Sphere& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});
   SceneStatus touch(const Capsule& shape, const TouchOptions& options = {}, const SceneFilter& filter = {});

@@ -21,7 +21,8 @@ struct SphereState {
   std::uint64_t cover_id = 0;        ///< equal for states of one tree with one cover
   std::uint64_t frame = 0;           ///< number that changes with every new state of a source; 0 at rest
   bool covers = false;               ///< every level's spheres contain the surface, in any motion
-  bool nested = false;               ///< every sphere contains its children's, in any motion
+  bool nested = false;               ///< every sphere contains its children's: of a body in any motion, of
+                                     ///< PosedSpheres in this frame
   bool current = true;               ///< false: the last update was rejected, and the spheres belong to an older frame
   bool complete = true;              ///< false: a lazy update has left nodes behind
   std::optional<PositionView> positions{};  ///< vertices that the spheres followed; no value if the source had none

@@ -35,7 +35,7 @@ CollideOptions collide_options(std::optional<std::uint32_t> level, double margin
 void reach_by(CollideOptions& options, const std::vector<const Side*>& sides) {
   options.refresh_children = [sides](const Collider& collider, std::uint32_t node) {
     for (const Side* side : sides) {
-      if (side->collider.get() != &collider) continue;
+      if (!(*side->collider == collider)) continue;
       if (Body* body = side->posed->body()) body->refresh_children(node);
     }
     return true;

@@ -87,6 +87,33 @@ void bind_touch(nb::module_& m) {
            {"stop_at_first", doc::TouchOptions_stop_at_first},
            {"collect_all", doc::TouchOptions_collect_all}})
           .c_str());
+  Record<SweepPoint>(m, "SweepPoint", doc::SweepPoint)
+      .field("t", &SweepPoint::t, doc::SweepPoint_t)
+      .field("point", &SweepPoint::point, doc::SweepPoint_point)
+      .field("normal", &SweepPoint::normal, doc::SweepPoint_normal);
+  Record<SweepHit>(m, "SweepHit", "What sweep() found.")
+      .field("first", &SweepHit::first, doc::SweepHit_first)
+      .field("certified", &SweepHit::certified, doc::SweepHit_certified)
+      .field("sphere_tests", &SweepHit::sphere_tests)
+      .field("facet_tests", &SweepHit::facet_tests)
+      .python()
+      .def("__bool__", [](const SweepHit& hit) { return hit.first.has_value(); });
+  m.def(
+      "sweep",
+      [](ColliderGiven given, ShapeGiven shape, Vec3 motion) {
+        const auto side = side_of(given, "body");
+        return with_shape(shape, [&](const auto& s) -> SweepHit {
+          if constexpr (std::same_as<std::remove_cvref_t<decltype(s)>, HalfSpace>) {
+            throw nb::type_error("shape: a HalfSpace has no first touch; a Capsule, a ConvexHull or a sphere has");
+          } else {
+            return without_gil([&] {
+              const Reading reading({side.get()});
+              return sweep(side->current(), s, motion);
+            });
+          }
+        });
+      },
+      nb::arg("body"), nb::arg("shape"), nb::arg("motion"), doc::SweepQuery);
 }
 
 }  // namespace morula::python

@@ -159,7 +159,8 @@ void bind_scene_results(nb::module_& m) {
       .field("near_pairs", &SceneStatus::near_pairs, doc::SceneStatus_near_pairs)
       .field("open_pairs", &SceneStatus::open_pairs, doc::SceneStatus_open_pairs)
       .field("undecided_pairs", &SceneStatus::undecided_pairs, doc::SceneStatus_undecided_pairs)
-      .field("pair_tests", &SceneStatus::pair_tests, doc::SceneStatus_pair_tests);
+      .field("pair_tests", &SceneStatus::pair_tests, doc::SceneStatus_pair_tests)
+      .field("tests_to_open", &SceneStatus::tests_to_open, doc::SceneStatus_tests_to_open);
   Record<FoundTouch>(m, "SceneTouch", "A body that a shape touches, and the touch.")
       .field("body", &FoundTouch::body)
       .field("touch", &FoundTouch::touch);
@@ -170,6 +171,15 @@ void bind_scene_results(nb::module_& m) {
       .field("certified", &SceneRayHit::certified, doc::SceneRayHit_certified)
       .python()
       .def("__bool__", [](const SceneRayHit& hit) { return hit.first.has_value(); });
+  Record<SceneSweep>(m, "SceneSweep", doc::SceneSweep)
+      .field("body", &SceneSweep::body)
+      .field("first", &SceneSweep::first);
+  Record<SceneSweepHit>(m, "SceneSweepHit", "What Scene.sweep() found.")
+      .field("body", &SceneSweepHit::body, doc::SceneSweepHit_body)
+      .field("first", &SceneSweepHit::first)
+      .field("certified", &SceneSweepHit::certified, doc::SceneSweepHit_certified)
+      .python()
+      .def("__bool__", [](const SceneSweepHit& hit) { return hit.first.has_value(); });
 }
 
 }  // namespace morula::python

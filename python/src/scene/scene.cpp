@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenes: many bodies and their contacts under one budget.
+#include <concepts>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <morula/scene/scene.hpp>
 #include <mutex>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "contacts.hpp"
@@ -211,6 +213,57 @@ void bind_scene_bodies(Class& scene) {
           nb::arg("body"));
 }
 
+/// Calls f with the moving shape that is given. Throws TypeError for anything else.
+template <class F>
+auto with_moving_shape(const ShapeGiven& given, const F& f) {
+  return with_shape(given, [&](const auto& shape) -> decltype(f(Sphere{})) {
+    if constexpr (std::same_as<std::remove_cvref_t<decltype(shape)>, HalfSpace>) {
+      throw nb::type_error("shape: a HalfSpace has no first touch; a Capsule, a ConvexHull or a sphere has");
+    } else {
+      return f(shape);
+    }
+  });
+}
+
+template <class Class>
+void bind_scene_sweeps(Class& scene) {
+  const std::initializer_list<std::pair<const char*, const char*>> filter_arguments{
+      {"mask", doc::SceneFilter_mask}, {"ignored", doc::SceneFilter_ignored}};
+  scene
+      .def(
+          "sweep",
+          [](const HeldScene& self, ShapeGiven shape, Vec3 motion, std::uint32_t mask,
+             const std::vector<BodyId>& ignored) {
+            const SceneSweepHit hit = with_moving_shape(shape, [&](const auto& s) {
+              return locked_idle(self, [&] {
+                const Reading reading(self.all());
+                return self.scene.sweep(s, motion, {mask, ignored});
+              });
+            });
+            require_scene(hit.status);
+            return hit;
+          },
+          nb::arg("shape"), nb::arg("motion"), nb::kw_only(), nb::arg("mask") = ~std::uint32_t{0},
+          nb::arg("ignored") = std::vector<BodyId>(), with_arguments(doc::Scene_sweep, filter_arguments).c_str())
+      .def(
+          "sweep_all",
+          [](HeldScene& self, ShapeGiven shape, Vec3 motion, std::uint32_t mask, const std::vector<BodyId>& ignored) {
+            std::vector<SceneSweep> hits;
+            const SceneStatus status = with_moving_shape(shape, [&](const auto& s) {
+              return locked_idle(self, [&] {
+                const Reading reading(self.all());
+                const SceneSweepHits all = self.scene.sweep_all(s, motion, {mask, ignored});
+                hits.assign(all.hits.begin(), all.hits.end());
+                return all.status;
+              });
+            });
+            require_scene(status);
+            return hits;
+          },
+          nb::arg("shape"), nb::arg("motion"), nb::kw_only(), nb::arg("mask") = ~std::uint32_t{0},
+          nb::arg("ignored") = std::vector<BodyId>(), with_arguments(doc::Scene_sweep_all, filter_arguments).c_str());
+}
+
 template <class Class>
 void bind_scene_questions(Class& scene) {
   const std::initializer_list<std::pair<const char*, const char*>> filter_arguments{
@@ -302,10 +355,10 @@ void bind_scene_questions(Class& scene) {
           with_arguments(doc::Scene_all_hits, filter_arguments).c_str())
       .def(
           "touch",
-          [](HeldScene& self, ShapeGiven shape, double margin, bool stop_at_first, bool collect_all, std::uint32_t mask,
-             const std::vector<BodyId>& ignored) {
+          [](HeldScene& self, ShapeGiven shape, double margin, bool nearest, bool stop_at_first, bool collect_all,
+             std::uint32_t mask, const std::vector<BodyId>& ignored) {
             const TouchOptions options{
-                .margin = margin, .nearest = false, .stop_at_first = stop_at_first, .collect_all = collect_all};
+                .margin = margin, .nearest = nearest, .stop_at_first = stop_at_first, .collect_all = collect_all};
             std::vector<FoundTouch> found;
             const SceneStatus status = with_shape(shape, [&](const auto& s) {
               return locked_idle(self, [&] {
@@ -319,10 +372,11 @@ void bind_scene_questions(Class& scene) {
             require_scene(status);
             return found;
           },
-          nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("stop_at_first") = false,
-          nb::arg("collect_all") = false, nb::arg("mask") = ~std::uint32_t{0},
+          nb::arg("shape"), nb::kw_only(), nb::arg("margin") = 0.0, nb::arg("nearest") = false,
+          nb::arg("stop_at_first") = false, nb::arg("collect_all") = false, nb::arg("mask") = ~std::uint32_t{0},
           nb::arg("ignored") = std::vector<BodyId>(),
           with_arguments(doc::Scene_touch, {{"margin", doc::TouchOptions_margin},
+                                            {"nearest", doc::TouchOptions_nearest},
                                             {"stop_at_first", doc::TouchOptions_stop_at_first},
                                             {"collect_all", doc::TouchOptions_collect_all},
                                             {"mask", doc::SceneFilter_mask},
@@ -404,6 +458,7 @@ void bind_scene_class(nb::module_& m) {
       });
   bind_scene_bodies(scene);
   bind_scene_questions(scene);
+  bind_scene_sweeps(scene);
 }
 
 }  // namespace morula::python

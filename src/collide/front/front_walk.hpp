@@ -3,6 +3,7 @@
 // The queue that refines a front; ContactQuery and collide() with a budget run it.
 #pragma once
 
+#include <memory>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/front.hpp>
 #include <morula/parallel/workers.hpp>
@@ -17,7 +18,7 @@
 namespace morula::detail {
 
 struct ColliderPair {
-  const Collider *a, *b;
+  std::shared_ptr<const Collider> a, b;
   double weight;
 };
 

@@ -98,7 +98,8 @@ void QueryBoxes::start(const SurfaceTreeState& a, const SurfaceTreeState& b, dou
   // mutant follow-covers: `body_a->covers() && body_b->covers()` -> `true`
   const bool uses_spheres = by_spheres && are_two && body_a && body_b && body_a->covers() && body_b->covers();
   if (uses_spheres) {
-    const double farthest_a = a.farthest_of_spheres(*body_a), farthest_b = b.farthest_of_spheres(*body_b);
+    const double farthest_a = a.farthest_of_spheres(body_a->spheres),
+                 farthest_b = b.farthest_of_spheres(body_b->spheres);
     // Distances of features are computed from coordinates; 2^-46 of these is more than their error.
     const double rounding = 0x1p-46 * (farthest_a + farthest_b);
     // mutant follow-reach: `reach` -> `0 * reach`

@@ -48,8 +48,7 @@ BlocksOfLeaves blocks_of_leaves(const SurfaceTreeState& s, const Collider& body)
 
 }  // namespace
 
-double SurfaceTreeState::farthest_of_spheres(const FollowedBody& of) const {
-  const Collider& body = of.spheres;
+double SurfaceTreeState::farthest_of_spheres(const Collider& body) const {
   const Sphere root = body.sphere_state().sphere(0);
   const double coordinates =
       max_norm(body.sphere_state().origin) + max_norm(body.transform().translation) + max_norm(origin);
@@ -171,17 +170,21 @@ Status SurfaceTree::follow(const Collider& body) {
   SurfaceTreeState& s = *state_;
   if (s.call.is_running) return {.code = Status::Code::in_use};
   if (body.vertex_count() != s.mesh.rest.size()) return {.code = Status::Code::wrong_vertex_count};
-  FollowedBody followed{Collider(body.sphere_state()), body.sphere_state().frame,
-                        !(body.transform() == RigidTransform{})};
-  followed.spheres.set_transform(body.transform());
   // Spheres that cover prove that all vertices are near; otherwise each vertex is checked.
-  if (!followed.covers() || !(s.farthest_of_spheres(followed) < farthest_vertex))
+  if (!body.sphere_state().covers || !(s.farthest_of_spheres(body) < farthest_vertex))
     for (std::uint32_t v = 0; v < s.mesh.rest.size(); ++v)
       if (s.blocks.slot_of_vertex[v] != SurfaceTreeState::no_slot && !is_near(body.vertex(v) - s.origin))
         return {.code = Status::Code::non_finite_position, .index = v};
   if (s.blocks_of_leaves.begin.empty() || s.blocks_of_leaves.cover_id != body.sphere_state().cover_id)
     s.blocks_of_leaves = blocks_of_leaves(s, body);
-  s.pose.followed = std::move(followed);
+  // An assignment allocates nothing.
+  if (s.pose.followed) {
+    s.pose.followed->spheres = body;
+  } else {
+    s.pose.followed.emplace(FollowedBody{body});
+  }
+  s.pose.followed->frame = body.sphere_state().frame;
+  s.pose.followed->is_placed = !(body.transform() == RigidTransform{});
   s.pose.from = body.positions();
   s.pose.to.reset();
   s.call.ended = {};

@@ -68,8 +68,8 @@ inline bool is_near(const Vec3& p) {
 
 /// The body that a surface follows: its spheres bound which blocks of the surface can be near another body's.
 struct FollowedBody {
-  Collider spheres;         // the sphere state and its transform; no surface, so nothing of the caller's collider is
-                            // kept
+  Collider spheres;  // a copy of the caller's: only the sphere state and the transform are read, since the mesh may
+                     // be gone
   std::uint64_t frame = 0;  // frame of the sphere state
   bool is_placed = false;   // whether the transform is not the identity
 
@@ -185,7 +185,7 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
 
   /// For a body whose spheres cover: no vertex that a facet uses has a larger |coordinate|, in the world and about the
   /// surface's origin.
-  double farthest_of_spheres(const FollowedBody& of) const;
+  double farthest_of_spheres(const Collider& body) const;
   /// ok if queries may run: a body that the surface follows has not moved since.
   Status askable(std::uint8_t body) const;
 
