@@ -113,11 +113,16 @@ struct RegionBorders {
 };
 
 class ExcludedPairs;
+class RestBoxes;
+class RestShapes;
 
-/// The tables of excluded pairs that queries requested last; excluded_pairs() makes them.
+/// The excluded pairs that queries requested last, and the boxes and shapes at rest that serve all of them;
+/// excluded_pairs() makes them.
 struct ExclusionTables {
   std::mutex mutex;
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
+  std::shared_ptr<const RestBoxes> rest_boxes;
+  std::shared_ptr<const RestShapes> rest_shapes[2];  // of facets alone, and of all features
 };
 
 /// The mesh, by its own numbers. make_surface_tree() fills it first, from the mesh alone.
