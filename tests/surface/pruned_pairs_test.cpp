@@ -16,6 +16,7 @@
 
 #include "surface/pairs/excluded_nodes.hpp"
 #include "surface/pairs/excluded_pairs.hpp"
+#include "surface/pairs/feature_filter.hpp"
 #include "surfaces.hpp"
 
 namespace morula {
@@ -333,6 +334,33 @@ TEST(RestShapes, are_near_only_where_their_features_are) {
   EXPECT_GT(near, 10000u);
   EXPECT_GT(open, 10000u);
   EXPECT_LT(100 * missed, near);
+}
+
+// Squares of their sides underflow, and products with the squares of others lose all digits.
+TEST(NearestPoints, of_needles_are_as_near_as_the_needles) {
+  Random random(9);
+  const auto near_zero = [&](double size) {
+    return Vec3{size * random.uniform(-1, 1), size * random.uniform(-1, 1), size * random.uniform(-1, 1)};
+  };
+  for (const double size : {0x1p-240, 0x1p-300, 0x1p-500, 0x1p-525, 0x1p-533, 0x1p-537, 0x1p-545})
+    for (int round = 0; round < 400; ++round) {
+      // Vertices 0 to 2: a needle of one long side; 3 to 5: any facet, in every second round a needle as well.
+      std::vector<Vec3> p{near_zero(size), near_zero(size), near_zero(1), near_zero(1), near_zero(1), near_zero(1)};
+      if (round % 2 == 1) p[4] = p[3] = {}, p[3] = near_zero(size);
+      std::swap(p[0], p[static_cast<std::size_t>(round / 2 % 3)]);
+      const auto expect = [&](PairKind kind, const test::Vertices& a, const test::Vertices& b) {
+        std::vector<Vec3> in_a, in_b;
+        for (const std::uint32_t v : a) in_a.push_back(p[v]);
+        for (const std::uint32_t v : b) in_b.push_back(p[v]);
+        const ProximityPair found = detail::nearest_points({kind, 0, 0}, in_a, in_b);
+        ASSERT_NEAR(found.distance, static_cast<double>(test::plain_distance(p, a, b)), 0x1p-46)
+            << size << ' ' << round;
+      };
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        expect(PairKind::vertex_facet, {i}, {3, 4, 5}), expect(PairKind::vertex_facet, {3 + i}, {0, 1, 2});
+        for (std::uint32_t j = 0; j < 3; ++j) expect(PairKind::edge_edge, {i, (i + 1) % 3}, {3 + j, 3 + (j + 1) % 3});
+      }
+    }
 }
 
 TEST(RestShapes, of_all_processors_have_the_same_bits) {

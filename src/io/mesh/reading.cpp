@@ -41,7 +41,7 @@ void PolygonReader::cut(std::span<const Vec3> points, std::span<const std::uint3
 }
 
 // Facets with as many corners fill the polygon when its sides are the rest of their sides: all others cancel in pairs.
-// Welded vertices stand for the corners that became them, unless two corners of the polygon became one.
+// Welded vertices stand for the corners that became them.
 bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::span<Facet> own, std::size_t first) {
   if (reading_.cut_like.size() < first + own.size()) return false;
   const std::span<const Facet> given = reading_.cut_like.subspan(first, own.size());
@@ -68,9 +68,9 @@ bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::sp
   if (to != back) return false;
   for (std::size_t i = 0; i < own.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
+      // Where corners of the polygon are welded, either of them is right: facets are compared as welded ones.
       const auto at = std::find(in_rest_.begin(), in_rest_.end(), given[i][k]);
-      // mutant frame-polygons-merged-corners: `std::find(at + 1, in_rest_.end(), *at) != in_rest_.end()` -> `false`
-      if (at == in_rest_.end() || std::find(at + 1, in_rest_.end(), *at) != in_rest_.end()) return false;
+      if (at == in_rest_.end()) return false;
       own[i][k] = corners[static_cast<std::size_t>(at - in_rest_.begin())];
     }
   return true;
