@@ -36,9 +36,11 @@ ExcludedPairs::ExcludedPairs(const SurfaceTreeState& s, const ExclusionRule& rul
 
 // A box holds all vertices of the facets below its node, and so every point of the features of its blocks. Where
 // are_surely_near() is true of two boxes, are_near_at_rest() is true of all pairs of features in them.
-bool ExcludedPairs::are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b) const {
-  if (rings_ && (a.is_block() ? rings_->has_row(a.number) && rings_->of(a.number, b.number) == RingTable::all()
-                              : rings_->hold(a.height, a.number, b.number)))
+bool ExcludedPairs::are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b, bool by_table) const {
+  // If a table is too large, the threads' order decides which rows it has.
+  if (by_table && rings_ && rings_->fits() &&
+      (a.is_block() ? rings_->has_row(a.number) && rings_->of(a.number, b.number) == RingTable::all()
+                    : rings_->hold(a.height, a.number, b.number)))
     return true;
   return boxes_ && ExclusionTest(s, rule_).are_surely_near(boxes_->of(a), boxes_->of(b));
 }

@@ -46,8 +46,8 @@ class ExcludedPairs {
   /// Proofs that pairs are near at rest; null if it has none.
   const NearAtRest* near_at_rest() const { return near_.is_able() ? &near_ : nullptr; }
   /// Whether all pairs of features of the blocks below two nodes of equal height are excluded, a not after b, as far as
-  /// the table of nodes or the boxes at rest show it.
-  bool are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b) const;
+  /// the boxes at rest show it and, with by_table, the rows that are there.
+  bool are_all(const SurfaceTreeState& s, const BoxNode& a, const BoxNode& b, bool by_table) const;
 
  private:
   ExclusionRule rule_;

@@ -34,6 +34,7 @@ class SurfaceMeter {
   /// tests: number of box pairs in a test of one group.
   SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
   bool is_unlimited() const { return budget_.is_unlimited(); }
+  bool counts_tests() const { return budget_.is_tests(); }
   /// Whether so many groups of boxes may be tested against as many others, 64 pairs each. Once false, it stays false.
   /// The first call returns false only if the budget is zero.
   bool try_spend(std::size_t groups);
@@ -102,7 +103,7 @@ class PairSearch {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
   }
   bool is_excluded(const NodePair& pair) const {
-    return excluded_ != nullptr && excluded_->are_all(a(), pair.a, pair.b);
+    return excluded_ != nullptr && excluded_->are_all(a(), pair.a, pair.b, by_table_);
   }
   /// If a budget bounds the work, only the smallest regions are tested.
   bool is_sought_now(const NodePair& pair) const { return may_be_height_field(pair) && pair.a.height == 1; }
@@ -201,6 +202,9 @@ class PairSearch {
   NearTest are_near_;
   QueryBoxes boxes_;
   const ExcludedPairs* excluded_ = nullptr;
+  // Whether rows that other queries made may save tests: not where a budget counts tests, which always reaches the same
+  // pairs.
+  bool by_table_ = true;
   HeightFields fields_;
   std::vector<NodePair> open_;
   BlockDescent descent_;
@@ -326,6 +330,7 @@ void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const 
 
 template <class Chunks, class Find, class Look>
 bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit) {
+  by_table_ = !meter.counts_tests();
   if (!meter.is_unlimited()) {
     chunks(1);
     run_within_budget(meter, find, visit);
