@@ -363,6 +363,21 @@ TEST(NearestPoints, of_needles_are_as_near_as_the_needles) {
     }
 }
 
+// All in one plane but for the needles' width, so that feet of the others lie within the needles.
+TEST(NearestPoints, of_needles_under_a_feature_are_as_near_as_in_the_plane) {
+  Random random(9);
+  for (const double size : {0x1p-500, 0x1p-525, 0x1p-533, 0x1p-536})
+    for (int round = 0; round < 400; ++round) {
+      const auto flat = [&](double y, double z) { return Vec3{size * random.uniform(-1, 1), y, z}; };
+      const double y = random.uniform(0, 1), z = random.uniform(0.5, 1);
+      std::vector<Vec3> needle{flat(0, 0), flat(0, 0), flat(1, 0)};
+      std::swap(needle[0], needle[static_cast<std::size_t>(round % 3)]);
+      const std::vector<Vec3> above{flat(y, z)}, along{flat(0, 0), flat(1, 0)}, across{flat(y, z), flat(y, z)};
+      ASSERT_NEAR(detail::nearest_points({PairKind::vertex_facet, 0, 0}, above, needle).distance, z, 0x1p-46) << size;
+      ASSERT_NEAR(detail::nearest_points({PairKind::edge_edge, 0, 0}, along, across).distance, z, 0x1p-46) << size;
+    }
+}
+
 TEST(RestShapes, of_all_processors_have_the_same_bits) {
   Random random(8);
   const float none = std::numeric_limits<float>::quiet_NaN();
