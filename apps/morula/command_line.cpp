@@ -170,7 +170,9 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error) {
     return fmt::format("unknown option '{}'{}; see {}", extra,
                        near.empty() ? "" : fmt::format(", did you mean {}?", near), help);
   }
-  return fmt::format("{}; see {}", error.what(), help);
+  const bool lacks_tree =
+      dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && std::string(error.what()).rfind("TREE ", 0) == 0;
+  return fmt::format("{}{}; see {}", error.what(), lacks_tree ? "; morula build MESH -o TREE makes one" : "", help);
 }
 
 int command_line(int argc, char** argv, bool has_stdout, bool parse_only) {

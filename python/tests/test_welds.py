@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Meshes whose corners are vertices of their own, welded: positions, labels, motions and skins, against NumPy."""
 
+import warnings
+
 import numpy
 import pytest
 
@@ -88,8 +90,19 @@ def test_surfaces_count_corners_that_only_touch(corners):
     cut = morula.SurfaceTree(corners)
     whole = morula.SurfaceTree(morula.welded(corners, morula.weld_vertices(corners)))
     assert (cut.duplicate_vertices, whole.duplicate_vertices) == (8, 0)
-    assert len(morula.proximity(cut, distance=0.01)) > 0
-    assert len(morula.proximity(whole, distance=0.01)) == 0
+    with pytest.warns(UserWarning, match="8 vertices at the position of another vertex.*read_welded_mesh"):
+        assert len(morula.proximity(cut, distance=0.01)) > 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Once per surface, and not where they are left out, or no pair of one surface is wanted.
+        assert len(morula.proximity(cut, distance=0.01)) > 0
+        assert len(morula.proximity(whole, distance=0.01)) == 0
+        other = morula.SurfaceTree(corners)
+        morula.proximity(other, distance=0.01, rest_distance=0.001)
+        morula.proximity(other, whole, distance=0.01)
+    query = morula.ProximityQuery(distance=0.01)
+    with pytest.warns(UserWarning, match="another vertex"):
+        query.run(other)
 
 
 def test_names_say_what_they_do():

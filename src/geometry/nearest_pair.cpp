@@ -236,10 +236,14 @@ bool are_within(const Triangle& a, const Triangle& b, double distance) {
 SegmentParameters nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
   const Vec3 r = p - q;
   const double dd = squared_length(d), ee = squared_length(e), er = dot(e, r);
-  if (dd <= 0 && ee <= 0) return {0, 0};
-  if (dd <= 0) return {0, std::clamp(er / ee, 0.0, 1.0)};
+  // A shorter segment counts as its first end: products of its square with that of the other would underflow. It is
+  // 2^-150 times as long as the largest coordinate of a usable mesh at most.
+  // mutant nearest-underflow: `0x1p-500` -> `0`
+  constexpr double negligible = 0x1p-500;
+  if (dd <= negligible && ee <= negligible) return {0, 0};
+  if (dd <= negligible) return {0, std::clamp(er / ee, 0.0, 1.0)};
   const double dr = dot(d, r);
-  if (ee <= 0) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
+  if (ee <= negligible) return {std::clamp(-dr / dd, 0.0, 1.0), 0};
   // Cross products are used: between nearly parallel segments, differences of products of dot products lose all digits.
   const double de = dot(d, e);
   const Vec3 normal = cross(d, e);

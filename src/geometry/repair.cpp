@@ -46,14 +46,19 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
   const double cell = std::max(distance, 1e-12 * std::max(box.diagonal(), std::numeric_limits<double>::min()));
   using Cell = std::array<double, 3>;
   std::vector<Cell> cells(positions.size());
-  // The first kept vertex of each cell, and for each kept vertex the next one in its cell.
+  const auto label_of = [&](std::uint32_t v) { return labels.empty() ? 0 : labels[v]; };
+  // The first kept vertex of each cell and label, and for each kept vertex the next one of both: many labels at one
+  // position make no long chain.
   IndexTable first_in_cell;
   constexpr std::uint32_t none = IndexTable::none;
   std::vector<std::uint32_t> next(positions.size(), none), last(positions.size(), none);  // last: last kept vertex of a
                                                                                           // cell, by its first one
-  const auto hash_of = [](const Cell& c) { return hash_of_numbers(c[0], c[1], c[2]); };
-  const auto first_in = [&](const Cell& at) {
-    return first_in_cell.find(hash_of(at), [&](std::uint32_t v) { return cells[v] == at; });
+  const auto hash_of = [](const Cell& c, std::uint32_t label) {
+    return hash_of_numbers(c[0], c[1], c[2]) + label * std::uint64_t{0x9e3779b97f4a7c15u};
+  };
+  const auto first_in = [&](const Cell& at, std::uint32_t label) {
+    return first_in_cell.find(hash_of(at, label),
+                              [&](std::uint32_t v) { return cells[v] == at && label_of(v) == label; });
   };
   const auto cell_along = [cell](double x, double lower) {
     const double number = std::floor((x - lower) / cell);
@@ -70,18 +75,17 @@ std::vector<std::uint32_t> merge_targets(const std::vector<Vec3>& positions, dou
     std::uint32_t first = v;
     for (int n = 0; n < 27; ++n) {
       const int along_x = n % 3 - 1, along_y = n / 3 % 3 - 1, along_z = n / 9 - 1;
-      std::uint32_t other = first_in({own[0] + along_x, own[1] + along_y, own[2] + along_z});
+      std::uint32_t other = first_in({own[0] + along_x, own[1] + along_y, own[2] + along_z}, label_of(v));
       for (; other < first; other = next[other]) {
         poll_interrupt();
-        if (!labels.empty() && labels[other] != labels[v]) continue;
         if (positions[other] == positions[v] || scaled_length(positions[other] - positions[v]) <= distance)
           first = other;
       }
     }
     target[v] = first;
     if (first != v) continue;
-    if (const std::uint32_t head = first_in(own); head == none) {
-      first_in_cell.add(v, [&](std::uint32_t w) { return hash_of(cells[w]); });
+    if (const std::uint32_t head = first_in(own, label_of(v)); head == none) {
+      first_in_cell.add(v, [&](std::uint32_t w) { return hash_of(cells[w], label_of(w)); });
       last[v] = v;
     } else {
       next[last[head]] = v;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "geometry/index_table.hpp"
+#include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula {
@@ -20,6 +21,7 @@ void require_weld_of(const MeshWeld& weld, std::size_t vertices) {
 }  // namespace
 
 MeshWeld weld_vertices(const MeshView& mesh, std::span<const std::uint32_t> labels) {
+  const StandardFloats standard;  // equality depends on it: a host may treat denormal numbers as 0
   const std::size_t count = mesh.vertex_count();
   if (!labels.empty() && labels.size() != count)
     throw std::invalid_argument(std::to_string(labels.size()) + " labels were given for " + std::to_string(count) +
@@ -74,6 +76,7 @@ Mesh welded(const MeshView& mesh, const MeshWeld& weld) {
 }
 
 std::vector<Vec3> welded_positions(const PositionView& positions, const MeshWeld& weld) {
+  const StandardFloats standard;
   require_weld_of(weld, positions.size());
   std::vector<Vec3> result;
   result.reserve(weld.old_vertex.size());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <morula/update/skin.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -26,6 +27,13 @@ bool is_finite(const AffineTransform& t) {
 }
 
 std::vector<std::uint32_t> skin_labels(const Skin& skin) {
+  const StandardFloats standard;
+  for (std::size_t v = 0; v < skin.vertex_count(); ++v)
+    for (std::uint32_t i = skin.begin[v]; i < skin.begin[v + 1]; ++i)
+      // mutant skin-labels-nan: `std::isnan(skin.weights[i])` -> `false`
+      if (std::isnan(skin.weights[i]))
+        throw std::invalid_argument("the weight of vertex " + std::to_string(v) + " for bone " +
+                                    std::to_string(skin.bones[i]) + " is not a number");
   const auto bones = [&](std::uint32_t v) {
     return std::span(skin.bones).subspan(skin.begin[v], skin.begin[v + 1] - skin.begin[v]);
   };

@@ -93,6 +93,33 @@ TEST(WeldOption, leaves_no_pair_of_a_surface_where_it_is_whole) {
   }
 }
 
+// Every command that reads a mesh and what moves it takes the files of the unwelded mesh with --weld.
+TEST(WeldOption, serves_all_commands_on_files_of_the_unwelded_mesh) {
+  const Workbench bench;
+  bench.write("corners.obj", corners_of_four);
+  const Mesh corners = read_mesh(bench / "corners.obj");
+  std::vector<Vec3> moved = corners.positions;
+  for (Vec3& p : moved) p = {p.y, 3 * p.z, p.x - 1};
+  MotionWriter writer(bench / "moved.npy", corners, 2);
+  writer.write(corners.positions);
+  writer.write(moved);
+  writer.finish();
+  const auto built = bench.require("build corners.obj -o t.morula --weld --depth 1 --json").json();
+  EXPECT_EQ(built["vertices"], 4);
+  EXPECT_EQ(bench.require("update corners.obj t.morula moved.npy -o s.npz --weld --json").json()["vertices"], 4);
+  EXPECT_EQ(bench.require("measure corners.obj t.morula --weld --json").json()["frames"].size(), 1u);
+  EXPECT_EQ(bench.require("measure corners.obj s.npz --motion moved.npy --weld --json").json()["frames"].size(), 2u);
+  bench.require("collide corners.obj corners.obj --motion-a moved.npy --weld --json");
+  const CommandResult cut = bench.require("collide corners.obj --self --json"),
+                      whole = bench.require("collide corners.obj --self --weld --json");
+  EXPECT_NE(cut.err.find("add --weld"), std::string::npos) << cut.err;
+  EXPECT_EQ(whole.err.find("add --weld"), std::string::npos) << whole.err;
+  // At rest they are at distance 0 and left out: there is nothing to say.
+  const CommandResult rest = bench.require("pairs corners.obj --within 0.01 --self --rest-distance 0.001 --json");
+  EXPECT_EQ(rest.err.find("add --weld"), std::string::npos) << rest.err;
+  EXPECT_EQ(bench.run("collide --scene x.json --weld").exit_code, 2);
+}
+
 TEST(WeldOption, converts_motions_unless_merged_vertices_part) {
   const Workbench bench;
   bench.write("corners.obj", corners_of_four);

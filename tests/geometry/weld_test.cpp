@@ -8,6 +8,9 @@
 #include <morula/geometry/repair.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/weld.hpp>
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
 
 namespace morula {
 namespace {
@@ -69,6 +72,50 @@ TEST(Repair, merges_only_vertices_of_one_label) {
   EXPECT_EQ(repaired.report.new_vertex, (std::vector<std::uint32_t>{0, 1, 2, 1, 3, 4}));
   EXPECT_EQ(repaired.report.old_vertex, (std::vector<std::uint32_t>{0, 1, 2, 4, 5}));
   EXPECT_THROW(repair(mesh, {.labels = std::span(labels).first(3)}), std::invalid_argument);
+}
+
+// A host may treat denormal numbers as 0, in which two different positions are equal.
+TEST(WeldVertices, tells_denormal_positions_apart_in_every_environment) {
+  const Mesh mesh{{{0x1p-1070, 0, 0}, {0, 0, 0}, {1, 0, 0}, {-0x1p-1070, 0, 0}}, {{0, 1, 2}}};
+#if defined(__SSE2__)
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040);
+#endif
+  const MeshWeld weld = weld_vertices(mesh);
+#if defined(__SSE2__)
+  _mm_setcsr(before);
+#endif
+  EXPECT_EQ(weld.merged_count(), 0u);
+}
+
+// Against all pairs of vertices, with far more labels at one position than cells around it.
+TEST(Repair, merges_within_labels_however_many_are_at_one_position) {
+  Random random(12);
+  for (const double distance : {0.0, 0.25}) {
+    Mesh mesh;
+    std::vector<std::uint32_t> labels;
+    for (std::uint32_t v = 0; v < 600; ++v) {
+      mesh.positions.push_back({std::floor(random.uniform(0, 3)) * 0.2, 0, 0});
+      labels.push_back(static_cast<std::uint32_t>(random.uniform(0, 90)));
+      if (v % 3 == 2) mesh.facets.push_back({v - 2, v - 1, v});
+    }
+    const RepairedMesh repaired = repair(mesh, {.merge_distance = distance, .orient = false, .labels = labels});
+    std::vector<std::uint32_t> target(600);
+    std::size_t merged = 0;
+    for (std::uint32_t v = 0; v < 600; ++v) {
+      target[v] = v;
+      for (std::uint32_t w = 0; w < v && target[v] == v; ++w)
+        if (target[w] == w && labels[w] == labels[v] && std::abs(mesh.positions[w].x - mesh.positions[v].x) <= distance)
+          target[v] = w;
+      merged += target[v] != v ? 1 : 0;
+      ASSERT_EQ(repaired.report.new_vertex[v], repaired.report.new_vertex[target[v]]) << v;
+      if (target[v] == v) {
+        ASSERT_EQ(repaired.report.old_vertex[repaired.report.new_vertex[v]], v);
+      }
+    }
+    EXPECT_EQ(repaired.report.merged_vertices, merged);
+    EXPECT_GT(merged, 200u);
+  }
 }
 
 }  // namespace

@@ -244,5 +244,43 @@ TEST(Weld, takes_frames_of_the_unwelded_mesh_unless_merged_vertices_are_apart) {
   EXPECT_THROW(Motion(path, apart, {.weld = &cube.weld}), std::invalid_argument);
 }
 
+// A concave polygon of other vertices in every frame is cut as in the mesh at rest, though its corners are welded.
+TEST(Weld, frames_of_polygons_are_cut_as_the_welded_mesh_is) {
+  const ScratchFolder folder;
+  const auto text = [](double reflex) {
+    return "v 0 0 0\nv 4 0 0\nv " + std::to_string(reflex) + " " + std::to_string(reflex) +
+           " 0\nv 0 4 0\nv 0 0 0\nv 4 0 0\nv 0 0 3\nf 2 3 4 1\nf 6 5 7\n";
+  };
+  // At rest the reflex corner decides the cut; in the second frame the polygon is convex.
+  std::filesystem::create_directory(folder.path() / "frames");
+  const auto rest = folder.file("rest.obj", text(1));
+  folder.file("frames/0.obj", text(1)), folder.file("frames/1.obj", text(3));
+  const Welded cut(rest);
+  EXPECT_EQ(cut.weld.merged_count(), 2u);
+  EXPECT_EQ(cut.info.concave_polygons, 1u);
+  const Motion motion(folder.path() / "frames", cut.mesh, {.weld = &cut.weld});
+  ASSERT_EQ(motion.frame_count(), 2u);
+  EXPECT_EQ(motion.frame(0), cut.mesh.positions);
+  EXPECT_EQ(motion.frame(1)[2], (Vec3{3, 3, 0}));
+  // Corners in another order are another polygon.
+  std::string other = text(3);
+  other.replace(other.find("f 2 3 4 1"), 9, "f 2 4 3 1");
+  folder.file("frames/1.obj", other);
+  const Motion wrong(folder.path() / "frames", cut.mesh, {.weld = &cut.weld});
+  EXPECT_THROW(static_cast<void>(wrong.frame(1)), FileError);
+}
+
+TEST(Weld, labels_of_skins_reject_weights_that_are_not_numbers) {
+  Skin skin{.bone_count = 2, .begin = {0, 1, 2, 3}, .bones = {0, 1, 0}, .weights = {1, 1, 1}};
+  EXPECT_EQ(skin_labels(skin)[0], skin_labels(skin)[2]);
+  skin.weights[1] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    static_cast<void>(skin_labels(skin));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("weight of vertex 1 for bone 1"), std::string::npos) << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace morula

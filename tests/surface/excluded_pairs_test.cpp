@@ -215,8 +215,8 @@ TEST(ExcludedPairs, are_the_neighbors_and_what_is_near_at_rest) {
   }
 }
 
-// Where a unit is all that coordinates can resolve, a computed distance is off by a unit: what boxes decide has to be
-// what the distance of every single pair decides.
+// Where a unit is all that coordinates can resolve, a computed distance is off by a unit: boxes and vertices have to
+// decide as the distance of every single pair does.
 TEST(ExcludedPairs, are_those_that_their_own_distance_excludes_however_coarse_coordinates_are) {
   Random random(4);
   std::size_t excluded = 0, kept = 0;
@@ -227,32 +227,16 @@ TEST(ExcludedPairs, are_those_that_their_own_distance_excludes_however_coarse_co
     const SurfaceTree tree(mesh);
     const detail::SurfaceTreeState& s = detail::state_of(tree);
     for (const double r : {0.5, 1.0, 1.5, 2.0, 2.5, 3.5}) {
-      const ExcludedPairs facets(s, {0, r, Features::facets}, serial_workers());
-      const ExcludedPairs features(s, {0, r, Features::all}, serial_workers());
-      ASSERT_TRUE(facets.is_kept() && features.is_kept());
-      detail::FeatureBoxes places;
-      places.start(s, s.boxes, Features::all);
-      const auto check = [&](std::uint64_t mask, std::size_t bit, PairKind kind, std::uint32_t x, std::uint32_t y) {
-        const bool is_excluded = (mask >> bit & 1) != 0;
-        (is_excluded ? excluded : kept) += 1;
-        ASSERT_EQ(is_excluded, detail::are_within_at_rest(s, {kind, x, y}, r)) << far << ' ' << r;
+      const detail::RestTest test(r, detail::ExclusionTest(s, {0, r, Features::all}).rounding());
+      const auto check = [&](PairKind kind, std::uint32_t x, std::uint32_t y) {
+        const bool is_near = test.is_near(s, {kind, x, y});
+        (is_near ? excluded : kept) += 1;
+        ASSERT_EQ(is_near, detail::are_within_at_rest(s, {kind, x, y}, r)) << far << ' ' << r;
       };
-      for (std::uint32_t a = 0; a < s.block_count(); ++a)
-        for (std::uint32_t b = a; b < s.block_count(); ++b) {
-          const auto in = [&](std::uint32_t block) {
-            return static_cast<std::uint32_t>(std::min<std::size_t>(8, s.blocks.order.size() - 8 * std::size_t{block}));
-          };
-          for (std::uint32_t i = 0; i < in(a); ++i)
-            for (std::uint32_t j = 0; j < in(b); ++j) {
-              const std::uint32_t f = places.facet(a, i), g = places.facet(b, j);
-              check(*facets.of(a, b), 8 * i + j, PairKind::facet_facet, std::min(f, g), std::max(f, g));
-            }
-          const std::uint64_t* mask = features.of(a, b);
-          const std::uint32_t vertices = s.blocks.own_vertices[a + 1] - s.blocks.own_vertices[a];
-          for (std::uint32_t i = 0; i < vertices; ++i)
-            for (std::uint32_t j = 0; j < in(b); ++j)
-              check(mask[i / 8], i % 8 * 8 + j, PairKind::vertex_facet, places.vertex(a, i), places.facet(b, j));
-        }
+      for (std::uint32_t f = 0; f < mesh.facet_count(); ++f) {
+        for (std::uint32_t g = 0; g < f; ++g) check(PairKind::facet_facet, g, f);
+        for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) check(PairKind::vertex_facet, v, f);
+      }
     }
   }
   EXPECT_GT(excluded, 10000u);
@@ -343,8 +327,9 @@ TEST(ExcludedPairs, are_found_one_by_one_where_a_table_would_be_too_large) {
     SurfaceTree tree(m.mesh);
     ASSERT_TRUE(tree.update(m.to));
     const PairFilter filter{.rings = 57};
-    ASSERT_FALSE(
-        ExcludedPairs(detail::state_of(tree), {filter.rings, 0, Features::facets}, serial_workers()).is_kept());
+    const ExcludedPairs table(detail::state_of(tree), {filter.rings, 0, Features::facets}, serial_workers());
+    table.make_table(serial_workers());
+    ASSERT_FALSE(table.is_whole());
     SurfaceCrossingQuery all, query({.filter = filter});
     ASSERT_TRUE(all.run(tree) && query.run(tree));
     Judge judge(m.mesh);
@@ -368,8 +353,6 @@ TEST(ExcludedPairs, are_found_one_by_one_where_a_table_would_be_too_large) {
     moved.push_back(mesh.positions[v] + Vec3{0, 0, v % 2 == 0 ? 1.0 : -1.0});
   ASSERT_TRUE(tree.update(moved));
   const PairFilter filter{.rest_distance = 0.3234};
-  ASSERT_FALSE(
-      ExcludedPairs(detail::state_of(tree), {0, filter.rest_distance, Features::all}, serial_workers()).is_kept());
   ProximityQuery all({.distance = 0.004}), query({.distance = 0.004, .filter = filter});
   ASSERT_TRUE(all.run(tree) && query.run(tree));
   Judge judge(mesh);
@@ -382,21 +365,26 @@ TEST(ExcludedPairs, are_found_one_by_one_where_a_table_would_be_too_large) {
 TEST(ExcludedPairs, take_no_more_than_the_memory_that_is_allowed_for_them) {
   const Mesh limb = sample_body("limb", 24);
   const SurfaceTree tree(limb);
-  const double diagonal = bounding_box(limb).diagonal();
-  std::size_t kept = 0;
-  for (const Features features : {Features::facets, Features::all})
-    for (const ExclusionRule& rule :
-         {ExclusionRule{1, 0, features}, ExclusionRule{8, 0, features}, ExclusionRule{0, 0.03 * diagonal, features},
-          ExclusionRule{0, 0.3 * diagonal, features}, ExclusionRule{0, 2 * diagonal, features}}) {
-      const ExcludedPairs table(detail::state_of(tree), rule, serial_workers());
-      EXPECT_LE(table.bytes(), (ExcludedPairs::most_bytes_per_facet + 1) * limb.facet_count());
-      kept += table.is_kept() ? 1 : 0;
-      // What excludes every pair takes next to nothing.
-      if (rule.rest_distance > diagonal) {
-        EXPECT_LT(table.bytes(), 4 * limb.facet_count());
+  std::size_t whole = 0;
+  for (const Features features : {Features::facets, Features::all}) {
+    for (const std::uint32_t rings : {1u, 4u, 12u, 1000u}) {
+      const ExcludedPairs table(detail::state_of(tree), {rings, 0, features}, serial_workers());
+      table.make_table(serial_workers());
+      // The rows, the blocks of vertices, and a pointer per block.
+      EXPECT_LE(table.bytes(), (ExcludedPairs::most_bytes_per_facet + 16) * limb.facet_count() + 10000);
+      EXPECT_EQ(table.rest_bytes(), 0u);
+      whole += table.is_whole() ? 1 : 0;
+      // Rings that reach everything take a row of one entry per block.
+      if (rings == 1000) {
+        EXPECT_LT(table.bytes(), 40 * limb.facet_count());
       }
     }
-  EXPECT_GE(kept, 8u);
+    const ExcludedPairs near(detail::state_of(tree), {0, 0.1, features}, serial_workers());
+    EXPECT_LT(near.rest_bytes(), 130 * limb.facet_count());
+    EXPECT_GT(near.rest_bytes(), 30 * limb.facet_count());
+    EXPECT_LT(near.bytes(), 1000u);
+  }
+  EXPECT_GE(whole, 6u);
 }
 
 TEST(ExcludedPairs, cost_no_allocation_in_later_calls) {

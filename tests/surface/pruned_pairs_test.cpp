@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/surface/proximity.hpp>
@@ -14,6 +16,7 @@
 
 #include "surface/pairs/excluded_nodes.hpp"
 #include "surface/pairs/excluded_pairs.hpp"
+#include "surface/pairs/feature_filter.hpp"
 #include "surfaces.hpp"
 
 namespace morula {
@@ -226,12 +229,11 @@ TEST(PrunedPairs, of_nodes_without_a_table_are_excluded_one_by_one) {
     const SurfaceTree tree(mesh);
     const detail::SurfaceTreeState& s = detail::state_of(tree);
     for (double r = 60; r < 200; r += 3.3) {
-      const ExcludedPairs table(s, {0, r, Features::all}, serial_workers(), ExcludedPairs::Table::rings);
-      ASSERT_FALSE(table.is_kept());
+      const ExcludedPairs table(s, {0, r, Features::all}, serial_workers());
       const detail::ExclusionTest test(s, {0, r, Features::all});
       for (std::uint32_t a = 0; a < s.block_count(); ++a)
         for (std::uint32_t b = a; b < s.block_count(); ++b) {
-          const bool are_all = table.are_all(s, {a, 0}, {b, 0});
+          const bool are_all = table.are_all(s, {a, 0}, {b, 0}, true);
           (are_all ? held : open) += 1;
           if (!are_all) continue;
           for (std::uint32_t i = 8 * a; i < std::min<std::uint32_t>(8 * a + 8, facets); ++i)
@@ -245,83 +247,229 @@ TEST(PrunedPairs, of_nodes_without_a_table_are_excluded_one_by_one) {
   EXPECT_GT(open, 100u);
 }
 
-// Points prove only what the distance of the pair confirms, however coarse coordinates are; and all kernels agree.
-TEST(RestPoints, are_near_only_where_their_features_are) {
+/// Features of two blocks in the order of their groups; `near` has the bits of each pair of groups.
+template <class Check>
+void check_groups(std::size_t count_a, std::size_t count_b, const detail::ShapeGroups& a, const detail::ShapeGroups& b,
+                  const detail::NearAtRest& near, const Check& check) {
+  for (std::uint32_t i = 0; i < count_a; ++i)
+    for (std::uint32_t j = 0; j < count_b; ++j) {
+      const std::uint64_t bit = std::uint64_t{1} << (8 * (i % 8) + j % 8);
+      check(near.near(a, i / 8, b, j / 8, bit) == bit, i, j);
+      // Other bits do not change the answer, and bits that are not given are not returned.
+      ASSERT_EQ(near.near(a, i / 8, b, j / 8, ~std::uint64_t{0}) & bit, near.near(a, i / 8, b, j / 8, bit));
+      ASSERT_EQ(near.near(a, i / 8, b, j / 8, 0), 0u);
+    }
+}
+
+/// Calls check(is_near, pair) for all pairs of features of all blocks.
+template <class Check>
+void check_all_pairs(const detail::SurfaceTreeState& s, const detail::NearAtRest& near, const Check& check) {
+  detail::FeatureBoxes places;
+  places.start(s, s.boxes, Features::all);
+  const auto facets = [&](std::uint32_t k) {
+    return std::min<std::size_t>(8, s.blocks.order.size() - 8 * std::size_t{k});
+  };
+  const auto edges = [&](std::uint32_t k) { return s.blocks.own_edges_begin[k + 1] - s.blocks.own_edges_begin[k]; };
+  const auto vertices = [&](std::uint32_t k) { return s.blocks.own_vertices[k + 1] - s.blocks.own_vertices[k]; };
+  const detail::RestShapes& of = near.shapes();
+  for (std::uint32_t a = 0; a < s.block_count(); ++a)
+    for (std::uint32_t b = a; b < s.block_count(); ++b) {
+      check_groups(edges(a), edges(b), of.edges(a), of.edges(b), near, [&](bool is_near, auto i, auto j) {
+        check(is_near, FeaturePair{PairKind::edge_edge, places.edge(a, i), places.edge(b, j)});
+      });
+      check_groups(vertices(a), facets(b), of.vertices(a), of.facets(b), near, [&](bool is_near, auto i, auto j) {
+        check(is_near, FeaturePair{PairKind::vertex_facet, places.vertex(a, i), places.facet(b, j)});
+      });
+      check_groups(facets(a), vertices(b), of.facets(a), of.vertices(b), near, [&](bool is_near, auto i, auto j) {
+        check(is_near, FeaturePair{PairKind::vertex_facet, places.vertex(b, j), places.facet(a, i)});
+      });
+      check_groups(facets(a), facets(b), of.facets(a), of.facets(b), near, [&](bool is_near, auto i, auto j) {
+        check(is_near, FeaturePair{PairKind::facet_facet, places.facet(a, i), places.facet(b, j)});
+      });
+    }
+}
+
+test::Vertices vertices_of(const SurfaceTree& tree, const FeaturePair& pair, bool is_first) {
+  if (pair.kind == PairKind::edge_edge) {
+    const auto& e = tree.edges()[is_first ? pair.a : pair.b];
+    return {e[0], e[1]};
+  }
+  if (pair.kind == PairKind::vertex_facet && is_first) return {pair.a};
+  const Facet& f = tree.facets()[is_first ? pair.a : pair.b];
+  return {f[0], f[1], f[2]};
+}
+
+// Shapes prove only what the distance of the pair confirms, wherever the body is and however small; and they prove
+// nearly all of it.
+TEST(RestShapes, are_near_only_where_their_features_are) {
   Random random(6);
-  std::size_t near = 0, open = 0;
-  for (int round = 0; round < 16; ++round) {
-    Mesh mesh = test::random_soup(60, 90, 3, random).mesh;
-    // Far away a float resolves no more than the distances that decide.
-    const double far = round % 4 == 0 ? 0 : std::ldexp(1.0, 17 + round % 4), unit = round < 8 ? 1 : 0x1p-40;
+  std::size_t near = 0, open = 0, missed = 0;
+  for (int round = 0; round < 12; ++round) {
+    Mesh mesh = test::random_soup(30, 40, 3, random).mesh;
+    const double far = round % 4 == 0 ? 0 : std::ldexp(1.0, 17 + round % 4), unit = round < 6 ? 1 : 0x1p-90;
     for (Vec3& p : mesh.positions) {
-      p = p + Vec3{far * random.uniform(-1, 1), 0, 0} + Vec3{0, 0.3 * random.uniform(), 0.3 * random.uniform()};
+      p = p + Vec3{far, 0, 0} + Vec3{0, 0.3 * random.uniform(), 0.3 * random.uniform()};
       p = p * unit;
     }
     const SurfaceTree tree(mesh);
     const detail::SurfaceTreeState& s = detail::state_of(tree);
-    for (const double share : {0.5, 1.0, 2.5, 4.0, 0.01 * far, 0.3 * far}) {
-      if (share == 0) continue;
+    const auto shapes = std::make_shared<const detail::RestShapes>(s, Features::all, serial_workers());
+    for (const double share : {0.01, 0.5, 1.0, 2.5}) {
       const double r = share * unit;
-      const detail::ExclusionTest test(s, {0, r, Features::all});
-      const detail::RestPoints points(s, r, test.rounding(), Features::all);
-      if (!points.are_made()) continue;
-      detail::FeatureBoxes places;
-      places.start(s, s.boxes, Features::all);
-      const auto check = [&](std::uint64_t bits, std::uint32_t i, std::uint32_t j, const FeaturePair& pair) {
-        const bool is_near = (bits >> (8 * (i % 8) + j % 8) & 1) != 0;
-        (is_near ? near : open) += 1;
-        ASSERT_TRUE(!is_near || test.are_near_at_rest(pair)) << far << ' ' << r;
-      };
-      for (std::uint32_t a = 0; a < s.block_count(); ++a)
-        for (std::uint32_t b = a; b < s.block_count(); ++b) {
-          const auto edges = [&](std::uint32_t k) {
-            return s.blocks.own_edges_begin[k + 1] - s.blocks.own_edges_begin[k];
-          };
-          for (std::uint32_t i = 0; i < edges(a); ++i)
-            for (std::uint32_t j = 0; j < edges(b); ++j)
-              check(points.are_near(points.edges(a)[i / 8], points.edges(b)[j / 8]), i, j,
-                    {PairKind::edge_edge, places.edge(a, i), places.edge(b, j)});
-          const auto facets = std::min<std::uint32_t>(8, static_cast<std::uint32_t>(mesh.facets.size()) - 8 * b);
-          for (std::uint32_t i = 0; i < s.blocks.own_vertices[a + 1] - s.blocks.own_vertices[a]; ++i)
-            for (std::uint32_t j = 0; j < facets; ++j)
-              check(points.are_near(points.vertices(a)[i / 8], points.facets(b)[0]), i, j,
-                    {PairKind::vertex_facet, places.vertex(a, i), places.facet(b, j)});
-          for (const detail::NearPoints kernel : detail::all_near_points())
-            ASSERT_EQ(
-                kernel(points.facets(a)[0], points.facets(b)[0], static_cast<float>(r * r)),
-                detail::all_near_points()[0](points.facets(a)[0], points.facets(b)[0], static_cast<float>(r * r)));
+      const detail::NearAtRest at_rest(shapes, r, detail::ExclusionTest(s, {0, r, Features::all}).rounding());
+      ASSERT_TRUE(at_rest.is_able());
+      check_all_pairs(s, at_rest, [&](bool is_near, const FeaturePair& pair) {
+        if (pair.kind == PairKind::facet_facet) {
+          ASSERT_TRUE(!is_near || detail::are_within_at_rest(s, pair, r));
+          return;
         }
+        const long double distance =
+            test::plain_distance(mesh.positions, vertices_of(tree, pair, true), vertices_of(tree, pair, false));
+        (is_near ? near : open) += 1;
+        ASSERT_TRUE(!is_near || distance <= r) << far << ' ' << r;
+        missed += !is_near && distance < 0.99L * r ? 1 : 0;
+      });
     }
   }
   EXPECT_GT(near, 10000u);
   EXPECT_GT(open, 10000u);
+  EXPECT_LT(100 * missed, near);
 }
 
-// Facets shrunk to points, so that their distance is that of the points, a little above the distance at rest.
-TEST(RestPoints, pay_for_the_rounding_of_floats) {
+// Squares of their sides underflow, and products with the squares of others lose all digits.
+TEST(NearestPoints, of_needles_are_as_near_as_the_needles) {
+  Random random(9);
+  const auto near_zero = [&](double size) {
+    return Vec3{size * random.uniform(-1, 1), size * random.uniform(-1, 1), size * random.uniform(-1, 1)};
+  };
+  for (const double size : {0x1p-240, 0x1p-300, 0x1p-500, 0x1p-525, 0x1p-533, 0x1p-537, 0x1p-545})
+    for (int round = 0; round < 400; ++round) {
+      // Vertices 0 to 2: a needle of one long side; 3 to 5: any facet, in every second round a needle as well.
+      std::vector<Vec3> p{near_zero(size), near_zero(size), near_zero(1), near_zero(1), near_zero(1), near_zero(1)};
+      if (round % 2 == 1) p[4] = p[3] = {}, p[3] = near_zero(size);
+      std::swap(p[0], p[static_cast<std::size_t>(round / 2 % 3)]);
+      const auto expect = [&](PairKind kind, const test::Vertices& a, const test::Vertices& b) {
+        std::vector<Vec3> in_a, in_b;
+        for (const std::uint32_t v : a) in_a.push_back(p[v]);
+        for (const std::uint32_t v : b) in_b.push_back(p[v]);
+        const ProximityPair found = detail::nearest_points({kind, 0, 0}, in_a, in_b);
+        ASSERT_NEAR(found.distance, static_cast<double>(test::plain_distance(p, a, b)), 0x1p-46)
+            << size << ' ' << round;
+      };
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        expect(PairKind::vertex_facet, {i}, {3, 4, 5}), expect(PairKind::vertex_facet, {3 + i}, {0, 1, 2});
+        for (std::uint32_t j = 0; j < 3; ++j) expect(PairKind::edge_edge, {i, (i + 1) % 3}, {3 + j, 3 + (j + 1) % 3});
+      }
+    }
+}
+
+// All in one plane but for the needles' width, so that feet of the others lie within the needles.
+TEST(NearestPoints, of_needles_under_a_feature_are_as_near_as_in_the_plane) {
+  Random random(9);
+  for (const double size : {0x1p-500, 0x1p-525, 0x1p-533, 0x1p-536})
+    for (int round = 0; round < 400; ++round) {
+      const auto flat = [&](double y, double z) { return Vec3{size * random.uniform(-1, 1), y, z}; };
+      const double y = random.uniform(0, 1), z = random.uniform(0.5, 1);
+      std::vector<Vec3> needle{flat(0, 0), flat(0, 0), flat(1, 0)};
+      std::swap(needle[0], needle[static_cast<std::size_t>(round % 3)]);
+      const std::vector<Vec3> above{flat(y, z)}, along{flat(0, 0), flat(1, 0)}, across{flat(y, z), flat(y, z)};
+      ASSERT_NEAR(detail::nearest_points({PairKind::vertex_facet, 0, 0}, above, needle).distance, z, 0x1p-46) << size;
+      ASSERT_NEAR(detail::nearest_points({PairKind::edge_edge, 0, 0}, along, across).distance, z, 0x1p-46) << size;
+    }
+}
+
+TEST(RestShapes, of_all_processors_have_the_same_bits) {
+  Random random(8);
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  std::uint64_t some = 0;
+  for (int round = 0; round < 2000; ++round) {
+    detail::PointGroup a[3], b[3];
+    for (detail::PointGroup* const group : {a, b})
+      for (int corner = 0; corner < 3; ++corner)
+        for (auto& axis : group[corner].at)
+          for (float& x : axis)
+            x = round % 5 == 0 && random.uniform() < 0.1 ? none
+                : round % 3 == 0                         ? static_cast<float>(std::floor(random.uniform(0, 3)))
+                                                         : static_cast<float>(random.uniform(-1, 1));
+    const auto squared = static_cast<float>(random.uniform(0, 0.6));
+    const std::uint64_t bits = random.next();
+    const detail::NearShapes& plain = detail::all_near_shapes()[0];
+    for (const auto kernel :
+         {&detail::NearShapes::corners, &detail::NearShapes::edges, &detail::NearShapes::vertex_facets}) {
+      const std::uint64_t expected = (plain.*kernel)(a, b, bits, squared);
+      ASSERT_EQ(expected & ~bits, 0u);
+      some |= expected;
+      for (const detail::NearShapes& kernels : detail::all_near_shapes())
+        ASSERT_EQ((kernels.*kernel)(a, b, bits, squared), expected);
+    }
+  }
+  EXPECT_EQ(some, ~std::uint64_t{0});
+}
+
+// Facets and edges shrunk to points, so that their distance is that of the points, a little above the distance at rest.
+TEST(RestShapes, pay_for_the_rounding_of_floats) {
   Random random(7);
   std::size_t checked = 0;
   Mesh mesh;
   for (std::uint32_t f = 0; f < 64; ++f) {
-    const Vec3 here{0x1p17 + random.uniform(), random.uniform() - 0x1p17, 0x1p16 * (f % 2) + random.uniform()};
+    const Vec3 here{random.uniform() + (f % 4 < 2 ? 1024 : 0), random.uniform(), 512 * (f % 2) + random.uniform()};
     mesh.positions.insert(mesh.positions.end(), 3, here);
     mesh.facets.push_back({3 * f, 3 * f + 1, 3 * f + 2});
   }
   const SurfaceTree tree(mesh);
   const detail::SurfaceTreeState& s = detail::state_of(tree);
+  const auto shapes = std::make_shared<const detail::RestShapes>(s, Features::facets, serial_workers());
   for (std::uint32_t i = 0; i < 64; ++i)
     for (std::uint32_t j = i + 1; j < 64; ++j) {
       const Vec3 from = mesh.positions[s.blocks.facets_in_order[i][0]],
                  to = mesh.positions[s.blocks.facets_in_order[j][0]];
-      const double r = length(to - from) * (1 - 0x1p-20);
-      const detail::ExclusionTest test(s, {0, r, Features::facets});
-      const detail::RestPoints points(s, r, test.rounding(), Features::facets);
-      if (!points.are_made()) continue;
+      const double r = length(to - from) * (1 - 0x1p-40);
+      const detail::NearAtRest near(shapes, r, 0);
+      if (!near.is_able()) continue;
       ++checked;
-      const std::uint64_t bits = points.are_near(points.facets(i / 8)[0], points.facets(j / 8)[0]);
-      ASSERT_EQ(bits >> (8 * (i % 8) + j % 8) & 1, 0u) << length(to - from);
+      const std::uint64_t bit = std::uint64_t{1} << (8 * (i % 8) + j % 8);
+      ASSERT_EQ(near.near(shapes->facets(i / 8), 0, shapes->facets(j / 8), 0, bit), 0u) << length(to - from);
     }
   EXPECT_GT(checked, 1000u);
+}
+
+// Under a budget the search makes the rows of the table that it comes to, and no others.
+TEST(PrunedPairs, of_rings_under_a_budget_need_no_table_made_before) {
+  const Crumpled body;
+  for (const std::uint32_t rings : {1u, 3u, 12u, 4000000000u}) {
+    SurfaceTree whole(body.mesh), part(body.mesh);
+    ASSERT_TRUE(whole.update(body.positions) && part.update(body.positions));
+    ProximityOptions options{.distance = 0.03 * body.size, .filter = {.rings = rings}};
+    ProximityQuery at_once(options);
+    ASSERT_TRUE(at_once.run(whole).finished);
+    options.budget = 640;
+    ProximityQuery query(options);
+    SurfaceQueryStatus status = query.run(part);
+    const detail::ExclusionRule rule{rings, 0, Features::all};
+    const auto table = [&](const SurfaceTree& tree) {
+      return detail::excluded_pairs(detail::state_of(tree), rule, serial_workers());
+    };
+    const auto rows = [&](const SurfaceTree& tree) {
+      std::uint32_t count = 0;
+      for (std::uint32_t block = 0; block < detail::state_of(tree).block_count(); ++block)
+        count += table(tree)->has_row(block) ? 1 : 0;
+      return count;
+    };
+    EXPECT_EQ(rows(whole), detail::state_of(whole).block_count());
+    EXPECT_LT(rows(part), 20u);
+    const std::vector<ProximityPair> first(query.pairs().begin(), query.pairs().end());
+    const std::size_t first_tests = status.box_tests;
+    for (int calls = 0; status && !status.finished && calls < 100000; ++calls) status = query.resume();
+    ASSERT_TRUE(status.finished);
+    EXPECT_GT(rows(part), 20u);
+    ASSERT_TRUE(std::equal(at_once.pairs().begin(), at_once.pairs().end(), query.pairs().begin(), query.pairs().end(),
+                           [](const FeaturePair& p, const FeaturePair& q) { return p == q; }));
+    // A budget in tests reaches the same pairs, whatever rows are there.
+    status = query.run(part);
+    EXPECT_EQ(status.box_tests, first_tests);
+    ASSERT_TRUE(std::equal(first.begin(), first.end(), query.pairs().begin(), query.pairs().end(),
+                           [](const FeaturePair& p, const FeaturePair& q) { return p == q; }));
+  }
 }
 
 // The counts of tests are the same on every machine.

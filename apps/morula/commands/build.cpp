@@ -49,7 +49,7 @@ struct BuildArguments {
   std::size_t max_poses = KnownPoseOptions{}.max_trees;
   unsigned threads = 0;
   bool json = false;
-  bool report = false;
+  bool report = false, weld = false;
 
   /// Whether a flat set is requested instead of a depth.
   bool flat() const { return spheres || max_protrusion; }
@@ -181,11 +181,11 @@ constexpr const char* strains = "strains";
 
 // The motion of poses; it is opened ahead of the build, so that a wrong name or a motion of another mesh is reported at
 // once.
-std::optional<Motion> open_motion(const BuildArguments& o, const Mesh& mesh) {
+std::optional<Motion> open_motion(const BuildArguments& o, const LoadedMesh& loaded) {
   if (o.poses.empty() || o.poses == strains) return std::nullopt;
   if (!std::filesystem::exists(o.poses) && !nearest_name(o.poses, {strains}).empty())
     throw UsageError(fmt::format("--poses {}: there is no such motion; did you mean {}?", o.poses, strains));
-  Motion motion(o.poses, mesh);
+  Motion motion(o.poses, loaded.mesh, {.weld = loaded.merged()});
   motion.frame(0);
   return motion;
 }
@@ -224,8 +224,9 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
 
   toolbox::Stopwatch watch;
   Seconds seconds{};
-  const Mesh mesh = load_mesh(o.mesh);
-  const std::optional<Motion> motion = open_motion(o, mesh);
+  const LoadedMesh loaded = load_mesh(o.mesh, o.weld);
+  const Mesh& mesh = loaded.mesh;
+  const std::optional<Motion> motion = open_motion(o, loaded);
   seconds.read = watch.lap();
   options.stop = interrupt.token();
   CoveredTree model = [&] {
@@ -295,6 +296,7 @@ void add_build(CLI::App& app, Run& run) {
              "Tree file: .morula (with its cover), .sph, .json or .npz; for a flat set also .ply")
       ->type_name("TREE")
       ->required();
+  add_weld(*command, o->weld, "MESH");
   add_option(*command, "--method", o->method, fmt::format("{}", fmt::join(method_names(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();

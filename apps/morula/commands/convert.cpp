@@ -65,11 +65,11 @@ void require_index_map(const ConvertArguments& o) {
   require_not_input(o.index_map, {o.input, o.mesh, o.output});
 }
 
-/// After the output, so that an error leaves neither. weld: what --weld merged.
-void write_weld_map(const ConvertArguments& o, const MeshWeld& weld) {
-  if (!o.weld || o.index_map.empty()) return;
+/// After the output, so that an error leaves neither. weld: what --weld merged, or null.
+void write_weld_map(const ConvertArguments& o, const MeshWeld* weld) {
+  if (weld == nullptr || o.index_map.empty()) return;
   std::string text = "vertex,welded\n";
-  for (std::size_t v = 0; v < weld.new_vertex.size(); ++v) text += fmt::format("{},{}\n", v, weld.new_vertex[v]);
+  for (std::size_t v = 0; v < weld->new_vertex.size(); ++v) text += fmt::format("{},{}\n", v, weld->new_vertex[v]);
   write_whole(o.index_map, text);
   note_written(o.index_map);
 }
@@ -77,8 +77,8 @@ void write_weld_map(const ConvertArguments& o, const MeshWeld& weld) {
 int convert_mesh(const ConvertArguments& o) {
   require_mesh_output(o.output);
   require_index_map(o);
-  MeshWeld weld;
-  Mesh mesh = o.weld ? load_welded_mesh(o.input, weld) : load_mesh(o.input);
+  LoadedMesh loaded = load_mesh(o.input, o.weld);
+  Mesh& mesh = loaded.mesh;
   if (o.used_only) {
     UsedVertices used = used_vertices(mesh);
     mesh = std::move(used.mesh);
@@ -90,7 +90,7 @@ int convert_mesh(const ConvertArguments& o) {
     }
   }
   write_mesh(o.output, mesh);
-  write_weld_map(o, weld);
+  write_weld_map(o, loaded.merged());
   return report(o, mesh_line(o.output, mesh), nullptr);
 }
 
@@ -128,15 +128,14 @@ int convert_motion(const ConvertArguments& o, FileKind kind) {
     require_not_input_folder(o.output, {o.input, mesh_path});
   }
   require_index_map(o);
-  MeshWeld weld;
-  const Mesh mesh = o.weld ? load_welded_mesh(mesh_path, weld) : load_mesh(mesh_path);
-  const Motion motion(
-      o.input, mesh,
-      {.frames_per_second = o.frames_per_second, .animation = o.animation, .weld = o.weld ? &weld : nullptr});
+  const LoadedMesh loaded = load_mesh(mesh_path, o.weld);
+  const Mesh& mesh = loaded.mesh;
+  const Motion motion(o.input, mesh,
+                      {.frames_per_second = o.frames_per_second, .animation = o.animation, .weld = loaded.merged()});
   MotionWriter writer(o.output, mesh, motion.frame_count());
   for (std::size_t i = 0; i < motion.frame_count(); ++i) writer.write(motion.frame(i));
   writer.finish();
-  write_weld_map(o, weld);
+  write_weld_map(o, loaded.merged());
   return report(o,
                 fmt::format("{}: {} of {}", o.output, counted(motion.frame_count(), "frame"),
                             counted(mesh.vertex_count(), "vertex", "vertices")),

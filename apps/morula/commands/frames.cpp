@@ -60,18 +60,26 @@ void require_rules_followed(const std::vector<Rule>& rules, FrameFiles& files) {
   }
 }
 
-Frames::Frames(const FrameFiles& files, const Mesh& mesh) : follow_(files.follow()) {
+Frames::Frames(const FrameFiles& files, const LoadedMesh& loaded) : follow_(files.follow()) {
+  const Mesh& mesh = loaded.mesh;
+  MotionOptions animation = files.animation;
+  animation.weld = loaded.merged();
   file_name_ = std::filesystem::path(files.moving()).filename().string();
   switch (follow_) {
     case Follows::positions:
-      motion_.emplace(files.motion, mesh, files.animation);
+      motion_.emplace(files.motion, mesh, animation);
       return;
     case Follows::modes:
+      if (loaded.weld)
+        throw UsageError(
+            fmt::format("{}: modes are read for the vertices of the file; leave out --weld, and give a mesh and modes "
+                        "of the welded body",
+                        files.modes));
       modes_ = read_modes(files.modes, mesh);
       coordinates_ = read_coordinates(files.coordinates, modes_.mode_count);
       break;
     case Follows::bones:
-      skin_ = read_skin(files.skin, mesh);
+      skin_ = loaded.weld ? read_skin(files.skin, mesh, *loaded.weld) : read_skin(files.skin, mesh);
       bones_ = read_bone_frames(files.transforms, skin_.bone_count, files.animation);
       break;
   }

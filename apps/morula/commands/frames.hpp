@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/files.hpp"
+
 namespace morula::cli {
 
 /// The paths as given; empty if not given.
@@ -37,8 +39,8 @@ void require_rules_followed(const std::vector<Rule>& rules, FrameFiles& files);
 
 class Frames {
  public:
-  /// mesh: at rest.
-  Frames(const FrameFiles& files, const Mesh& mesh);
+  /// mesh: at rest. Throws UsageError for modes of a welded mesh.
+  Frames(const FrameFiles& files, const LoadedMesh& mesh);
 
   /// The modes, for the options of the moving body; empty if the files have none.
   Modes take_modes() { return std::move(modes_); }

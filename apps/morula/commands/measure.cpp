@@ -34,7 +34,7 @@ struct MeasureArguments {
   int resolution = VoxelGrid{}.resolution;
   double voxel_edge = 0;
   bool no_protrusion = false;
-  bool curobo = false;
+  bool curobo = false, weld = false;
   std::string sph_origin = "none";
   std::string csv;
   std::string plot;
@@ -100,12 +100,13 @@ class MeasuredFiles {
   std::optional<SphereFrames> archive_;
 };
 
-std::vector<MeasuredFrame> measure_frames(const MeasureArguments& o, const Mesh& rest, const MeasureOptions& options,
-                                          Workers& workers) {
+std::vector<MeasuredFrame> measure_frames(const MeasureArguments& o, const LoadedMesh& loaded,
+                                          const MeasureOptions& options, Workers& workers) {
+  const Mesh& rest = loaded.mesh;
   const ReadTreeOptions reading = parse_sph_origin(o.sph_origin, &rest);
   const MeasuredFiles trees(o.trees);
   std::optional<Motion> motion;
-  if (!o.motion.empty()) motion.emplace(o.motion, rest);
+  if (!o.motion.empty()) motion.emplace(o.motion, rest, MotionOptions{.weld = loaded.merged()});
   if (!motion && trees.are_several()) {
     throw UsageError(fmt::format("{} holds {}: give their positions with --motion, or name one of them", o.trees,
                                  counted(trees.count(), "tree")));
@@ -221,9 +222,10 @@ int measure_command(const MeasureArguments& o) {
     require_csv_not_input(o);
   }
   Workers workers = make_workers(o.threads);
-  const Mesh rest = load_mesh(o.mesh);
+  const LoadedMesh loaded = load_mesh(o.mesh, o.weld);
+  const Mesh& rest = loaded.mesh;
   const MeasureOptions options = measure_options(o, rest);
-  const std::vector<MeasuredFrame> frames = measure_frames(o, rest, options, workers);
+  const std::vector<MeasuredFrame> frames = measure_frames(o, loaded, options, workers);
   if (!o.csv.empty()) {
     write_whole(o.csv, csv_text(frames, o.curobo));
     note_written(o.csv);
@@ -255,6 +257,7 @@ void add_measure(CLI::App& app, Run& run) {
       ->type_name("");
   add_option(*command, "--motion", o->motion, fmt::format("Positions of the trees: {}", motion_kinds()))
       ->type_name("MOTION");
+  add_weld(*command, o->weld, "MESH");
   add_option(*command, "--grid", o->grid,
              "Voxels for looseness: level (fill the box of the level, as in the paper) or fixed (one lattice for "
              "all frames and levels)")

@@ -195,15 +195,10 @@ void print_json_report(const PairsArguments& o, const SurfaceTree& tree, const F
   print_json(json);
 }
 
-/// For queries within components: corners that only touch are found at distance 0, though the surface is whole there.
+/// For queries within components: corners that only touch are found at distance 0, though the surface is whole there,
+/// unless their distance at rest leaves them out.
 void note_corners_apart(const PairsArguments& o, const SurfaceTree& tree) {
-  const std::size_t count = tree.duplicate_vertices();
-  if (o.with_self && count > 0)
-    note(
-        "{} has {} at the position of another vertex: pairs that meet there are found, as if the surface were cut; "
-        "{}",
-        o.from, counted(count, "vertex", "vertices"),
-        o.weld ? "they may move apart, so --weld does not merge them; morula repair merges them" : "add --weld");
+  if (o.with_self && o.rest_distance == 0) note_duplicate_vertices(o.from, tree.duplicate_vertices(), o.weld);
 }
 
 int pairs_command(const PairsArguments& o) {
@@ -223,9 +218,9 @@ int pairs_command(const PairsArguments& o) {
     require_not_input(o.output, {o.from, o.to, o.rest});
   }
   Workers workers = make_workers(o.threads);
-  MeshWeld weld;
-  const Mesh from = o.weld ? load_welded_mesh(o.from, weld) : load_mesh(o.from);
-  const MeshWeld* const merged = o.weld ? &weld : nullptr;
+  const LoadedMesh loaded = load_mesh(o.from, o.weld);
+  const Mesh& from = loaded.mesh;
+  const MeshWeld* const merged = loaded.merged();
   const Mesh to = o.to.empty() ? Mesh{} : read_pose(o.to, from, o.from, merged);
   SurfaceTree tree(o.rest.empty() ? from : read_pose(o.rest, from, o.from, merged));
   note_corners_apart(o, tree);
@@ -261,8 +256,7 @@ void add_pairs(CLI::App& app, Run& run) {
       ->transform(real_number(0));
   add_flag(*command, "--crossing", o->crossing, "Pairs of facets that intersect");
   add_flag(*command, "--self", o->with_self, "Also pairs within a component, unless they share a vertex");
-  add_flag(*command, "--weld", o->weld,
-           "Merge vertices of FROM that are equal and stay so, such as the corners of a glTF with hard edges");
+  add_weld(*command, o->weld, "FROM, and of TO and of --rest with it,");
   add_option(*command, "--rings", o->rings, "Skip pairs within a component that are at most this many edges apart")
       ->type_name("N")
       ->transform(whole_number(0, 8));

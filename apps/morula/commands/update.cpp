@@ -40,7 +40,7 @@ struct UpdateArguments {
   bool conservative = false;
   bool poses = true;
   bool check = true;
-  bool measure = false;
+  bool measure = false, weld = false;
   std::string plot;
   unsigned threads = 0;
   bool json = false;
@@ -295,8 +295,9 @@ int update_command(const UpdateArguments& given) {
   require_plot_output(o.plot, {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin,
                                o.files.transforms, o.output});
   Workers workers = make_workers(o.threads);
-  const Mesh mesh = load_mesh(o.mesh);
-  Frames frames(o.files, mesh);
+  const LoadedMesh loaded = load_mesh(o.mesh, o.weld);
+  const Mesh& mesh = loaded.mesh;
+  Frames frames(o.files, loaded);
   options.modes = frames.take_modes();
   options.skin = frames.take_skin();
   require_sphere_output(
@@ -349,6 +350,7 @@ void add_update(CLI::App& app, Run& run) {
   add_option(*command, "-o,--output", o->output, "Folder for 0000.sph, 0001.sph, ...; or FILE.npz for all frames")
       ->type_name("PATH")
       ->required();
+  add_weld(*command, o->weld, "MESH");
   add_option(*command, "--modes", o->files.modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");
   add_option(*command, "--coords", o->files.coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")

@@ -63,15 +63,24 @@ Mesh load_mesh(const fs::path& path) {
   return mesh;
 }
 
-Mesh load_welded_mesh(const fs::path& path, MeshWeld& weld) {
+LoadedMesh load_mesh(const fs::path& path, bool is_welded) {
+  if (!is_welded) return {load_mesh(path)};
   MeshInfo info;
+  MeshWeld weld;
   Mesh mesh = read_mesh(path, info, weld);
   for (const std::string& text : info.notes) note("{}: {}", path.string(), text);
   note("{}: {} of {} vertices merged into others{}", path.string(), weld.merged_count(), weld.new_vertex.size(),
        weld.kept_apart == 0
            ? ""
            : fmt::format("; {} at positions of others stay, since they may move apart from them", weld.kept_apart));
-  return mesh;
+  return {std::move(mesh), std::move(weld)};
+}
+
+void note_duplicate_vertices(const std::string& path, std::size_t count, bool is_welded) {
+  if (count == 0) return;
+  note("{} has {} at the position of another vertex: pairs that meet there are found, as if the surface were cut; {}",
+       path, counted(count, "vertex", "vertices"),
+       is_welded ? "they may move apart, so --weld does not merge them; morula repair merges them" : "add --weld");
 }
 
 std::string known_kinds() {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/weld.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -21,8 +22,18 @@ std::string extension(const std::filesystem::path& path);
 
 /// read_mesh, which prints the notes on the file.
 Mesh load_mesh(const std::filesystem::path& path);
-/// read_mesh with a weld, which prints the notes on the file and how many vertices were merged.
-Mesh load_welded_mesh(const std::filesystem::path& path, MeshWeld& weld);
+/// A mesh, and the vertices that --weld merged in it.
+struct LoadedMesh {
+  Mesh mesh;
+  std::optional<MeshWeld> weld{};
+  /// For MotionOptions::weld: null without --weld.
+  const MeshWeld* merged() const { return weld ? &*weld : nullptr; }
+};
+/// read_mesh, with a weld if so requested, which also prints how many vertices were merged.
+LoadedMesh load_mesh(const std::filesystem::path& path, bool weld);
+/// "FILE has 8 vertices at the position of another vertex: …": a note for queries of a surface with itself; none
+/// without such vertices. is_welded: the mesh was read with a weld.
+void note_duplicate_vertices(const std::string& path, std::size_t count, bool is_welded);
 
 /// The forms of a motion, for help texts: "folder of meshes, glob such as "out/frame*.obj", one mesh, .npy, …, or the
 /// animation of .gltf or .glb". From the table of file formats.

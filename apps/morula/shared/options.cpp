@@ -76,6 +76,14 @@ void add_threads(CLI::App& command, unsigned& threads) {
       ->transform(whole_number(1, 1024));
 }
 
+void add_weld(CLI::App& command, bool& weld, std::string_view of) {
+  add_flag(
+      command, "--weld", weld,
+      fmt::format("Merge vertices of {} that are equal and stay so, such as the corners of a glTF with hard edges; "
+                  "files of positions and weights have the vertices of the file",
+                  of));
+}
+
 Workers make_workers(unsigned threads) {
   Workers workers(threads);
   if (workers.thread_count() < threads) {

@@ -29,6 +29,8 @@ CLI::Validator real_number(double least = std::numeric_limits<double>::lowest(),
                            double most = std::numeric_limits<double>::max());
 CLI::Validator number_above_zero();
 CLI::Validator whole_number(std::uint64_t least = 0, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// --weld; of: the meshes that it welds, such as "MESH".
+void add_weld(CLI::App& command, bool& weld, std::string_view of);
 void add_json(CLI::App& command, bool& json);
 void add_sph_origin(CLI::App& command, std::string& origin);
 /// The `details` of rules: --approach1-weights and the rest.

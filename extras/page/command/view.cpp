@@ -39,7 +39,7 @@ struct ViewArguments {
   std::string title;
   std::string sph_origin = "none";
   bool measure = true;
-  bool rule_given = false;
+  bool rule_given = false, weld = false;
   unsigned threads = 0;
   bool json = false;
 
@@ -51,7 +51,8 @@ std::string file_name(const std::filesystem::path& path) {
   return (path.has_filename() ? path : path.parent_path()).filename().string();
 }
 
-PageMotion read_motion(const ViewArguments& o, const Mesh& mesh) {
+PageMotion read_motion(const ViewArguments& o, const LoadedMesh& loaded) {
+  const Mesh& mesh = loaded.mesh;
   PageMotion motion{.body = std::filesystem::path(o.mesh).stem().string(),
                     .name = o.moving().empty() ? "rest" : file_name(o.moving()),
                     .facets = mesh.facets,
@@ -71,7 +72,7 @@ PageMotion read_motion(const ViewArguments& o, const Mesh& mesh) {
     motion.frames = {mesh.positions};
     return motion;
   }
-  const Motion frames(o.motion, mesh);
+  const Motion frames(o.motion, mesh, {.weld = loaded.merged()});
   Progress progress("reading");
   for (std::size_t i = 0; i < frames.frame_count(); ++i) {
     progress.update(static_cast<double>(i) / static_cast<double>(frames.frame_count()));
@@ -155,6 +156,11 @@ int view_command(const ViewArguments& o) {
         fmt::format("a modal model needs both: add {}", o.modes.empty() ? "--modes FILE" : "--coords FILE"));
   if (!o.modes.empty() && !o.motion.empty())
     throw UsageError(fmt::format("both positions ({}) and --modes are given: leave out one", o.motion));
+  if (!o.modes.empty() && o.weld)
+    throw UsageError(
+        fmt::format("{}: modes are read for the vertices of the file; leave out --weld, and give a mesh and modes of "
+                    "the welded body",
+                    o.modes));
   require_not_input(o.output, {o.mesh, o.tree, o.motion, o.modes, o.coordinates, o.study});
   std::vector<std::vector<Rule>> rules;
   for (const std::string& rule : o.rules) rules.push_back(parse_rules(rule));
@@ -163,7 +169,8 @@ int view_command(const ViewArguments& o) {
 
   PageContent content;
   content.study = read_study(o.study);
-  const Mesh mesh = load_mesh(o.mesh);
+  const LoadedMesh loaded = load_mesh(o.mesh, o.weld);
+  const Mesh& mesh = loaded.mesh;
   const bool as_given = shows_given_spheres(o);
   if (as_given && o.rule_given) {
     throw UsageError(
@@ -178,7 +185,7 @@ int view_command(const ViewArguments& o) {
                                    rules[i].size() - 1, o.tree, model.tree.level_count() - 1));
     }
   }
-  content.motions.push_back(read_motion(o, mesh));
+  content.motions.push_back(read_motion(o, loaded));
   if (as_given) content.scenes.push_back(given_spheres(o, mesh, content.motions.front(), workers));
   for (const std::vector<Rule>& list : rules) {
     Progress progress(o.measure ? "updating and measuring" : "updating");
@@ -208,6 +215,7 @@ void add_view(CLI::App& app, Run& run) {
       ->type_name("");
   add_option(*command, "MOTION", o->motion, fmt::format("Positions: {}; without it the body at rest", motion_kinds()))
       ->type_name("");
+  add_weld(*command, o->weld, "MESH");
   add_option(*command, "--modes", o->modes, "Instead of MOTION: modes, a .npy of shape (modes, vertices, 3)")
       ->type_name("FILE");
   add_option(*command, "--coords", o->coordinates, "Coordinates of the modes, a .npy of shape (frames, modes)")

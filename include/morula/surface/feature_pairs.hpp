@@ -42,10 +42,11 @@ struct FacetMasks {
 /// The pairs that a query skips. A query of one surface with itself always skips pairs that share a vertex.
 ///
 /// Pairs that `rings` and `rest_distance` skip cost little: a search does not descend below pairs of nodes of which
-/// every pair is skipped. The first query with given `rings` makes a table of the pairs that they skip, of at most 512
-/// bytes per facet. If a table would be larger, there is none, and every query tests its pairs one by one. The first
-/// query with a given `rest_distance` makes a point for each feature, about 60 bytes per facet. The surface tree keeps
-/// the last four of both.
+/// every pair is skipped, and it tests up to 64 pairs at once. `rings` need a table of at most 512 bytes per facet: the
+/// first query without a budget makes it; a query with a budget makes the rows that it comes to, within its budget in
+/// time. If the table would be larger, the rest of the pairs are tested one by one. `rest_distance` needs the features
+/// at rest in floats: the first query makes them in linear time, about 110 bytes per facet, for all distances. The
+/// surface tree keeps them, and the tables of the last four filters.
 struct PairFilter {
   /// For one surface with itself: skips pairs of which two vertices are at most this number of edges apart. 0: skips
   /// only pairs that share a vertex.

@@ -48,8 +48,8 @@ struct Skin {
 };
 
 /// A number per vertex: two vertices have the same number only if they have the same influences, bones and weights, in
-/// the same order, and so move alike from one rest position. For weld_vertices() and RepairOptions::labels. Cost: O(V
-/// log V).
+/// the same order, and so move alike from one rest position. For weld_vertices() and RepairOptions::labels. Throws
+/// std::invalid_argument, naming the vertex, for a weight that is NaN. Cost: O(V log V).
 std::vector<std::uint32_t> skin_labels(const Skin& skin);
 /// The skin of some vertices, in the given order: MeshWeld::old_vertex gives the skin of the welded mesh. Throws
 /// std::invalid_argument for a vertex that the skin does not have.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <morula/surface/feature_pairs.hpp>
@@ -27,6 +28,7 @@ struct HeldSurface : Exchanging {
   std::vector<Positions> positions;
   std::shared_ptr<Side> followed;  // or none
   mutable std::shared_mutex mutex;
+  mutable std::atomic<bool> has_warned = false;  // warn_of_duplicates() has warned
 
   explicit HeldSurface(SurfaceTree&& made) : tree(std::move(made)) {}
   void visit(References& references) const { references(followed); }

@@ -52,6 +52,7 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
   query.def(
       "run",
       [](Held& self, std::shared_ptr<HeldSurface> a, std::shared_ptr<HeldSurface> b, Threads* workers) {
+        warn_of_duplicates(*a, b.get(), self.options.filter.rest_distance);
         return self.run({std::move(a), std::move(b)}, workers, [](Query& q, const SeenSurfaces& seen, Workers& call) {
           return run_on(q, *seen.a, seen.b.get(), call);
         });

@@ -20,6 +20,7 @@ namespace {
 /// Runs a query once, and throws ValueError for rejected arguments.
 template <class Query>
 void run_locked(Query& query, const HeldSurface& a, const HeldSurface* b, Threads* workers) {
+  warn_of_duplicates(a, b, query.options().filter.rest_distance);
   const SurfaceQueryStatus status = without_gil([&] {
     CallWorkers call(workers);
     const SurfaceReading reading(&a, b);
@@ -38,6 +39,17 @@ Args:
     accepts: called with (kind, a, b) of every pair with near boxes; False skips it. Slow, because it needs the GIL.)";
 
 }  // namespace
+
+void warn_of_duplicates(const HeldSurface& a, const HeldSurface* b, double rest_distance) {
+  if ((b != nullptr && b != &a) || rest_distance > 0 || a.has_warned) return;
+  const std::size_t count = without_gil([&] { return a.tree.duplicate_vertices(); });
+  if (count == 0 || a.has_warned.exchange(true)) return;
+  const std::string text =
+      "the surface has " + std::to_string(count) + (count == 1 ? " vertex" : " vertices") +
+      " at the position of another vertex: pairs that meet there are found, as if the surface were cut; "
+      "morula.weld_vertices() or morula.read_welded_mesh() merges them";
+  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw nb::python_error();
+}
 
 PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& accepts) {
   PairFilter filter;

@@ -46,6 +46,10 @@ inline constexpr const char* pair_filter_wanted = "None or a function of (kind, 
 
 PairFilter filter_of(std::uint32_t rings, double rest_distance, bool same_component, const Callback& accepts);
 
+/// Warns, once per surface and with the GIL, that a query of it with itself finds pairs at distance 0 where vertices
+/// are at one position. None if their distance at rest leaves them out. b: null or a for a query with itself.
+void warn_of_duplicates(const HeldSurface& a, const HeldSurface* b, double rest_distance);
+
 /// Runs a query on two surfaces; on one with itself where the other is none, or the same.
 template <class Query>
 SurfaceQueryStatus run_on(Query& query, const HeldSurface& a, const HeldSurface* b, Workers& workers) {

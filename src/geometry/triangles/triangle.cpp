@@ -78,10 +78,13 @@ TrianglePoint closest_point(const Triangle& t, const Vec3& p) {
   // mutant closest-narrow: `1e-2` -> `0`
   // mutant closest-sliver: `1e-6` -> `0`
   constexpr double sliver = 1e-6, narrow = 1e-2;
+  // Below it, the squares of areas lose digits by underflow.
+  // mutant closest-underflow: `0x1p-800` -> `0`
+  constexpr double least_sides = 0x1p-800;
   const auto on_any_edge = [&] {
     return nearer(nearer(closest_on_edge(t, 0, 1, p), closest_on_edge(t, 1, 2, p)), closest_on_edge(t, 2, 0, p));
   };
-  if (!(sum > sliver * sides)) {
+  if (!(sum > sliver * sides && sides > least_sides)) {
     const TrianglePoint best = on_any_edge();
     const std::optional<TrianglePoint> inside = closest_within_sliver(t, p);
     return inside ? nearer(best, *inside) : best;

@@ -117,7 +117,7 @@ class OffReader {
 
 bool read_off_as(const std::filesystem::path& path, std::string_view text, Layout layout, MeshReading& reading,
                  Mesh& mesh) {
-  MeshReading own{.cut_like = reading.cut_like};
+  MeshReading own{.cut_like = reading.cut_like, .cut_like_vertex = reading.cut_like_vertex};
   try {
     mesh = OffReader(path, text, layout).read(own);
   } catch (const FileError&) {
@@ -131,7 +131,7 @@ bool read_off_as(const std::filesystem::path& path, std::string_view text, Layou
 
 Mesh read_off(const std::filesystem::path& path, std::string_view text, MeshReading& reading) {
   try {
-    MeshReading own{.cut_like = reading.cut_like};
+    MeshReading own{.cut_like = reading.cut_like, .cut_like_vertex = reading.cut_like_vertex};
     Mesh mesh = OffReader(path, text, Layout::rows).read(own);
     reading.info = std::move(own.info);
     return mesh;

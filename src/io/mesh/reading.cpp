@@ -41,9 +41,16 @@ void PolygonReader::cut(std::span<const Vec3> points, std::span<const std::uint3
 }
 
 // Facets with as many corners fill the polygon when its sides are the rest of their sides: all others cancel in pairs.
+// Welded vertices stand for the corners that became them.
 bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::span<Facet> own, std::size_t first) {
   if (reading_.cut_like.size() < first + own.size()) return false;
   const std::span<const Facet> given = reading_.cut_like.subspan(first, own.size());
+  in_rest_.assign(corners.begin(), corners.end());
+  if (!reading_.cut_like_vertex.empty())
+    for (std::uint32_t& v : in_rest_) {
+      if (v >= reading_.cut_like_vertex.size()) return false;
+      v = reading_.cut_like_vertex[v];
+    }
   std::vector<std::pair<std::uint32_t, std::uint32_t>>& to = sides_;
   to.clear();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> back;
@@ -54,12 +61,18 @@ bool PolygonReader::cut_as_given(std::span<const std::uint32_t> corners, std::sp
   };
   for (const Facet& f : given)
     for (std::size_t k = 0; k < 3; ++k) add(f[k], f[(k + 1) % 3]);
-  for (std::size_t k = 0; k < corners.size(); ++k) add(corners[(k + 1) % corners.size()], corners[k]);
+  for (std::size_t k = 0; k < corners.size(); ++k) add(in_rest_[(k + 1) % corners.size()], in_rest_[k]);
   std::sort(to.begin(), to.end());
   std::sort(back.begin(), back.end());
   // mutant frame-polygons-unchecked: `if (to != back) return false` -> ``
   if (to != back) return false;
-  std::copy(given.begin(), given.end(), own.begin());
+  for (std::size_t i = 0; i < own.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Where corners of the polygon are welded, either of them is right: facets are compared as welded ones.
+      const auto at = std::find(in_rest_.begin(), in_rest_.end(), given[i][k]);
+      if (at == in_rest_.end()) return false;
+      own[i][k] = corners[static_cast<std::size_t>(at - in_rest_.begin())];
+    }
   return true;
 }
 

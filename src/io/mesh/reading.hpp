@@ -20,6 +20,8 @@ struct MeshReading {
   /// Facets that polygons become if their corners agree, whatever their shape: the facets of the mesh at rest, for a
   /// frame of its motion, whose polygons may have become concave.
   std::span<const Facet> cut_like = {};
+  /// If the mesh at rest was welded: the number that each vertex of the file has in `cut_like`; empty: its own.
+  std::span<const std::uint32_t> cut_like_vertex = {};
   MeshInfo info = {};
   /// Whether the reader sets `labels`: a number per vertex, for weld_vertices(). They stay empty in formats whose
   /// vertices have no more than a position.
@@ -59,6 +61,7 @@ class PolygonReader {
   MeshReading& reading_;
   PolygonCutter cutter_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> sides_;
+  std::vector<std::uint32_t> in_rest_;  // the corners of a polygon as vertices of the mesh at rest
   Place first_crossing_{}, first_bent_{};
 };
 

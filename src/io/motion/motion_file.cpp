@@ -158,7 +158,9 @@ std::vector<Vec3> Motion::unwelded_frame(std::size_t i) const {
   if (source_) return source_->frame(i);
   // A polygon that has become concave is still cut as in the mesh at rest.
   MeshReading reading;
-  if (!weld_) reading.cut_like = facets_;
+  reading.cut_like = facets_;
+  // mutant weld-frames-cut: `if (weld_) reading.cut_like_vertex = weld_->new_vertex` -> ``
+  if (weld_) reading.cut_like_vertex = weld_->new_vertex;
   Mesh mesh = read_mesh_as(files_[i], reading);
   require_frames_of(files_[i], mesh.vertex_count(), mesh.facets);
   return std::move(mesh.positions);

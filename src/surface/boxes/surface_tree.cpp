@@ -208,6 +208,9 @@ std::span<const std::array<std::uint32_t, 2>> SurfaceTree::edges() const {
   return state_->mesh.edges;
 }
 std::size_t SurfaceTree::duplicate_vertices() const {
+  std::atomic<std::size_t>& kept = state_->duplicates->count;
+  if (const std::size_t known = kept.load(); known != DuplicateCount::unknown) return known;
+  const StandardFloats standard;
   IndexTable places;
   std::size_t count = 0;
   const std::vector<Vec3>& rest = state_->mesh.rest;
@@ -220,6 +223,7 @@ std::size_t SurfaceTree::duplicate_vertices() const {
     else
       places.add(v, hash_of);
   }
+  kept.store(count);
   return count;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -113,11 +114,22 @@ struct RegionBorders {
 };
 
 class ExcludedPairs;
+class RestBoxes;
+class RestShapes;
 
-/// The tables of excluded pairs that queries requested last; excluded_pairs() makes them.
+/// The excluded pairs that queries requested last, and the boxes and shapes at rest that serve all of them;
+/// excluded_pairs() makes them.
 struct ExclusionTables {
   std::mutex mutex;
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
+  std::shared_ptr<const RestBoxes> rest_boxes;
+  std::shared_ptr<const RestShapes> rest_shapes[2];  // of facets alone, and of all features
+};
+
+/// A fact about the mesh at rest that is found on first use, by any thread.
+struct DuplicateCount {
+  static constexpr std::size_t unknown = static_cast<std::size_t>(-1);
+  std::atomic<std::size_t> count = unknown;
 };
 
 /// The mesh, by its own numbers. make_surface_tree() fills it first, from the mesh alone.
@@ -165,6 +177,7 @@ struct SurfaceTreeState : std::enable_shared_from_this<SurfaceTreeState> {
   SurfaceBlocks blocks;
   std::vector<RegionBorders> borders;  // by level, from 1 on; the last level is above the level of one group
   std::unique_ptr<ExclusionTables> exclusions = std::make_unique<ExclusionTables>();
+  std::unique_ptr<DuplicateCount> duplicates = std::make_unique<DuplicateCount>();
 
   // The present pose or step: update() and follow() set the pose, move() makes the boxes, then the frame changes.
   SurfacePose pose;

@@ -82,17 +82,14 @@ bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, doub
 // exceeds the error of both lengths, so this is the same as are_within_at_rest().
 bool RestTest::is_near(const SurfaceTreeState& s, const FeaturePair& pair) const {
   const FeatureVertices in_a(s, feature_a(pair.kind), pair.a), in_b(s, feature_b(pair.kind), pair.b);
-  double least = std::numeric_limits<double>::infinity();
   Box box_a, box_b;
   for (const std::uint32_t v : in_a) box_a.add(s.mesh.rest[v]);
-  for (const std::uint32_t w : in_b) {
-    const Vec3& q = s.mesh.rest[w];
-    box_b.add(q);
-    for (const std::uint32_t v : in_a) least = std::min(least, squared_length(s.mesh.rest[v] - q));
-  }
-  if (least <= surely_near_) return true;
+  for (const std::uint32_t w : in_b) box_b.add(s.mesh.rest[w]);
   const Vec3 gap = max(max(box_a.lower - box_b.upper, box_b.lower - box_a.upper), Vec3{});
   if (squared_length(gap) > surely_apart_) return false;
+  for (const std::uint32_t w : in_b)
+    for (const std::uint32_t v : in_a)
+      if (squared_length(s.mesh.rest[v] - s.mesh.rest[w]) <= surely_near_) return true;
   return are_within_at_rest(s, pair, distance_);
 }
 
@@ -130,7 +127,7 @@ std::uint32_t FeatureFilter::Masks::with(Feature feature, std::uint32_t number) 
 }
 
 Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b,
-                            Features features, Workers& workers) {
+                            Features features, bool makes_table, Workers& workers) {
   if (!fits(filter.masks_a, a)) return {.code = Status::Code::bad_option};
   const bool is_one = &a == &b;
   if (!is_one && !fits(filter.masks_b, b)) return {.code = Status::Code::bad_option, .body = 1};
@@ -143,21 +140,21 @@ Status FeatureFilter::start(const PairFilter& filter, const SurfaceTreeState& a,
     masks_b_.start(filter.masks_b, b);
   const ExclusionRule rule{filter.rings, filter.rest_distance, features};
   excluded_ = is_one && rule.excludes_any() ? excluded_pairs(a, rule, workers) : nullptr;
-  tests_rings_ = excluded_ != nullptr && rule.rings > 0 && !excluded_->is_kept();
+  if (excluded_ != nullptr && makes_table) excluded_->make_table(workers);
   rest_test_ = RestTest(rule.rest_distance, ExclusionTest(a, rule).rounding());
   tests_rest_ = excluded_ != nullptr && rule.rest_distance > 0;
-  const bool within = is_one && (filter.same_component || tests_rings_ || tests_rest_);
+  const bool within = is_one && (filter.same_component || tests_rest_);
   accepts_all_ = !within && !masks_a_.are_given() && !masks_b_.are_given() && !filter.accepts;
   return {};
 }
 
-bool FeatureFilter::accepts_one(const FeaturePair& pair) const {
+bool FeatureFilter::accepts_one(const FeaturePair& pair, bool are_neighbors_known) const {
   const Feature of_a = feature_a(pair.kind), of_b = feature_b(pair.kind);
   if (b_ == a_) {
     const FeatureVertices in_a(*a_, of_a, pair.a), in_b(*a_, of_b, pair.b);
     if (filter_->same_component && a_->mesh.component[in_a[0]] == a_->mesh.component[in_b[0]]) return false;
     if (tests_rest_ && rest_test_.is_near(*a_, pair)) return false;
-    if (tests_rings_ && ExclusionTest(*a_, excluded_->rule()).are_neighbors(pair)) return false;
+    if (!are_neighbors_known && ExclusionTest(*a_, excluded_->rule()).are_neighbors(pair)) return false;
   }
   if ((masks_a_.are_given() || masks_b_.are_given()) &&
       // mutant feature-mask-there: `(masks_a_.of(of_a, pair.a) & masks_b_.with(of_b, pair.b)) == 0` -> `false`

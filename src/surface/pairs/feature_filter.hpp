@@ -58,7 +58,7 @@ ProximityPair nearest_points(const FeaturePair& pair, std::span<const Vec3> a, s
 /// vertices, edges and facets; 0 where they cross.
 bool are_within_at_rest(const SurfaceTreeState& s, const FeaturePair& pair, double distance);
 
-/// are_within_at_rest() for one distance; vertices and boxes decide most pairs.
+/// are_within_at_rest() for one distance; boxes and vertices decide most pairs.
 class RestTest {
  public:
   RestTest() = default;
@@ -77,13 +77,17 @@ class FeatureFilter {
   /// Throws std::invalid_argument, naming the option, for an option that is out of range by itself.
   static void require_usable(const PairFilter& filter);
   /// Prepares the filter; for one surface with itself if b is a. ok, or bad_option for masks that do not fit the
-  /// surfaces. Makes the table of excluded pairs if there is none.
+  /// surfaces. makes_table: whether the table of neighbors is made here, as far as it is missing; else the search makes
+  /// its rows.
   Status start(const PairFilter& filter, const SurfaceTreeState& a, const SurfaceTreeState& b, Features features,
-               Workers& workers);
+               bool makes_table, Workers& workers);
   /// The pairs that the search drops without a call of accepts(), as far as it finds them; null if there are none.
   const ExcludedPairs* excluded() const { return excluded_.get(); }
-  /// Whether a pair that shares no vertex is kept.
-  bool accepts(const FeaturePair& pair) const { return accepts_all_ || accepts_one(pair); }
+  /// Whether a pair that shares no vertex is kept. are_neighbors_known: the search has dropped all neighbors of
+  /// `rings`.
+  bool accepts(const FeaturePair& pair, bool are_neighbors_known) const {
+    return (accepts_all_ && are_neighbors_known) || accepts_one(pair, are_neighbors_known);
+  }
 
  private:
   /// Masks of features: the bits of all facets that have a vertex or an edge.
@@ -95,7 +99,7 @@ class FeatureFilter {
     std::uint32_t of(Feature feature, std::uint32_t number) const;
     std::uint32_t with(Feature feature, std::uint32_t number) const;
   };
-  bool accepts_one(const FeaturePair& pair) const;
+  bool accepts_one(const FeaturePair& pair, bool are_neighbors_known) const;
 
   const PairFilter* filter_ = nullptr;
   const SurfaceTreeState *a_ = nullptr, *b_ = nullptr;
@@ -103,7 +107,7 @@ class FeatureFilter {
   std::shared_ptr<const ExcludedPairs> excluded_;  // for one surface with itself, if the filter excludes any pair
   bool accepts_all_ = false;
   RestTest rest_test_;
-  bool tests_rings_ = false, tests_rest_ = false;  // the rules by which each pair is tested, without a table of them
+  bool tests_rest_ = false;
 };
 
 }  // namespace morula::detail

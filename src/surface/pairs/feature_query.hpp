@@ -90,7 +90,7 @@ class FeatureQuery {
     SurfaceQueryStatus status;
     static_cast<Status&>(status) = a.askable(0);
     if (status && &a != &b) static_cast<Status&>(status) = b.askable(1);
-    if (status) static_cast<Status&>(status) = filter_.start(options.filter, a, b, request.features, workers);
+    if (status) static_cast<Status&>(status) = start_filter(a, b, request.features, options, workers);
     if (!status) return status;
     search_.start(a, b, request.reach, request.features, request.by_spheres, workers);
     request_ = request;
@@ -112,7 +112,7 @@ class FeatureQuery {
     // mutant resume-other-distance: `reach != request_.reach` -> `false`
     if (reach != request_.reach) return {{.code = Status::Code::other_options}};
     SurfaceQueryStatus status;
-    static_cast<Status&>(status) = filter_.start(options.filter, search_.a(), search_.b(), request_.features, workers);
+    static_cast<Status&>(status) = start_filter(search_.a(), search_.b(), request_.features, options, workers);
     if (!status) return status;
     return go_on(options, workers, narrow);
   }
@@ -130,6 +130,12 @@ class FeatureQuery {
   double largest_coordinate() const { return largest_coordinate_; }
 
  private:
+  /// If a budget bounds the work, the search makes the rows of tables that it needs.
+  template <class Options>
+  Status start_filter(const SurfaceTreeState& a, const SurfaceTreeState& b, Features features, const Options& options,
+                      Workers& workers) {
+    return filter_.start(options.filter, a, b, features, options.budget.is_unlimited(), workers);
+  }
   /// Returns changed_during_call if a callback has moved a surface; the caller then discards the results.
   template <class Options, class Narrow>
   SurfaceQueryStatus go_on(const Options& options, Workers& workers, const Narrow& narrow) {
@@ -144,8 +150,8 @@ class FeatureQuery {
           if (chunks_.size() < chunks) chunks_.resize(chunks);
           for (std::size_t i = 0; i < chunks; ++i) chunks_[i].found.clear(), chunks_[i].candidates = 0;
         },
-        [&](std::size_t chunk, const FeaturePair& pair) {
-          if (filter_.accepts(pair)) chunks_[chunk].pairs.push_back(pair);
+        [&](std::size_t chunk, const FeaturePair& pair, bool are_neighbors_known) {
+          if (filter_.accepts(pair, are_neighbors_known)) chunks_[chunk].pairs.push_back(pair);
         },
         [&](std::size_t chunk) {
           Chunk& c = chunks_[chunk];

@@ -79,9 +79,10 @@ bool SurfaceMeter::try_spend(std::size_t groups) {
     is_over_ = is_first ? budget_.tests() <= 0
                         : budget_.tests() < static_cast<std::int64_t>(tests_ * (groups_tested + groups));
   // Reading a clock takes about as long as a test.
-  if (budget_.is_time() && calls_ % 8 == 0)
+  if (budget_.is_time() && (calls_ % 8 == 0 || reads_clock_))
     is_over_ = is_first ? budget_.time().count() <= 0 : now(*clock_) - start_ >= budget_.time();
   ++calls_;
+  reads_clock_ = false;
   if (!is_over_) groups_tested += groups;
   return !is_over_;
 }

@@ -34,9 +34,12 @@ class SurfaceMeter {
   /// tests: number of box pairs in a test of one group.
   SurfaceMeter(const Budget& budget, const Clock& clock, std::size_t tests = 64);
   bool is_unlimited() const { return budget_.is_unlimited(); }
+  bool counts_tests() const { return budget_.is_tests(); }
   /// Whether so many groups of boxes may be tested against as many others, 64 pairs each. Once false, it stays false.
   /// The first call returns false only if the budget is zero.
   bool try_spend(std::size_t groups);
+  /// Lets the next call of try_spend() read the clock.
+  void read_clock_next() { reads_clock_ = true; }
   std::size_t groups_tested = 0;
 
  private:
@@ -45,7 +48,7 @@ class SurfaceMeter {
   std::size_t tests_;
   std::chrono::nanoseconds start_{};
   std::size_t calls_ = 0;
-  bool is_over_ = false;
+  bool is_over_ = false, reads_clock_ = false;
 };
 
 /// It keeps its memory. A list of open pairs of nodes holds the pairs that are not compared yet.
@@ -56,8 +59,7 @@ class PairSearch {
   /// apart than the reach may be missing.
   void start(const SurfaceTreeState& a, const SurfaceTreeState& b, double reach, Features features, bool by_spheres,
              Workers& workers);
-  /// For one surface with itself: the pairs to leave out; null if there are none. The table has to live until the last
-  /// run().
+  /// For one surface with itself: the pairs to leave out; null if there are none. It has to live until the last run().
   void exclude(const ExcludedPairs* excluded) { excluded_ = excluded; }
   bool is_started() const { return a_.surface != nullptr; }
   /// Whether the surfaces have not moved since the start.
@@ -73,11 +75,11 @@ class PairSearch {
   const SurfaceTreeState& a() const { return *a_.surface; }
   const SurfaceTreeState& b() const { return *b_.surface; }
 
-  /// Calls find(chunk, pair) for pairs of features whose boxes are near and, for one surface with itself, that share no
-  /// vertex. Calls look(chunk) after several of them, and always after the last ones. The calls for one chunk are made
-  /// one after the other, the calls for different chunks at the same time. Chunks are numbered from 0 on; chunks(count)
-  /// is called before any of them. Every pair is found once, over all calls since start(). True when nothing is left to
-  /// do.
+  /// Calls find(chunk, pair, known) for pairs of features whose boxes are near and, for one surface with itself, that
+  /// share no vertex; known: all excluded neighbors are left out. Calls look(chunk) after several of them, and always
+  /// after the last ones. The calls for one chunk are made one after the other, the calls for different chunks at the
+  /// same time. Chunks are numbered from 0 on; chunks(count) is called before any of them. Every pair is found once,
+  /// over all calls since start(). True when nothing is left to do.
   template <class Chunks, class Find, class Look>
   bool run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit);
 
@@ -101,7 +103,7 @@ class PairSearch {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
   }
   bool is_excluded(const NodePair& pair) const {
-    return excluded_ != nullptr && excluded_->are_all(a(), pair.a, pair.b);
+    return excluded_ != nullptr && excluded_->are_all(a(), pair.a, pair.b, by_table_);
   }
   /// If a budget bounds the work, only the smallest regions are tested.
   bool is_sought_now(const NodePair& pair) const { return may_be_height_field(pair) && pair.a.height == 1; }
@@ -133,28 +135,30 @@ class PairSearch {
   template <class Find>
   void compare(const BlockPair& pair, const Find& find) const;
   template <class Find>
-  void compare_facets(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
+  void compare_facets(const BlockPair& pair, const std::uint64_t* neighbors, const Find& find) const;
   template <class Find>
-  void compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
+  void compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* neighbors, const Find& find) const;
   template <class Find>
-  void compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const;
-  /// The points at rest of the groups of two features of blocks; null without any.
-  struct Points {
-    const PointGroup *a = nullptr, *b = nullptr;
+  void compare_edges(const BlockPair& pair, const std::uint64_t* neighbors, const Find& find) const;
+  /// The shapes at rest of the groups of two blocks.
+  struct Shapes {
+    ShapeGroups a, b;
   };
-  template <class Of>
-  Points points(const BlockPair& pair, const Of& of_a, const Of& of_b) const {
-    const RestPoints* const all = excluded_ != nullptr ? excluded_->points() : nullptr;
-    return all == nullptr ? Points{} : Points{(all->*of_a)(pair.a), (all->*of_b)(pair.b)};
+  using GroupsOf = ShapeGroups (RestShapes::*)(std::uint32_t block) const;
+  Shapes shapes(const BlockPair& pair, GroupsOf of_a, GroupsOf of_b) const {
+    const NearAtRest* const near = near_at_rest();
+    return near == nullptr ? Shapes{} : Shapes{(near->shapes().*of_a)(pair.a), (near->shapes().*of_b)(pair.b)};
   }
-  /// Tests all groups of i against all of j. excluded: 64 bits for each i and j, and the end of all these masks.
+  const NearAtRest* near_at_rest() const { return excluded_ != nullptr ? excluded_->near_at_rest() : nullptr; }
+  /// Tests all groups of i against all of j. neighbors: 64 bits for each i and j, and the end of all these masks.
   template <class GroupA, class GroupB, class Found>
   void compare_groups(std::uint32_t groups_a, const GroupA& group_a, std::uint32_t groups_b, const GroupB& group_b,
-                      const Points& points, const std::uint64_t*& excluded, const Found& found) const {
+                      const Shapes& shapes, const std::uint64_t*& neighbors, const Found& found) const {
+    const NearAtRest* const near = near_at_rest();
     for (std::uint32_t i = 0; i < groups_a; ++i)
-      for (std::uint32_t j = 0; j < groups_b; ++j, ++excluded) {
-        std::uint64_t bits = are_near_(group_a(i), group_b(j)) & ~*excluded;
-        if (bits != 0 && points.a != nullptr) bits &= ~excluded_->points()->are_near(points.a[i], points.b[j]);
+      for (std::uint32_t j = 0; j < groups_b; ++j, ++neighbors) {
+        std::uint64_t bits = are_near_(group_a(i), group_b(j)) & ~*neighbors;
+        if (bits != 0 && near != nullptr) bits &= ~near->near(shapes.a, i, shapes.b, j, bits);
         for (; bits != 0; bits &= bits - 1) {
           const auto bit = static_cast<std::uint32_t>(std::countr_zero(bits));
           found(8 * i + bit / 8, 8 * j + bit % 8);
@@ -198,6 +202,9 @@ class PairSearch {
   NearTest are_near_;
   QueryBoxes boxes_;
   const ExcludedPairs* excluded_ = nullptr;
+  // Whether rows that other queries made may save tests: not where a budget counts tests, which always reaches the same
+  // pairs.
+  bool by_table_ = true;
   HeightFields fields_;
   std::vector<NodePair> open_;
   BlockDescent descent_;
@@ -213,23 +220,25 @@ inline bool share_a_vertex(const Facet& f, const Facet& g) {
 
 template <class Find>
 void PairSearch::compare(const BlockPair& pair, const Find& find) const {
-  const std::uint64_t* const excluded = excluded_ != nullptr ? excluded_->of(pair.a, pair.b) : ExcludedPairs::none();
-  if (ExcludedPairs::are_all(excluded)) return;
+  const std::uint64_t* const known = excluded_ != nullptr ? excluded_->neighbors(pair.a, pair.b) : RingTable::none();
+  if (known == RingTable::all()) return;
+  const std::uint64_t* const neighbors = known != nullptr ? known : RingTable::none();
+  const auto find_one = [&](const FeaturePair& found) { find(found, known != nullptr); };
   if (features_ == Features::facets)
-    compare_facets(pair, excluded, find);
+    compare_facets(pair, neighbors, find_one);
   else
-    compare_vertices_and_edges(pair, excluded, find);
+    compare_vertices_and_edges(pair, neighbors, find_one);
 }
 
 template <class Find>
-void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
+void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* neighbors, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto facets_of_a = [&](std::uint32_t) -> const BoxGroup& { return in_a.facets(a); };
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
-  const Points at_rest = points(pair, &RestPoints::facets, &RestPoints::facets);
-  compare_groups(1, facets_of_a, 1, facets_of_b, at_rest, excluded, [&](std::uint32_t i, std::uint32_t j) {
+  const Shapes at_rest = shapes(pair, &RestShapes::facets, &RestShapes::facets);
+  compare_groups(1, facets_of_a, 1, facets_of_b, at_rest, neighbors, [&](std::uint32_t i, std::uint32_t j) {
     if (one_block && i >= j) return;
     std::uint32_t f = in_a.facet(a, i), g = in_b.facet(b, j);
     if (with_itself) {
@@ -242,9 +251,9 @@ void PairSearch::compare_facets(const BlockPair& pair, const std::uint64_t* excl
 }
 
 // Compares vertices of a with facets of b, facets of a with vertices of b, edges with edges: in the order of
-// ExcludedPairs.
+// RingTable.
 template <class Find>
-void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* excluded,
+void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::uint64_t* neighbors,
                                             const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
@@ -254,16 +263,16 @@ void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::ui
   const auto facets_of_b = [&](std::uint32_t) -> const BoxGroup& { return in_b.facets(b); };
   const auto vertices_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.vertices(a, i); };
   const auto vertices_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.vertices(b, i); };
-  const Points vertices_first = points(pair, &RestPoints::vertices, &RestPoints::facets);
-  const Points facets_first = points(pair, &RestPoints::facets, &RestPoints::vertices);
-  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, vertices_first, excluded,
+  const Shapes vertices_first = shapes(pair, &RestShapes::vertices, &RestShapes::facets);
+  const Shapes facets_first = shapes(pair, &RestShapes::facets, &RestShapes::vertices);
+  compare_groups(in_a.vertex_groups(a), vertices_of_a, 1, facets_of_b, vertices_first, neighbors,
                  [&](std::uint32_t i, std::uint32_t j) {
                    const std::uint32_t vertex = in_a.vertex(a, i);
                    if (with_itself && has(in_b.facet_corners(b, j), vertex)) return;
                    find(FeaturePair{PairKind::vertex_facet, vertex, in_b.facet(b, j)});
                  });
   if (!one_block) {
-    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, facets_first, excluded,
+    compare_groups(1, facets_of_a, in_b.vertex_groups(b), vertices_of_b, facets_first, neighbors,
                    [&](std::uint32_t i, std::uint32_t j) {
                      const std::uint32_t facet = in_a.facet(a, i), vertex = in_b.vertex(b, j);
                      if (with_itself) {
@@ -274,18 +283,18 @@ void PairSearch::compare_vertices_and_edges(const BlockPair& pair, const std::ui
                      }
                    });
   }
-  compare_edges(pair, excluded, find);
+  compare_edges(pair, neighbors, find);
 }
 
 template <class Find>
-void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* excluded, const Find& find) const {
+void PairSearch::compare_edges(const BlockPair& pair, const std::uint64_t* neighbors, const Find& find) const {
   const std::uint32_t a = pair.a, b = pair.b;
   const FeatureBoxes &in_a = a_.boxes, &in_b = boxes_b();
   const bool with_itself = is_with_itself(), one_block = with_itself && a == b;
   const auto edges_of_a = [&](std::uint32_t i) -> const BoxGroup& { return in_a.edges(a, i); };
   const auto edges_of_b = [&](std::uint32_t i) -> const BoxGroup& { return in_b.edges(b, i); };
-  const Points at_rest = points(pair, &RestPoints::edges, &RestPoints::edges);
-  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, at_rest, excluded,
+  const Shapes at_rest = shapes(pair, &RestShapes::edges, &RestShapes::edges);
+  compare_groups(in_a.edge_groups(a), edges_of_a, in_b.edge_groups(b), edges_of_b, at_rest, neighbors,
                  [&](std::uint32_t i, std::uint32_t j) {
                    if (one_block && i >= j) return;
                    std::uint32_t e = in_a.edge(a, i), f = in_b.edge(b, j);
@@ -312,13 +321,16 @@ void PairSearch::run_within_budget(SurfaceMeter& meter, const Find& find, const 
     const BlockPair blocks{pair.a.number, pair.b.number};
     want(blocks);
     fill_boxes(serial_workers());
-    compare(blocks, [&](const FeaturePair& found) { find(0, found); });
+    // A row, or neighbors searched for one pair after the other, may take long.
+    if (excluded_ != nullptr && !excluded_->has_row(pair.a.number)) meter.read_clock_next();
+    compare(blocks, [&](const FeaturePair& found, bool are_neighbors_known) { find(0, found, are_neighbors_known); });
     visit(0);
   }
 }
 
 template <class Chunks, class Find, class Look>
 bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks, const Find& find, const Look& visit) {
+  by_table_ = !meter.counts_tests();
   if (!meter.is_unlimited()) {
     chunks(1);
     run_within_budget(meter, find, visit);
@@ -340,7 +352,8 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     constexpr std::size_t pairs_at_a_look = 32;
     const std::size_t chunk = begin / pairs_at_once;
     for (std::size_t i = begin; i < end; ++i) {
-      compare(pairs[i], [&](const FeaturePair& found) { find(chunk, found); });
+      compare(pairs[i],
+              [&](const FeaturePair& found, bool are_neighbors_known) { find(chunk, found, are_neighbors_known); });
       if (i % pairs_at_a_look == 0 || i + 1 == end) visit(chunk);
     }
   });

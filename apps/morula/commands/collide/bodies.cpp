@@ -41,14 +41,17 @@ RigidTransform parse_transform(const SideFiles& files) {
 }
 
 Side::Side(const SideFiles& files, const std::string& sph_origin, Workers& workers)
-    : files_(files), transform_(parse_transform(files)), mesh_(load_mesh(files.mesh)), positions_(mesh_.positions) {
-  if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
-  const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh_);
-  if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh_, reading, workers);
+    : files_(files),
+      transform_(parse_transform(files)),
+      loaded_(load_mesh(files.mesh, files.weld)),
+      positions_(loaded_.mesh.positions) {
+  if (!files.motion.empty()) motion_.emplace(files.motion, mesh(), MotionOptions{.weld = loaded_.merged()});
+  const ReadTreeOptions reading = parse_sph_origin(sph_origin, &mesh());
+  if (!files.tree.empty()) built_ = read_covered_tree(files.tree, mesh(), reading, workers);
 }
 
 void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
-  CoveredTree model = built_ ? *std::move(built_) : build(mesh_, {.quality = Quality::fast}, workers);
+  CoveredTree model = built_ ? *std::move(built_) : build(mesh(), {.quality = Quality::fast}, workers);
   double largest = 0;
   for (const LevelGrowth& level : model.report.growth) largest = std::max(largest, level.largest_growth);
   if (largest > 0)
@@ -57,8 +60,8 @@ void Side::prepare(const std::vector<Rule>& rules, Workers& workers) {
     throw UsageError(fmt::format("--rule names level {}, but the tree of {} has levels 0 to {}", rules.size() - 1,
                                  files_.mesh, model.tree.level_count() - 1));
   }
-  body_.emplace(mesh_, std::move(model), UpdateOptions{.rules = rules, .details = {}}, workers);
-  collider_.emplace(mesh_, *body_);
+  body_.emplace(mesh(), std::move(model), UpdateOptions{.rules = rules, .details = {}}, workers);
+  collider_.emplace(mesh(), *body_);
   collider_->set_transform(transform_);
 }
 

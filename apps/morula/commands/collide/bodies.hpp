@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "shared/files.hpp"
+
 namespace morula::cli {
 
 /// The files as given; empty if not given.
@@ -18,6 +20,7 @@ struct SideFiles {
   std::string motion{};
   std::string translate{};
   std::string rotate{};
+  bool weld = false;
 };
 
 /// A rigid motion from "x,y,z" and "x,y,z,degrees": turned about the axis through the origin, then moved.
@@ -41,7 +44,7 @@ class Side {
   void move_to(std::size_t frame, Workers& workers);
 
   const Collider& collider() const { return *collider_; }
-  const Mesh& mesh() const { return mesh_; }  // at rest
+  const Mesh& mesh() const { return loaded_.mesh; }  // at rest
   const std::string& name() const { return files_.mesh; }
   /// The name of the mesh's file without folder and extension.
   std::string stem() const;
@@ -50,7 +53,7 @@ class Side {
  private:
   SideFiles files_;
   RigidTransform transform_;
-  Mesh mesh_;
+  LoadedMesh loaded_;
   std::optional<Motion> motion_;
   std::optional<CoveredTree> built_;  // as read, until the body has it
   std::optional<Body> body_;

@@ -128,6 +128,9 @@ int run_scene(const CollideArguments& o) {
     if (!(side->mesh + side->tree + side->motion + side->translate + side->rotate).empty())
       throw UsageError(fmt::format("--scene {}: bodies, motions and places are named in it; leave out {}", o.scene,
                                    side->mesh.empty() ? "their options" : side->mesh));
+  if (o.a.weld)
+    throw UsageError(
+        fmt::format("--scene {}: --weld is for two bodies; name welded meshes, which morula convert makes", o.scene));
   if (o.find_patches) throw UsageError(fmt::format("--scene {}: --patches is for two bodies; leave it out", o.scene));
   if (o.with_self || o.within)
     throw UsageError(fmt::format("--scene {}: --self and --within are for one or two bodies", o.scene));
@@ -298,6 +301,7 @@ void add_collide(CLI::App& app, Run& run) {
   add_option(*command, "B", o->b.mesh, "The other mesh at rest")->type_name("");
   add_side(*command, o->a, "A");
   add_side(*command, o->b, "B");
+  add_weld(*command, o->a.weld, "A and B");
   add_option(*command, "--scene", o->scene, "Many bodies instead of A and B: a JSON file, see docs/how-to/scene.md")
       ->type_name("FILE");
   add_option(*command, "--root", o->roots,
@@ -346,7 +350,12 @@ void add_collide(CLI::App& app, Run& run) {
       "  morula collide liver.obj tool.obj --patches\n"
       "  morula collide --scene room.json --budget 1ms\n"
       "  morula collide --scene room.json --page room.html");
-  on_use(*command, [o, &run] { run = [o] { return collide_command(*o); }; });
+  on_use(*command, [o, &run] {
+    run = [o] {
+      o->b.weld = o->a.weld;
+      return collide_command(*o);
+    };
+  });
 }
 
 }  // namespace morula::cli

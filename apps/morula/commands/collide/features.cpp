@@ -29,12 +29,15 @@ namespace {
 class MovingSurface {
  public:
   explicit MovingSurface(const SideFiles& files)
-      : transform_(parse_transform(files)), mesh_(load_mesh(files.mesh)), placed_(mesh_.positions), tree_(mesh_) {
-    if (!files.motion.empty()) motion_.emplace(files.motion, mesh_);
+      : transform_(parse_transform(files)),
+        loaded_(load_mesh(files.mesh, files.weld)),
+        placed_(loaded_.mesh.positions),
+        tree_(loaded_.mesh) {
+    if (!files.motion.empty()) motion_.emplace(files.motion, loaded_.mesh, MotionOptions{.weld = loaded_.merged()});
   }
   std::size_t frame_count() const { return motion_ ? motion_->frame_count() : 1; }
   void move_to(std::size_t frame, Workers& workers) {
-    placed_ = motion_ ? motion_->frame(std::min(frame, motion_->frame_count() - 1)) : mesh_.positions;
+    placed_ = motion_ ? motion_->frame(std::min(frame, motion_->frame_count() - 1)) : loaded_.mesh.positions;
     for (Vec3& p : placed_) p = transform_(p);
     if (const Status status = tree_.update(placed_, workers); !status) throw UsageError(message(status));
   }
@@ -42,7 +45,7 @@ class MovingSurface {
 
  private:
   RigidTransform transform_;
-  Mesh mesh_;
+  LoadedMesh loaded_;
   std::optional<Motion> motion_;
   std::vector<Vec3> placed_;
   SurfaceTree tree_;
@@ -91,7 +94,11 @@ int collide_features(const FeatureRun& run) {
   std::optional<MovingSurface> b;
   if (!run.b.mesh.empty()) b.emplace(run.b);
   std::vector<SurfacePair> surface_pairs;
-  if (run.with_self) surface_pairs.push_back({&a, &a, 'a', 'a'});
+  if (run.with_self) {
+    note_duplicate_vertices(run.a.mesh, a.tree().duplicate_vertices(), run.a.weld);
+    if (b) note_duplicate_vertices(run.b.mesh, b->tree().duplicate_vertices(), run.b.weld);
+    surface_pairs.push_back({&a, &a, 'a', 'a'});
+  }
   if (b && run.with_self) surface_pairs.push_back({&*b, &*b, 'b', 'b'});
   if (b) surface_pairs.push_back({&a, &*b, 'a', 'b'});
 

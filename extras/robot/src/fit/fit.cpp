@@ -9,6 +9,7 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/inspect.hpp>
+#include <morula/geometry/scale.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/robot/fit.hpp>
 #include <mutex>
@@ -299,12 +300,15 @@ class Fitter {
   }
 
   CoveredTree build_link(const LinkSpheres& link, const BuildOptions& options) const {
+    // The mesh is the file's fault; other arguments are the caller's.
     try {
-      return build(link.surface.mesh, options, serial_workers());
+      require_usable(link.surface.mesh);
+      require_usable_scale(link.surface.mesh);
     } catch (const std::invalid_argument& error) {
       throw FileError(fmt::format("{}:{}: link {}: {}", robot_.file.string(), robot_.links[link.link].line,
                                   name_of(link), error.what()));
     }
+    return build(link.surface.mesh, options, serial_workers());
   }
 
   void fit(const Group& group) {
