@@ -72,7 +72,6 @@ PatchStatus ContactPatchQuery::State::find_within(const ContactPatchOptions& opt
   search->set_options(limits);
   const ContactStatus status = search->run();
   if (!status) return {{.code = status.code, .body = status.body}};
-  // mutant patches-within-budget: `!status.finished ||` -> ``
   if (!status.finished || !meter.try_spend(static_cast<std::uint32_t>(status.pair_tests))) return {};
   for (const Contact& contact : search->contacts().contacts) leaves.push_back({contact.node_a, contact.node_b});
   return find_below(options, &meter);

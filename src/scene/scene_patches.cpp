@@ -59,16 +59,13 @@ BodySurface SceneState::examined(const Collider& collider) const {
   }
 }
 
-// A pair whose search the budget has left open may be searched here, at the end of a budget of time: it is a candidate
-// once its touch was confirmed.
+// Contacts of a finished pair hold all crossings, so patches need no search of their own.
 bool SceneState::may_have_patches(const NearPair& pair) {
   PairFront* const front = pair.front;
   if (front == nullptr || !front->roots_overlap()) return false;
   const SceneBody &a = bodies[pair.a], &b = bodies[pair.b];
   if (a.surface.closed == nullptr || b.surface.closed == nullptr || !is_as_read(a) || !is_as_read(b)) return false;
-  if (front->is_finished() && front->finished_count() == 0) return false;
-  if (!front->is_finished() && (!options.budget.is_time() || !(front->patches || front->touch_is_confirmed())))
-    return false;
+  if (!front->is_finished() || front->finished_count() == 0) return false;
   if (!front->patches) front->patches = std::make_unique<PairPatches>();
   return !front->patches->is_settled(*a.collider, *b.collider, patch_options(options));
 }
@@ -112,28 +109,15 @@ void SceneState::find_patches(PairFront& front, std::chrono::nanoseconds deadlin
   PairExtras& memory = *extras;
   if (!memory.patches) memory.patches = std::make_unique<PatchEngine>();
   memory.nodes.clear();
-  const CollideOptions limits{.budget = deadline - begun, .clock = options.clock};
+  CollideOptions limits;
+  if (by_time) limits = {.budget = deadline - begun, .clock = options.clock};
   Meter meter(limits);
-  bool is_searched = true;
-  if (front.is_finished()) {
-    for (const Contact& c : front.contacts()) memory.nodes.push_back({c.node_a, c.node_b});
-  } else {
-    // A test takes less than that.
-    constexpr std::int64_t longest_test = 10;  // ns
-    is_searched = each_overlapping(
-                      TreePair(front.a(), front.b(), 0, leaf_level),
-                      [&](std::uint32_t a, std::uint32_t b) {
-                        memory.nodes.push_back({a, b});
-                      },
-                      static_cast<std::size_t>((deadline - begun).count() / longest_test))
-                      .finished;
-  }
+  for (const Contact& c : front.contacts()) memory.nodes.push_back({c.node_a, c.node_b});
   const PatchBodies pair{
       {&front.a(), &front.b()},
       {bodies[front.id_a().place].surface.closed.get(), bodies[front.id_b().place].surface.closed.get()}};
-  // mutant scene-patches-of-a-part: `is_searched &&` -> ``
-  const bool found = is_searched && patches.find(*memory.patches, pair, memory.nodes, patch_options(options),
-                                                 by_time ? &meter : nullptr);
+  const bool found =
+      patches.find(*memory.patches, pair, memory.nodes, patch_options(options), by_time ? &meter : nullptr);
   if (found) patches.updates_left_out = 0;
   if (by_time) patches.cost = now() - begun;
 }

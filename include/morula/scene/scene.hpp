@@ -58,12 +58,11 @@ struct SceneOptions {
   Budget budget{};
   bool surfaces = false;        ///< true: fill ScenePair::surfaces; needs positions, like CollideOptions::surfaces
   bool find_crossings = false;  ///< true: fill ScenePair::crossings, whose cost no budget limits
-  /// true: fill ScenePair::patches of pairs of bodies whose surfaces are closed, oriented and not inside out, and whose
-  /// positions are current; other pairs keep contacts alone. Without a budget all such pairs get patches. A budget of
-  /// pair tests does not limit patches, and pairs that it finishes get them. Of a budget of time the search gets half,
-  /// then patches the rest, before surfaces: first pairs that had patches, then others whose touch was confirmed, by
-  /// importance. add() and replace(), or the next update() after this is set, examine the surface of a body, in
-  /// O(F log F) for F facets, once for all bodies with the same facets.
+  /// true: fill ScenePair::patches of finished pairs of bodies whose surfaces are closed, oriented and not inside out,
+  /// and whose positions are current; other pairs keep contacts alone. A budget of pair tests does not limit patches.
+  /// Of a budget of time the search gets half, then patches the rest, before surfaces: first pairs that had patches,
+  /// then others by importance. add() and replace(), or the next update() after this is set, examine the surface of a
+  /// body, in O(F log F) for F facets, once for all bodies with the same facets.
   bool patches = false;
   std::uint32_t patch_points = 4;  ///< ContactPatchOptions::max_points, from 0 to 16
   bool patch_depths = true;        ///< ContactPatchOptions::depths

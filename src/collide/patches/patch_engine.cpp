@@ -66,6 +66,7 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
   const auto out_of_time = [&] { return meter && meter->out_of_time(); };
   crossings_.start(a, b);
   for (const NodePair& pair : leaves)
+    // mutant patches-within-budget: `return {}` -> `break`
     if (!crossings_.add(pair, meter)) return {};
   crossings_.finish();
   const auto pairs = crossings_.pairs();
