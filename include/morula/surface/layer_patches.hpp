@@ -20,8 +20,8 @@
 namespace morula {
 
 struct LayerPatchOptions {
-  /// Distance below which surfaces act on each other, mesh units; finite, more than 0. The cost grows with the number of
-  /// pairs of facets within it.
+  /// Distance below which surfaces act on each other, mesh units; finite, more than 0. The cost grows with the number
+  /// of pairs of facets within it.
   double thickness = 0;
   /// Largest number of points of a patch, from 0 to 16. Three or more reproduce force and torque of the patch; one or
   /// two reproduce the force.
@@ -40,17 +40,17 @@ struct LayerSide {
                      ///< side's is its negative, up to rounding
   Vec3 moment;       ///< the same for a rotation about LayerPatch::centroid, mesh units³
   double area = 0;   ///< rest area of this side nearer to the other than the thickness, mesh units²
-  std::span<const std::uint32_t> facets;      ///< facets nearer to a facet of the other side than the thickness; ascending
+  std::span<const std::uint32_t> facets;  ///< facets nearer to a facet of the other side than the thickness; ascending
   std::span<const VertexGradient> gradients;  ///< ascending. Their sum is `area_vector`
 };
 
 /// A point that stands for a sector of a patch, about its center of pressure. Sectors pass into each other smoothly.
 struct LayerPoint {
-  std::uint32_t id;   ///< number of the sector; with LayerPatch::id it stays while the patch exists
-  Vec3 point;         ///< center of pressure of the sector, midway between both surfaces, world coordinates
-  Vec3 force;         ///< share of this point in −LayerSide::area_vector of a, mesh units²
-  double volume = 0;  ///< volume of the sector, mesh units³; the sum over all points is LayerPatch::volume
-  double depth = 0;   ///< mean depth of the sector, as LayerPatch::mean_depth, mesh units
+  std::uint32_t id;         ///< number of the sector; with LayerPatch::id it stays while the patch exists
+  Vec3 point;               ///< center of pressure of the sector, midway between both surfaces, world coordinates
+  Vec3 force;               ///< share of this point in −LayerSide::area_vector of a, mesh units²
+  double volume = 0;        ///< volume of the sector, mesh units³; the sum over all points is LayerPatch::volume
+  double depth = 0;         ///< mean depth of the sector, as LayerPatch::mean_depth, mesh units
   SurfacePoint on_a, on_b;  ///< points of LayerSide::facets that are nearest to `point`
 };
 
@@ -72,11 +72,11 @@ struct LayerPatch {
 /// Finds layer patches in every frame, and reuses its memory. Only one thread may use it at a time.
 ///
 /// **Volume.** Each point x of a surface whose distance d from the other is less than the thickness h counts with
-/// φ(d) = (h − d)² / 2h, which is the overlap h − d of layers, smoothed so that its derivative vanishes at h. The volume
-/// is half of the sum of both surfaces' integrals, over their areas at rest. So the energy k · volume is an elastic
-/// layer with the pressure k (1 − d/h). An integral over a surface is taken along its edges: an edge counts with a
-/// third of the rest area of its facets. So each edge acts on facets, edges and vertices of the other surface, and none
-/// is missed between samples.
+/// φ(d) = (h − d)² / 2h, which is the overlap h − d of layers, smoothed so that its derivative vanishes at h. The
+/// volume is half of the sum of both surfaces' integrals, over their areas at rest. So the energy k · volume is an
+/// elastic layer with the pressure k (1 − d/h). An integral over a surface is taken along its edges: an edge counts
+/// with a third of the rest area of its facets. So each edge acts on facets, edges and vertices of the other surface,
+/// and none is missed between samples.
 ///
 /// **No double counting.** The distance is that from facets, minus that from edges between facets, plus that from
 /// vertices: f(x) = Σ over facets, edges and vertices of c φ(distance), with c = 1 for facets, 1 − (facets) for an
@@ -92,8 +92,8 @@ struct LayerPatch {
 ///
 /// **Exact and convergent.** The integrals along edges have relative errors of about 1e-10; forces and torques of both
 /// sides add up to 0 up to rounding at any error. The edges' areas are a quadrature that is exact where φ is a linear
-/// function on each facet, so volumes and gradients converge to those of the smooth surfaces with the square of the edge
-/// length, if h is below the radii of curvature.
+/// function on each facet, so volumes and gradients converge to those of the smooth surfaces with the square of the
+/// edge length, if h is below the radii of curvature.
 ///
 /// **Sides.** Distances have no sign: surfaces that have passed through each other are pushed apart on the wrong side.
 /// Limit steps by SweptQuery::collision_free_step(), or let the stiffness grow, to keep sides.
