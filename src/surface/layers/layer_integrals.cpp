@@ -98,26 +98,18 @@ void LayerIntegrals::add(const LayerPiece& piece, std::uint8_t side, std::vector
   }
 }
 
-// The square root is singular at nearest ± i height, where `nearest` is not inside. Parts are cut off at the end that
-// is farther from it, each as long as the rules allow. Of the rest after 60 parts nothing counts.
+// The square root is singular at nearest ± i height, where `nearest` is not inside. If a part is too long for the rules,
+// its farther half is not, and the other half is the next part. A part shorter than 2^-48 counts nothing.
 void LayerIntegrals::integrate(double from, double to, double nearest, double height) {
   const bool is_before = to <= nearest;
-  for (int parts = 0; parts < 60 && from < to; ++parts) {
-    double begin = from, end = to;
-    for (;;) {
-      const double middle = 0.5 * (begin + end) - nearest, half = 0.5 * (end - begin);
-      const double ratio = (middle * middle + height * height) / (half * half);
-      if (ratio >= 64) {
-        gauss(five_points, begin, end);
-        break;
-      }
-      if (ratio >= 6.25) {
-        gauss(eight_points, begin, end);
-        break;
-      }
-      (is_before ? end : begin) = 0.5 * (begin + end);
-    }
-    (is_before ? from : to) = is_before ? end : begin;
+  while (to - from > 0x1p-48) {
+    const double middle = 0.5 * (from + to) - nearest, half = 0.5 * (to - from);
+    const double ratio = (middle * middle + height * height) / (half * half);
+    if (ratio >= 64) return gauss(five_points, from, to);
+    if (ratio >= 6.25) return gauss(eight_points, from, to);
+    const double cut = 0.5 * (from + to);
+    gauss(eight_points, is_before ? from : cut, is_before ? cut : to);
+    (is_before ? from : to) = cut;
   }
 }
 
