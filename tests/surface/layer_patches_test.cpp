@@ -242,6 +242,17 @@ TEST(LayerPatches, coincident_sheets_have_a_volume_and_no_direction) {
   for (const VertexGradient& g : query.patches()[0].a.gradients) EXPECT_EQ(g.gradient, Vec3{});
 }
 
+TEST(LayerPatches, forces_that_cancel_each_other_leave_no_direction) {
+  const RigidTransform place = RigidTransform::from_axis({1, 2, 3}, 1, {0.1, 0.2, 0.3});
+  SurfaceTree inner(test::placed(icosphere(2, 1), place)), outer(test::placed(icosphere(2, 1.1), place));
+  LayerPatchQuery query({.thickness = 0.2});
+  ASSERT_TRUE(query.run(inner, outer));
+  ASSERT_EQ(query.patches().size(), 1u);
+  EXPECT_GT(query.patches()[0].volume, 0);
+  EXPECT_EQ(query.patches()[0].normal, Vec3{});
+  EXPECT_TRUE(query.patches()[0].points.empty());
+}
+
 // A ball that slides over a sheet and sinks, so that the force changes all the time.
 TEST(LayerPatches, force_is_continuous_in_a_slow_slide) {
   const Mesh ball = icosphere(3, 0.5, {0, 0, 0});

@@ -47,7 +47,6 @@ LayerNormal::LayerNormal(const Triangle& t) {
   }
   const Vec3 vector = area_vector(t);
   const double size = length(vector);
-  // mutant layers-sliver: `1e-8` -> `0`
   if (!(size > 1e-8 * largest)) return;
   normal = vector / size;
   double_area = size;
