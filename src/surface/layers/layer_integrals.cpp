@@ -98,8 +98,8 @@ void LayerIntegrals::add(const LayerPiece& piece, std::uint8_t side, std::vector
   }
 }
 
-// The square root is singular at nearest ± i height, where `nearest` is not inside. If a part is too long for the rules,
-// its farther half is not, and the other half is the next part. A part shorter than 2^-48 counts nothing.
+// The square root is singular at nearest ± i height, where `nearest` is not inside. If a part is too long for the
+// rules, its farther half is not, and the other half is the next part. A part shorter than 2^-48 counts nothing.
 void LayerIntegrals::integrate(double from, double to, double nearest, double height) {
   const bool is_before = to <= nearest;
   while (to - from > 0x1p-48) {
