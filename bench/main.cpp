@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 18> scenarios{{
+constexpr std::array<NamedScenario, 19> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -40,6 +40,7 @@ constexpr std::array<NamedScenario, 18> scenarios{{
     {"crossings", run_crossings},
     {"self", run_self},
     {"proximity", run_proximity},
+    {"layers", run_layers},
     {"swept", run_swept},
     {"filters", run_filters},
     {"scene", run_scene},

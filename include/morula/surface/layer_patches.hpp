@@ -111,7 +111,7 @@ class LayerPatchQuery {
   /// Computes the patches of one surface with itself, or of two, from the beginning. Trees are borrowed until the last
   /// resume(). A surface in a step is tested at its beginning. Rejected with bad_option: masks of another number of
   /// facets. Complete: every pair of facets nearer than the thickness is found, up to 2^-46 of the largest coordinate.
-  /// Cost: a search, and then about 1 µs per pair of facets within the thickness. The first run with a surface makes
+  /// Cost: a search, and then about 2 µs per pair of facets with near boxes. The first run with a surface makes
   /// tables of its edges, in linear time.
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());
   SurfaceQueryStatus run(const SurfaceTree& a, const SurfaceTree& b, Workers& workers = serial_workers());
