@@ -63,8 +63,8 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option(
          "--scenario", wanted,
-         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, layers, swept, "
-         "filters, scene, "
+         "build, update, modal, rebuild, measure, query, volumes, collide, patches, crossings, self, proximity, "
+         "layers, swept, filters, scene, "
          "distance, haptic, peers; may be repeated "
          "(default: all)")
       ->check(CLI::IsMember(names));
