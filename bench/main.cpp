@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 21> scenarios{{
+constexpr std::array<NamedScenario, 22> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -41,6 +41,7 @@ constexpr std::array<NamedScenario, 21> scenarios{{
     {"crossings", run_crossings},
     {"self", run_self},
     {"proximity", run_proximity},
+    {"layers", run_layers},
     {"swept", run_swept},
     {"filters", run_filters},
     {"scene", run_scene},
@@ -65,7 +66,7 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option("--scenario", wanted,
                  "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
-                 "proximity, swept, filters, scene, scene-patches, scene-queries, "
+                 "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));

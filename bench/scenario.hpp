@@ -89,6 +89,7 @@ std::vector<Result> run_peers(const Input& input, const Settings& settings);
 std::vector<Result> run_crossings(const Input& input, const Settings& settings);
 std::vector<Result> run_self(const Input& input, const Settings& settings);
 std::vector<Result> run_proximity(const Input& input, const Settings& settings);
+std::vector<Result> run_layers(const Input& input, const Settings& settings);
 std::vector<Result> run_swept(const Input& input, const Settings& settings);
 std::vector<Result> run_filters(const Input& input, const Settings& settings);
 std::vector<Result> run_scene(const Input& input, const Settings& settings);

@@ -97,7 +97,7 @@ class PairSearch {
   bool is_node_with_itself(const NodePair& pair) const { return is_with_itself() && pair.a == pair.b; }
   /// Whether crossings of these facets with each other are sought and the facets have a border that can be tested.
   bool may_be_height_field(const NodePair& pair) const {
-    return is_node_with_itself(pair) && features_ == Features::facets && !pair.a.is_block();
+    return is_node_with_itself(pair) && finds_crossings_ && !pair.a.is_block();
   }
   bool is_height_field(const NodePair& pair) const {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
@@ -199,6 +199,7 @@ class PairSearch {
 
   Side a_, b_;  // for one surface with itself both refer to it, and b_ has no boxes
   Features features_ = Features::all;
+  bool finds_crossings_ = false;  // pairs of facets that may intersect, and no others
   NearTest are_near_;
   QueryBoxes boxes_;
   const ExcludedPairs* excluded_ = nullptr;
@@ -336,7 +337,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     run_within_budget(meter, find, visit);
     return open_.empty();
   }
-  if (is_with_itself() && features_ == Features::facets) fields_.find_all(workers);
+  if (is_with_itself() && finds_crossings_) fields_.find_all(workers);
   find_block_pairs(meter, workers);
   const std::vector<BlockPair>& pairs = descent_.pairs;
   for (const BlockPair& pair : pairs) {
