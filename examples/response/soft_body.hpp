@@ -16,6 +16,13 @@ namespace response {
 
 using morula::Vec3;
 
+/// Maps a cube about the origin, -1 to 1, to a ball of radius 1.
+inline Vec3 on_ball(const Vec3& p) {
+  const double xx = p.x * p.x, yy = p.y * p.y, zz = p.z * p.z;
+  return {p.x * std::sqrt(1 - yy / 2 - zz / 2 + yy * zz / 3), p.y * std::sqrt(1 - zz / 2 - xx / 2 + zz * xx / 3),
+          p.z * std::sqrt(1 - xx / 2 - yy / 2 + xx * yy / 3)};
+}
+
 /// A box of nx × ny × nz cubes. Springs join all corners of each cube.
 class SoftBody {
  public:
@@ -42,7 +49,8 @@ class SoftBody {
 
   /// Passes the present points to the spheres: before every query.
   void update_surface() {
-    if (!body.update(morula::PositionView::indexed(x, surface.index))) throw std::runtime_error("a point is not finite");
+    if (!body.update(morula::PositionView::indexed(x, surface.index)))
+      throw std::runtime_error("a point is not finite");
   }
   /// The point of a vertex of the surface.
   std::uint32_t point(std::uint32_t vertex) const { return surface.index[vertex]; }
@@ -67,6 +75,18 @@ class SoftBody {
     double sum = 0;
     for (const Spring& s : springs) sum += 0.5 * stiffness * std::pow(distance(x[s.a], x[s.b]) - s.length, 2);
     return sum;
+  }
+  /// Adds the forces of all springs to those of the points. damping: force per speed. Returns the heat per time.
+  double add_spring_forces(double stiffness, double damping, std::vector<Vec3>& forces) const {
+    double heat = 0;
+    for (const Spring& s : springs) {
+      const Vec3 along = x[s.b] - x[s.a];
+      const double now = length(along), speed = dot(v[s.b] - v[s.a], along) / now;
+      const Vec3 force = (stiffness * (now - s.length) + damping * speed) / now * along;
+      forces[s.a] += force, forces[s.b] -= force;
+      heat += damping * speed * speed;
+    }
+    return heat;
   }
 
  private:
@@ -94,7 +114,11 @@ class SoftBody {
   }
 
   SoftBody(Lattice made, double total)
-      : x(std::move(made.points)), v(x.size()), old(x), mass(x.size()), cells(std::move(made.cells)),
+      : x(std::move(made.points)),
+        v(x.size()),
+        old(x),
+        mass(x.size()),
+        cells(std::move(made.cells)),
         surface(morula::solid_surface(x, {}, cells)),
         body(surface.mesh, morula::build(surface.mesh, {.method = morula::Method::grid})),
         collider(surface.mesh, body) {
@@ -107,24 +131,5 @@ class SoftBody {
     for (const auto& [a, b] : pairs) springs.push_back({a, b, distance(x[a], x[b])});
   }
 };
-
-/// A rigid body for the examples: a closed mesh with a transform.
-struct RigidBody {
-  morula::Mesh mesh;
-  morula::Body body;
-  morula::Collider collider;
-  explicit RigidBody(morula::Mesh made)
-      : mesh(std::move(made)), body(mesh, morula::build(mesh, {.method = morula::Method::grid})), collider(mesh, body) {}
-  RigidBody(const RigidBody&) = delete;
-  RigidBody& operator=(const RigidBody&) = delete;
-};
-
-/// An axis-parallel box of two facets a side.
-inline morula::Mesh box(const Vec3& lower, const Vec3& upper) {
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 8; ++i)
-    corners.emplace_back(i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z);
-  return morula::solid_surface(corners, {}, std::vector<morula::Hexahedron>{{0, 1, 3, 2, 4, 5, 7, 6}}).mesh;
-}
 
 }  // namespace response

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <vector>
 
+#include "../response/rigid_body.hpp"
 #include "../response/soft_body.hpp"
 
 using morula::Vec3;
@@ -22,17 +23,9 @@ using response::SoftBody;
 namespace {
 
 constexpr int finger_count = 3, closing_steps = 4000, steps = 10000;
-constexpr double h = 0.00025, gravity = 9.81, stiffness = 400, damping = 0.3, contact_stiffness = 2e5, contact_damping = 4e3,
-                 drag = 5;
+constexpr double h = 0.00025, gravity = 9.81, stiffness = 400, damping = 0.3, contact_stiffness = 2e5,
+                 contact_damping = 4e3, drag = 5;
 constexpr double ball_radius = 0.5, finger_radius = 0.2, closed_by = 0.15;
-
-/// A cube of lattice points, -1 to 1, as a ball.
-Vec3 on_ball(const Vec3& p) {
-  const double xx = p.x * p.x, yy = p.y * p.y, zz = p.z * p.z;
-  return ball_radius * Vec3{p.x * std::sqrt(1 - yy / 2 - zz / 2 + yy * zz / 3),
-                            p.y * std::sqrt(1 - zz / 2 - xx / 2 + zz * xx / 3),
-                            p.z * std::sqrt(1 - xx / 2 - yy / 2 + xx * yy / 3)};
-}
 
 morula::Mesh scaled(morula::Mesh mesh, double factor) {
   for (Vec3& p : mesh.positions) p *= factor;
@@ -45,7 +38,6 @@ struct Part {
 
   response::RigidBody rigid;
   morula::ContactPatchQuery query;
-  Vec3 velocity;      // of this part
   Vec3 force;         // of the contact on this part
   double energy = 0;  // of the contact
   double heat = 0;    // of its damping, since the beginning
@@ -57,7 +49,7 @@ struct Part {
     double growth = 0;  // of the overlap, per time
     for (const morula::ContactPatch& patch : query.patches()) {
       for (const morula::VertexGradient& g : patch.a.gradients) growth += dot(g.gradient, ball.v[ball.point(g.vertex)]);
-      growth += dot(patch.b.area_vector, velocity);
+      growth += dot(patch.b.area_vector, rigid.velocity);
     }
     const double elastic = contact_stiffness * query.volume();
     const double pressure = std::max(0.0, elastic + contact_damping * growth);
@@ -74,7 +66,9 @@ struct Part {
 class Hand {
  public:
   Hand()
-      : ball({5, 5, 5}, 1.0, [](double i, double j, double k) { return on_ball({i / 2.5 - 1, j / 2.5 - 1, k / 2.5 - 1}); }) {
+      : ball({5, 5, 5}, 1.0, [](double i, double j, double k) {
+          return ball_radius * response::on_ball({i / 2.5 - 1, j / 2.5 - 1, k / 2.5 - 1});
+        }) {
     for (int i = 0; i < finger_count; ++i)
       parts.push_back(std::make_unique<Part>(scaled(morula::sample_body("capsule", 16), 2 * finger_radius), ball));
     const double floor = -ball_radius;
@@ -94,17 +88,11 @@ class Hand {
       morula::Collider& finger = parts[i]->rigid.collider;
       const Vec3 move = k == 0 ? Vec3{} : at - finger.transform().translation;
       work -= dot(parts[i]->force, move);
-      parts[i]->velocity = move / h;
+      parts[i]->rigid.velocity = move / h;
       finger.set_transform(morula::RigidTransform::from_axis({0, 1, 0}, std::numbers::pi / 2, at));  // upright
     }
     for (const auto& part : parts) part->press(ball, forces);
-    for (const SoftBody::Spring& s : ball.springs) {
-      const Vec3 along = ball.x[s.b] - ball.x[s.a];
-      const double now = length(along), speed = dot(ball.v[s.b] - ball.v[s.a], along) / now;
-      const Vec3 force = (stiffness * (now - s.length) + damping * speed) / now * along;
-      forces[s.a] += force, forces[s.b] -= force;
-      lost += damping * speed * speed * h;
-    }
+    lost += h * ball.add_spring_forces(stiffness, damping, forces);
     for (std::size_t p = 0; p < ball.x.size(); ++p) {
       lost += drag * ball.mass[p] * squared_length(ball.v[p]) * h;
       ball.v[p] += h * (forces[p] / ball.mass[p] - drag * ball.v[p] - Vec3{0, 0, gravity});
@@ -126,7 +114,7 @@ class Hand {
 
   SoftBody ball;
   std::vector<std::unique_ptr<Part>> parts;  // fingers, then the palm
-  double work = 0, lost = 0;          // of the fingers; by springs and drag
+  double work = 0, lost = 0;                 // of the fingers; by springs and drag
 };
 
 }  // namespace
@@ -150,8 +138,8 @@ int main() {
   for (const auto& part : hand.parts) sum += part->force, pressing += length(part->force);
   const double weight = gravity * hand.ball.total_mass();
   const double unbalanced = length(sum + Vec3{0, 0, weight});
-  std::printf("forces of the ball on fingers and palm: %.2f in all, their sum (%.4f, %.4f, %.4f), weight %.4f\n", pressing,
-              sum.x, sum.y, sum.z, weight);
+  std::printf("forces of the ball on fingers and palm: %.2f in all, their sum (%.4f, %.4f, %.4f), weight %.4f\n",
+              pressing, sum.x, sum.y, sum.z, weight);
   std::printf("work - heat - energy: at most %.1e of the work\n", worst_balance / most_work);
   return unbalanced < 0.01 * weight && worst_balance < 0.02 * most_work && pressing > 3 * weight ? 0 : 1;
 }

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "../response/rigid_body.hpp"
 #include "../response/soft_body.hpp"
 #include "../response/xpbd.hpp"
 
@@ -32,9 +33,10 @@ class Stack {
   explicit Stack(double turn) {
     for (int i = 0; i < box_count; ++i) {
       const auto place = morula::RigidTransform::from_axis({0, 0, 1}, turn * i, {0.2 * turn * i, 0, 1.01 * i + 0.01});
-      boxes.push_back(std::make_unique<SoftBody>(std::array<std::uint32_t, 3>{3, 3, 3}, 1.0, [&](auto x, auto y, auto z) {
-        return place(Vec3{x / 3.0 - 0.5, y / 3.0 - 0.5, z / 3.0});
-      }));
+      boxes.push_back(
+          std::make_unique<SoftBody>(std::array<std::uint32_t, 3>{3, 3, 3}, 1.0, [&](auto x, auto y, auto z) {
+            return place(Vec3{x / 3.0 - 0.5, y / 3.0 - 0.5, z / 3.0});
+          }));
       queries.emplace_back(boxes.back()->collider, i == 0 ? plate.collider : below(i)->collider);
     }
   }
@@ -67,8 +69,7 @@ class Stack {
   }
   double energy() const {
     double sum = kinetic_energy();
-    for (const auto& box : boxes)
-      sum += box->elastic_energy(stiffness) + gravity * box->total_mass() * box->center().z;
+    for (const auto& box : boxes) sum += box->elastic_energy(stiffness) + gravity * box->total_mass() * box->center().z;
     return sum;
   }
   /// How far any box reaches below the top of what it stands on, from points alone.
@@ -99,7 +100,8 @@ int main(int argc, char** argv) {
   bool is_aligned = false;
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--aligned") is_aligned = true;
-    if (std::string_view(argv[i]) == "--steps" && i + 1 < argc) steps = std::max(settling_steps + 1, std::atoi(argv[i + 1]));
+    if (std::string_view(argv[i]) == "--steps" && i + 1 < argc)
+      steps = std::max(settling_steps + 1, std::atoi(argv[i + 1]));
   }
   Stack stack(is_aligned ? 0 : 0.1);
   for (int k = 0; k < settling_steps; ++k) stack.step();
@@ -121,8 +123,9 @@ int main(int argc, char** argv) {
     std::printf("box %d: center %.4f %.4f %.4f, carried with a force of %.4f, weight of all above %.4f\n", i,
                 stack.boxes[i]->center().x, stack.boxes[i]->center().y, stack.boxes[i]->center().z, stack.force[i].z,
                 gravity * (box_count - i));
-  std::printf("steps %d to %d: drift %.2e of a box, energy grows by at most %.1e of itself, kinetic energy at most %.1e\n",
-              settling_steps, steps, drift, growth, moving);
+  std::printf(
+      "steps %d to %d: drift %.2e of a box, energy grows by at most %.1e of itself, kinetic energy at most %.1e\n",
+      settling_steps, steps, drift, growth, moving);
   std::printf("forces differ from weights by at most %.1e of the weight; overlap %.2e of a box\n", unbalanced,
               stack.overlap());
   return drift < 1e-4 && growth < 1e-6 && moving < 1e-6 && unbalanced < 1e-3 && stack.overlap() < 4e-3 ? 0 : 1;
