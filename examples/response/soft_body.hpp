@@ -23,16 +23,56 @@ inline Vec3 on_ball(const Vec3& p) {
           p.z * std::sqrt(1 - xx / 2 - yy / 2 + xx * yy / 3)};
 }
 
-/// A box of nx × ny × nz cubes. Springs join all corners of each cube.
-class SoftBody {
- public:
+/// Points with masses that springs join.
+struct Points {
   struct Spring {
     std::uint32_t a, b;
     double length;  // at rest
   };
   std::vector<Vec3> x, v, old;  // position and velocity of each point, and its position before the step
-  std::vector<double> mass;     // of each point
+  std::vector<double> mass;     // of each point; infinite for one that is held
   std::vector<Spring> springs;
+
+  /// 0 for a point that is held, so that sums of all points have no infinite terms.
+  double free_mass(std::size_t p) const { return std::isinf(mass[p]) ? 0.0 : mass[p]; }
+  double total_mass() const {
+    double sum = 0;
+    for (std::size_t p = 0; p < x.size(); ++p) sum += free_mass(p);
+    return sum;
+  }
+  Vec3 center() const {
+    Vec3 sum;
+    for (std::size_t p = 0; p < x.size(); ++p) sum += free_mass(p) * x[p];
+    return sum / total_mass();
+  }
+  double kinetic_energy() const {
+    double sum = 0;
+    for (std::size_t p = 0; p < x.size(); ++p) sum += 0.5 * free_mass(p) * squared_length(v[p]);
+    return sum;
+  }
+  /// stiffness: of each spring, force per length.
+  double elastic_energy(double stiffness) const {
+    double sum = 0;
+    for (const Spring& s : springs) sum += 0.5 * stiffness * std::pow(distance(x[s.a], x[s.b]) - s.length, 2);
+    return sum;
+  }
+  /// Adds the forces of all springs to those of the points. damping: force per speed. Returns the heat per time.
+  double add_spring_forces(double stiffness, double damping, std::vector<Vec3>& forces) const {
+    double heat = 0;
+    for (const Spring& s : springs) {
+      const Vec3 along = x[s.b] - x[s.a];
+      const double now = length(along), speed = dot(v[s.b] - v[s.a], along) / now;
+      const Vec3 force = (stiffness * (now - s.length) + damping * speed) / now * along;
+      forces[s.a] += force, forces[s.b] -= force;
+      heat += damping * speed * speed;
+    }
+    return heat;
+  }
+};
+
+/// A box of nx × ny × nz cubes. Springs join all corners of each cube.
+class SoftBody : public Points {
+ public:
   std::vector<morula::Hexahedron> cells;
 
   /// place: maps (i, j, k), with i from 0 to cells.x and so on, to a position at rest.
@@ -54,40 +94,6 @@ class SoftBody {
   }
   /// The point of a vertex of the surface.
   std::uint32_t point(std::uint32_t vertex) const { return surface.index[vertex]; }
-
-  double total_mass() const {
-    double sum = 0;
-    for (const double m : mass) sum += m;
-    return sum;
-  }
-  Vec3 center() const {
-    Vec3 sum;
-    for (std::size_t p = 0; p < x.size(); ++p) sum += mass[p] * x[p];
-    return sum / total_mass();
-  }
-  double kinetic_energy() const {
-    double sum = 0;
-    for (std::size_t p = 0; p < x.size(); ++p) sum += 0.5 * mass[p] * squared_length(v[p]);
-    return sum;
-  }
-  /// stiffness: of each spring, force per length.
-  double elastic_energy(double stiffness) const {
-    double sum = 0;
-    for (const Spring& s : springs) sum += 0.5 * stiffness * std::pow(distance(x[s.a], x[s.b]) - s.length, 2);
-    return sum;
-  }
-  /// Adds the forces of all springs to those of the points. damping: force per speed. Returns the heat per time.
-  double add_spring_forces(double stiffness, double damping, std::vector<Vec3>& forces) const {
-    double heat = 0;
-    for (const Spring& s : springs) {
-      const Vec3 along = x[s.b] - x[s.a];
-      const double now = length(along), speed = dot(v[s.b] - v[s.a], along) / now;
-      const Vec3 force = (stiffness * (now - s.length) + damping * speed) / now * along;
-      forces[s.a] += force, forces[s.b] -= force;
-      heat += damping * speed * speed;
-    }
-    return heat;
-  }
 
  private:
   struct Lattice {
@@ -114,10 +120,11 @@ class SoftBody {
   }
 
   SoftBody(Lattice made, double total)
-      : x(std::move(made.points)),
-        v(x.size()),
-        old(x),
-        mass(x.size()),
+      : Points{made.points,
+               std::vector<Vec3>(made.points.size()),
+               made.points,
+               std::vector<double>(made.points.size()),
+               {}},
         cells(std::move(made.cells)),
         surface(morula::solid_surface(x, {}, cells)),
         body(surface.mesh, morula::build(surface.mesh, {.method = morula::Method::grid})),

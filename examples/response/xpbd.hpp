@@ -11,18 +11,18 @@
 namespace response {
 
 /// Moves all points by their velocities and gravity, along -z.
-inline void predict(SoftBody& body, double h, double gravity) {
+inline void predict(Points& body, double h, double gravity) {
   body.old = body.x;
   for (std::size_t p = 0; p < body.x.size(); ++p) {
-    body.v[p].z -= gravity * h;
+    if (!std::isinf(body.mass[p])) body.v[p].z -= gravity * h;
     body.x[p] += h * body.v[p];
   }
 }
 
 /// C = length - length at rest, of the compliance 1 / stiffness.
-inline void solve_springs(SoftBody& body, double h, double stiffness) {
+inline void solve_springs(Points& body, double h, double stiffness) {
   const double compliance = 1 / (stiffness * h * h);
-  for (const SoftBody::Spring& spring : body.springs) {
+  for (const Points::Spring& spring : body.springs) {
     const Vec3 along = body.x[spring.a] - body.x[spring.b];
     const double wa = 1 / body.mass[spring.a], wb = 1 / body.mass[spring.b], now = length(along);
     const Vec3 push = (spring.length - now) / ((wa + wb + compliance) * now) * along;
@@ -31,7 +31,7 @@ inline void solve_springs(SoftBody& body, double h, double stiffness) {
 }
 
 /// Velocities from positions. drag: share of the velocity that the air takes, per time.
-inline void end_step(SoftBody& body, double h, double drag) {
+inline void end_step(Points& body, double h, double drag) {
   for (std::size_t p = 0; p < body.x.size(); ++p) body.v[p] = (1 - drag * h) / h * (body.x[p] - body.old[p]);
 }
 
