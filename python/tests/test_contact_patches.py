@@ -40,6 +40,22 @@ def test_the_patch_of_two_boxes_is_a_box():
     assert len(query.run()) == 0
 
 
+def test_a_budget_leaves_all_patches_or_contacts():
+    a, b = box_collider(), box_collider()
+    query = morula.ContactPatchQuery(a, b)
+    a.set_transform((0.5, 0.25, 0.9))
+    complete = query.run(budget=1000000)
+    assert complete.is_finished and len(complete.contacts) == 0 and len(complete) == 1
+    left = query.run(budget=1)
+    assert not left.is_finished and len(left) == 0 and left.total_volume == 0
+    assert len(left.contacts) > 0 and not left.contacts.finished.all()
+    center = numpy.array((0.75, 0.625, 0.95))
+    assert (numpy.linalg.norm(left.contacts.point - center, axis=1) <= left.contacts.error_bound).any()
+    assert query.run(budget="10s").is_finished and query.run().id[0] == complete.id[0]
+    with pytest.raises(ValueError):
+        query.run(budget=-1)
+
+
 def test_bodies_without_an_inside_are_refused_by_name():
     plate = morula.Mesh(numpy.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], float), numpy.array([(0, 1, 2)]))
     open_body = morula.Collider(morula.Body(plate, morula.build(plate, method="octree", depth=1)))

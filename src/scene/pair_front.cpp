@@ -28,6 +28,8 @@ void PairFront::bind(BodyId id_a, const Collider& a, BodyId id_b, const Collider
   }
   bodies_.id_a = id_a, bodies_.id_b = id_b;
   bodies_.a = &a, bodies_.b = &b;
+  // mutant scene-patches-of-others: `patches.reset()` -> ``
+  patches.reset();
   front_.is_there = is_current_ = touch_found_ = roots_.overlap = front_.carrying_was_dear = false;
   extras_.forget();
   cost_.to_finish.reset();
@@ -164,6 +166,7 @@ void PairFront::give_back() {
   part();
   front_.is_there = false;
   front_.query.reset();
+  patches.reset();
   std::vector<Crossing>().swap(extras_.crossings);
   // mutant scene-reserve-kept: `if (is_reserved_) return` -> ``
   if (is_reserved_) return;

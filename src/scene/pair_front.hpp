@@ -13,6 +13,7 @@
 
 #include "collide/facets/contact_surface.hpp"
 #include "collide/pairs/descent.hpp"
+#include "scene/pair_patches.hpp"
 
 namespace morula::detail {
 
@@ -21,6 +22,7 @@ struct PairExtras {
   SurfaceScratch surfaces;
   CrossingQuery crossings;
   std::vector<NodePair> nodes;
+  std::unique_ptr<PatchEngine> patches;  ///< null until it is used
 };
 
 /// A pool of such memories, one for each working thread.
@@ -127,6 +129,7 @@ class PairFront {
   void give_back();
 
   PairPriority priority;
+  std::unique_ptr<PairPatches> patches;  ///< null until the pair had patches
   bool has_rested = false;  ///< set by FrontStore: whether it was spare or parted when memory was freed last
 
  private:

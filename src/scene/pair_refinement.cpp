@@ -31,9 +31,9 @@ std::size_t PairRefinement::run(const SceneOptions& options, std::chrono::nanose
   } else if (budget.is_tests()) {
     run_by_tests(options, static_cast<std::size_t>(budget.tests()), workers);
   } else {
-    // Surfaces get half of the rest.
+    // Surfaces and patches get half of the rest.
     const std::chrono::nanoseconds begun = now(options.clock);
-    run_by_time(options, options.surfaces ? begun + (deadline - begun) / 2 : deadline, workers);
+    run_by_time(options, options.surfaces || options.patches ? begun + (deadline - begun) / 2 : deadline, workers);
   }
   return tests_done_;
 }

@@ -21,6 +21,8 @@ std::string words(BodyId body) {
 
 void require_good_options(const SceneOptions& options) {
   require_usable(CollideOptions{.margin = options.margin, .budget = options.budget});
+  if (options.patch_points > 16)
+    throw std::invalid_argument("patch_points is " + std::to_string(options.patch_points) + ": it must be at most 16");
 }
 
 void require_masks(std::uint32_t category) {
@@ -100,6 +102,7 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
                                 ": it must be finite and not negative");
   require_good(s.usable(collider));
   // Memory is allocated first: if that fails, nothing has changed.
+  BodySurface surface = s.options.patches ? s.examined(collider) : BodySurface{};
   if (s.bodies.size() == s.bodies.capacity()) s.bodies.reserve(2 * s.bodies.size() + 1);
   const std::uint32_t place = s.broad.add(box_around(ball_around(collider, s.options.margin)), options.is_static);
   if (place >= s.bodies.size()) s.bodies.resize(place + 1);
@@ -108,7 +111,8 @@ BodyId Scene::add(const Collider& collider, const SceneBodyOptions& options) {
           .generation = body.generation + 1,
           .options = options,
           .is_to_be_read = true,
-          .stamp = stamp_of(collider)};
+          .stamp = stamp_of(collider),
+          .surface = std::move(surface)};
   return {place, body.generation};
 }
 
@@ -124,6 +128,8 @@ void Scene::replace(BodyId id, const Collider& collider) {
   SceneState& s = state_->idle("replace");
   SceneBody& body = s.known(id);
   require_good(s.usable(collider));
+  body.surface = {};
+  if (s.options.patches) body.surface = s.examined(collider);
   body.collider = &collider;
   body.is_to_be_read = true;
   for (NearPair& pair : s.near.pairs)

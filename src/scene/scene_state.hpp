@@ -39,6 +39,7 @@ struct SceneBody {
   bool has_moved = false;          ///< true if it has moved in this update
   BodyStamp stamp{};
   Sphere around{};  ///< the ball that the box contains
+  BodySurface surface{};
 
   bool is_looked_at() const {
     return collider != nullptr && (is_to_be_read || is_falling_asleep || !(is_asleep || options.is_static));
@@ -181,6 +182,10 @@ struct SceneState {
   /// ok, or the first body that has moved since the last update.
   SceneStatus current() const;
 
+  /// The surface of a collider, shared with a body that has the same facets. Cost: that of ClosedSurface, else linear
+  /// in bodies.
+  BodySurface examined(const Collider& collider) const;
+
   SceneStatus update(Workers& workers);
   void reserve(const SceneReserve& sizes);
 
@@ -198,12 +203,18 @@ struct SceneState {
   void look_at_roots(Workers& workers);
   void refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status);
   void add_extras(std::chrono::nanoseconds deadline, Workers& workers);
+  void add_patches(std::chrono::nanoseconds deadline, Workers& workers);
+  void find_patches(PairFront& front, const ContactPatchOptions& wanted, bool by_time,
+                    std::chrono::nanoseconds deadline);
+  /// The patches of a pair in its present poses; null: it has none.
+  const PairPatches* patches_of(const NearPair& pair) const;
   void publish(SceneStatus& status);
   std::chrono::nanoseconds now() const;
 
   BodyReads reads_;
   PairRefinement refinement_;
   ExtrasWork extras_;
+  std::vector<PairFront*> patches_due_;
   std::chrono::nanoseconds to_publish_{0};  ///< estimated time of the end of an update
 };
 

@@ -200,6 +200,7 @@ void SceneState::add_extras(std::chrono::nanoseconds deadline, Workers& workers)
 void SceneState::refine(std::chrono::nanoseconds start, Workers& workers, SceneStatus& status) {
   const std::chrono::nanoseconds deadline = start + options.budget.time() - to_publish_;
   status.pair_tests = refinement_.run(options, deadline, workers);
+  if (options.patches) add_patches(deadline, workers);
   if (options.surfaces || options.find_crossings) add_extras(deadline, workers);
 }
 
@@ -242,13 +243,16 @@ void SceneState::publish(SceneStatus& status) {
     const bool confirmed = front.touch_is_confirmed();
     if (!front.is_finished() && !confirmed) ++status.undecided_pairs;
     if (front.contacts().empty()) continue;
+    const PairPatches* const patches = patches_of(pair);
     published.add({.a = id_of(pair.a),
                    .b = id_of(pair.b),
                    .confirmed = confirmed,
                    .finished = front.is_finished(),
                    .contacts = front.contacts(),
                    .surfaces = options.surfaces ? front.surfaces() : std::span<const ContactSurface>(),
-                   .crossings = options.find_crossings ? front.crossings() : std::span<const Crossing>()});
+                   .crossings = options.find_crossings ? front.crossings() : std::span<const Crossing>(),
+                   .has_patches = patches != nullptr,
+                   .patches = patches ? patches->patches() : std::span<const ContactPatch>()});
   }
   published.finish();
   status.finished = status.open_pairs == 0;
@@ -273,6 +277,7 @@ void SceneState::start_over() noexcept {
   published.clear();
   // mutant scene-interrupted-lists: `near.pairs.clear(), near.next.clear(), refinement_.forget` -> `refinement_.forget`
   near.pairs.clear(), near.next.clear(), refinement_.forget(), extras_.due.clear();
+  patches_due_.clear();
   fronts.forget();
   extras_.pool.forget();
   to_publish_ = {};

@@ -12,7 +12,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <morula/collide/budget.hpp>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/contacts.hpp>
 #include <morula/geometry/triangle.hpp>
 #include <span>
 
@@ -24,6 +26,9 @@ struct ContactPatchOptions {
   std::uint32_t max_points = 4;
   /// true: compute ContactPatch::depth; for patches of 1,000 facets this may cost more than the rest of the run.
   bool depths = true;
+  /// Limit of the work: pair tests, of spheres or of facets; or time by `clock`. Not negative.
+  Budget budget{};
+  Clock clock{};  ///< clock of a budget of time; empty: std::chrono::steady_clock
 };
 
 /// The derivative of the volume of a patch with respect to the position of a vertex.
@@ -95,6 +100,9 @@ struct ContactPatch {
 /// continuous function of all positions.
 ///
 /// Patches are complete if the spheres of both bodies cover (SphereState::covers).
+///
+/// A run whose budget ends it gives no patches: a loop that is not closed yet bounds nothing. It gives contacts of
+/// spheres, within which all surfaces cross; a later run with a sufficient budget gives the patches, with their ids.
 class ContactPatchQuery {
  public:
   /// Borrows both colliders. Throws std::invalid_argument for a collider without facets, a surface that is open or not
@@ -107,13 +115,27 @@ class ContactPatchQuery {
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
   /// 16 points (bad_option), and a surface that is inside out around a vertex of the other (inside_out); patches() then
-  /// stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per
-  /// facet inside; depths and points cost twice as much in addition.
+  /// stays as it was. So it does for a negative budget (bad_option). If a callback (clock) throws or moves a body, the
+  /// query has no result and has forgotten ids.
+  ///
+  /// A budget of pair tests is never exceeded, and gives the same bits on any machine. A budget of time is read before
+  /// every block of at most 64 tests of spheres, before the facets of each pair of leaves, before every 64 pairs of
+  /// facets that intersect, and before integrals, and depth and points, of each patch: so the run is late by one of
+  /// these steps at most, besides the boundaries of all regions, or the contacts that it returns.
+  ///
+  /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; depths
+  /// and points cost twice as much in addition.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until
   /// the next run.
   std::span<const ContactPatch> patches() const;
+  /// True after a run that found all patches. False after a run that its budget ended, and before the first run.
+  bool finished() const;
+  /// Empty if finished(). Otherwise contacts of spheres as of ContactQuery with the same budget: each point where the
+  /// surfaces cross, so each loop that bounds a patch, lies in the regions of one of these pairs, within its error
+  /// bound. A body wholly inside the other has no crossing, and may be in no contact. Valid until the next run.
+  std::span<const Contact> contacts() const;
   double volume() const;   ///< sum of the volumes of all patches, mesh units³
   bool certified() const;  ///< SphereState::covers of both bodies in that run; if false, patches may be incomplete
 

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/parallel/workers.hpp>
@@ -56,6 +57,13 @@ struct SceneOptions {
   Budget budget{};
   bool surfaces = false;        ///< true: fill ScenePair::surfaces; needs positions, like CollideOptions::surfaces
   bool find_crossings = false;  ///< true: fill ScenePair::crossings, whose cost no budget limits
+  /// true: fill ScenePair::patches of finished pairs of bodies whose surfaces are closed, oriented, not inside out and
+  /// current; other pairs keep contacts alone. The search then gets half of a budget of time, and patches the rest,
+  /// before surfaces; a budget of pair tests does not limit patches. add() and replace(), or the next update() after
+  /// this is set, examine the surface of a body, in O(F log F) for F facets, once for all bodies with the same facets.
+  bool patches = false;
+  std::uint32_t patch_points = 4;  ///< ContactPatchOptions::max_points, from 0 to 16
+  bool patch_depths = true;        ///< ContactPatchOptions::depths
   /// Clock of a budget of time; empty: std::chrono::steady_clock. With a clock of the caller's, update() refines pairs
   /// on one thread.
   Clock clock{};
@@ -92,6 +100,12 @@ struct ScenePair {
   std::span<const ContactSurface> surfaces{};
   /// Crossings of finished contacts, as in Contacts::crossings; empty unless SceneOptions::find_crossings is set.
   std::span<const Crossing> crossings{};
+  /// true: `patches` are all parts of the overlap of the bodies at their present poses whose surfaces cross. false: the
+  /// pair has no patches, and `contacts` bound its crossings; see SceneOptions::patches.
+  bool has_patches = false;
+  /// Patches, as in ContactPatchQuery::patches(); empty unless SceneOptions::patches is set. Their ids stay while the
+  /// bodies of the pair are near each other.
+  std::span<const ContactPatch> patches{};
 };
 
 /// A touch that ended in the last update(): the bodies are apart, a body was removed, or masks or the filter part them.

@@ -39,11 +39,18 @@ struct ContactPatches {
   std::vector<ContactPatch> patches;
   PatchRegions a, b;
   PatchPoints points;
+  Contacts contacts;
   double volume = 0;
-  bool certified = false;
+  bool finished = false, certified = false;
 
   explicit ContactPatches(const ContactPatchQuery& query)
-      : patches(query.patches().begin(), query.patches().end()), volume(query.volume()), certified(query.certified()) {
+      : patches(query.patches().begin(), query.patches().end()),
+        volume(query.volume()),
+        finished(query.finished()),
+        certified(query.certified()) {
+    contacts.contacts.assign(query.contacts().begin(), query.contacts().end());
+    contacts.finished = finished;
+    for (const Contact& contact : contacts.contacts) contacts.finished_count += contact.finished;
     for (std::uint32_t i = 0; i < patches.size(); ++i) {
       ContactPatch& patch = patches[i];
       a.add(patch.a);
@@ -104,6 +111,10 @@ void bind_records(nb::module_& m) {
       .property(
           "total_volume", [](const ContactPatches& p) { return p.volume; }, doc::ContactPatchQuery_volume)
       .property(
+          "is_finished", [](const ContactPatches& p) { return p.finished; }, doc::ContactPatchQuery_finished)
+      .property(
+          "contacts", [](const ContactPatches& p) { return p.contacts; }, doc::ContactPatchQuery_contacts)
+      .property(
           "certified", [](const ContactPatches& p) { return p.certified; }, doc::ContactPatchQuery_certified)
       .table([](const ContactPatches& self) { return self.patches.size(); });
 }
@@ -128,19 +139,21 @@ void bind_contact_patches(nb::module_& m) {
           nb::arg("a"), nb::arg("b"), doc::ContactPatchQuery_ContactPatchQuery)
       .def(
           "run",
-          [](HeldPatches& self, std::uint32_t max_points, bool depths) {
+          [](HeldPatches& self, std::uint32_t max_points, bool depths, BudgetGiven budget) {
+            const ContactPatchOptions options{.max_points = max_points, .depths = depths, .budget = budget_of(budget)};
             std::optional<ContactPatches> found;
             const Status status = self.call([&](ContactPatchQuery& query) {
-              const Status result = query.run({.max_points = max_points, .depths = depths});
+              const Status result = query.run(options);
               if (result) found.emplace(query);
               return result;
             });
             require(status);
             return std::move(*found);
           },
-          nb::kw_only(), nb::arg("max_points") = 4, nb::arg("depths") = true,
+          nb::kw_only(), nb::arg("max_points") = 4, nb::arg("depths") = true, nb::arg("budget") = nb::none(),
           with_arguments(doc::ContactPatchQuery_run, {{"max_points", doc::ContactPatchOptions_max_points},
-                                                      {"depths", doc::ContactPatchOptions_depths}})
+                                                      {"depths", doc::ContactPatchOptions_depths},
+                                                      {"budget", doc::ContactPatchOptions_budget}})
               .c_str());
 }
 

@@ -113,22 +113,23 @@ int ShiftedWinding::around(const Collider& body, const Vec3& point, bool of_a) {
   const SphereTree& tree = body.tree();
   std::array<std::uint32_t, max_depth * max_branching + 1> stack;
   std::size_t top = 0;
-  facets_.clear();
+  crossed_.clear();
   stack[top++] = 0;
   while (top > 0) {
     const std::uint32_t node = stack[--top];
     if (!line.may_meet(spheres(node))) continue;
     if (tree.is_leaf(node)) {
-      const auto owned = body.facets(node);
-      facets_.insert(facets_.end(), owned.begin(), owned.end());
+      for (const std::uint32_t facet : body.facets(node))
+        if (const int share = line.share(body.triangle(facet)); share != 0) crossed_.emplace_back(facet, share);
       continue;
     }
     for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) stack[top++] = tree.first_child[node] + k;
   }
-  std::sort(facets_.begin(), facets_.end());
-  facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
+  // Several leaves may own parts of a facet.
+  std::sort(crossed_.begin(), crossed_.end());
+  crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
   int winding = 0;
-  for (const std::uint32_t facet : facets_) winding += line.share(body.triangle(facet));
+  for (const auto& [facet, share] : crossed_) winding += share;
   return winding;
 }
 

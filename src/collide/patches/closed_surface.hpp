@@ -5,6 +5,7 @@
 
 #include <morula/collide/collider.hpp>
 #include <morula/geometry/connectivity.hpp>
+#include <utility>
 #include <vector>
 
 namespace morula::detail {
@@ -27,7 +28,7 @@ class ShiftedWinding {
   int around(const Collider& body, const Vec3& point, bool of_a);
 
  private:
-  std::vector<std::uint32_t> facets_;
+  std::vector<std::pair<std::uint32_t, int>> crossed_;  // facets that the half line passes, and their shares
 };
 
 }  // namespace morula::detail

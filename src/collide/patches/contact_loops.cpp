@@ -55,28 +55,32 @@ struct ContactLoops::FacetPair {
   }
 };
 
-void ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const Collider& b,
-                        const ClosedSurface& surface_b, std::span<const Crossing> pairs, const Vec3& origin) {
+bool ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const Collider& b,
+                        const ClosedSurface& surface_b, std::span<const FacetPairKey> pairs, const Vec3& origin,
+                        Meter* meter) {
   nodes.clear();
   points.clear();
   segments.clear();
   table_[0].clear();
   table_[1].clear();
   origin_ = origin;
-  InterruptPoller poll_interrupt(256);
   Triangle corners_a, corners_b;
   std::uint32_t read = no_facet;
-  for (const Crossing& crossing : pairs) {
-    poll_interrupt();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i % 64 == 0) {
+      check_interrupt();
+      if (meter && meter->out_of_time()) return false;
+    }
+    const std::uint32_t facet_a = pairs[i].facet_a(), facet_b = pairs[i].facet_b();
     // Facets with a repeated index have no area, no edges of their own, and do not count as part of the surface.
-    if (surface_a.connectivity.facet_edges[crossing.facet_a][0] == no_edge ||
-        surface_b.connectivity.facet_edges[crossing.facet_b][0] == no_edge)
+    if (surface_a.connectivity.facet_edges[facet_a][0] == no_edge ||
+        surface_b.connectivity.facet_edges[facet_b][0] == no_edge)
       continue;
-    if (read != crossing.facet_a) corners_a = a.triangle(read = crossing.facet_a);
-    corners_b = b.triangle(crossing.facet_b);
-    FacetPair pair{{crossing.facet_a, crossing.facet_b},
+    if (read != facet_a) corners_a = a.triangle(read = facet_a);
+    corners_b = b.triangle(facet_b);
+    FacetPair pair{{facet_a, facet_b},
                    {&corners_a, &corners_b},
-                   {&a.mesh_facets()[crossing.facet_a], &b.mesh_facets()[crossing.facet_b]},
+                   {&a.mesh_facets()[facet_a], &b.mesh_facets()[facet_b]},
                    {&surface_a, &surface_b},
                    {}};
     const ShiftedPlane plane_b(corners_b, true), plane_a(corners_a, false);
@@ -86,6 +90,7 @@ void ContactLoops::find(const Collider& a, const ClosedSurface& surface_a, const
     if (pair.is_apart(1)) continue;
     add(pair);
   }
+  return true;
 }
 
 // An edge passes through a facet if its ends are on different sides of the plane and its line passes the three edges of

@@ -12,10 +12,10 @@
 
 #include <cstdint>
 #include <morula/collide/collider.hpp>
-#include <morula/collide/crossings.hpp>
 #include <span>
 #include <vector>
 
+#include "collide/facets/facet_crossings.hpp"
 #include "collide/patches/closed_surface.hpp"
 #include "geometry/exact_predicates.hpp"
 
@@ -62,9 +62,10 @@ class ContactLoops {
   std::vector<Vec3> points;           ///< of nodes, about the origin
   std::vector<LoopSegment> segments;  ///< ascending by facet_a, then by facet_b
 
-  /// pairs: all pairs of facets with a common point, ascending. Pairs that only touch have no segment.
-  void find(const Collider& a, const ClosedSurface& surface_a, const Collider& b, const ClosedSurface& surface_b,
-            std::span<const Crossing> pairs, const Vec3& origin);
+  /// pairs: all pairs of facets with a common point, ascending. Pairs that only touch have no segment. meter: null: no
+  /// limit. Returns false if its time ends the call.
+  bool find(const Collider& a, const ClosedSurface& surface_a, const Collider& b, const ClosedSurface& surface_b,
+            std::span<const FacetPairKey> pairs, const Vec3& origin, Meter* meter);
 
  private:
   struct FacetPair;

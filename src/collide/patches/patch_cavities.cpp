@@ -11,17 +11,17 @@
 namespace morula::detail {
 
 // The chain of a patch in one facet is closed, so its area vector does not depend on the point it is summed about.
-std::vector<double> PatchRegions::volumes_of_patches() {
-  std::vector<double> volumes(patch_count);
+const std::vector<double>& PatchRegions::volumes_of_patches() {
+  volumes_.assign(patch_count, 0.0);
   for (SurfaceRegion& s : side)
     for (const FacetPart& part : s.parts) {
       const Vec3& c = points[s.pieces[part.begin].from];
       for (std::uint32_t i = part.begin; i < part.end; ++i) {
         const BoundaryPiece& piece = s.pieces[i];
-        volumes[patch_at(piece)] += piece.weight / 6.0 * dot(c, cross(points[piece.from] - c, points[piece.to] - c));
+        volumes_[patch_at(piece)] += piece.weight / 6.0 * dot(c, cross(points[piece.from] - c, points[piece.to] - c));
       }
     }
-  return volumes;
+  return volumes_;
 }
 
 double PatchRegions::winding_of(std::uint32_t patch, const Vec3& point) {
@@ -65,7 +65,7 @@ Vec3 PatchRegions::point_of_cavity(std::uint32_t patch) {
 // double changes the sum of all volumes.
 void PatchRegions::join_cavities() {
   if (patch_count <= 1) return;
-  const std::vector<double> volumes = volumes_of_patches();
+  const std::vector<double>& volumes = volumes_of_patches();
   for (std::uint32_t patch = 0; patch < patch_count; ++patch) {
     if (!(volumes[patch] < 0)) continue;
     check_interrupt();

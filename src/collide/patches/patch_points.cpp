@@ -115,7 +115,8 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
   for (const Sector& sector : sectors_) all += sector.area;
   const auto world = [&](const Vec3& v) { return frame.first * v.x + frame.second * v.y + frame.normal * v.z; };
   const std::size_t begin = points.size();
-  std::vector<Vec3> arms;
+  std::vector<Vec3>& arms = arms_;
+  arms.clear();
   Vec3 force = wrench.force, middle;
   double volume = 0;
   for (std::uint32_t k = 0; k < count; ++k) {

@@ -39,6 +39,7 @@ class PatchPoints {
   std::vector<Sector> sectors_;
   std::vector<Vec3> rays_;
   std::vector<double> cuts_;
+  std::vector<Vec3> arms_;  // of the points of one patch, from the frame's center
 };
 
 }  // namespace morula::detail

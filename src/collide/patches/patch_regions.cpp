@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 #include "parallel/interruption.hpp"
@@ -63,31 +62,31 @@ Status PatchRegions::find(const Collider& a, const ClosedSurface& surface_a, con
 }
 
 void PatchRegions::sort_loops(SurfaceRegion& s, const ContactLoops& loops) {
-  s.facet_segments.resize(loops.segments.size());
-  std::iota(s.facet_segments.begin(), s.facet_segments.end(), 0u);
-  const auto facet_of = [&](std::uint32_t segment) {
-    return s.is_a ? loops.segments[segment].facet_a : loops.segments[segment].facet_b;
-  };
-  if (!s.is_a)
-    std::sort(s.facet_segments.begin(), s.facet_segments.end(),
-              [&](std::uint32_t p, std::uint32_t q) { return std::pair(facet_of(p), p) < std::pair(facet_of(q), q); });
-  for (const std::uint32_t segment : s.facet_segments) {
-    const std::uint32_t facet = facet_of(segment);
+  facet_keys_.clear();
+  for (std::uint32_t i = 0; i < loops.segments.size(); ++i) {
+    const std::uint32_t facet = s.is_a ? loops.segments[i].facet_a : loops.segments[i].facet_b;
     s.facet_run[facet] = s.now;
     s.is_cut[facet] = 1;
+    facet_keys_.push_back(std::uint64_t{facet} << 32 | i);
   }
-  s.edge_nodes.clear();
+  if (!s.is_a) std::sort(facet_keys_.begin(), facet_keys_.end());
+  s.facet_segments.clear();
+  for (const std::uint64_t key : facet_keys_) s.facet_segments.push_back(static_cast<std::uint32_t>(key));
+
+  nodes_of_edges_.clear();
   for (std::uint32_t n = 0; n < loops.nodes.size(); ++n)
-    if ((loops.nodes[n].side == 0) == s.is_a) s.edge_nodes.push_back(n);
-  std::sort(s.edge_nodes.begin(), s.edge_nodes.end(), [&](std::uint32_t p, std::uint32_t q) {
-    const LoopNode &m = loops.nodes[p], &n = loops.nodes[q];
+    if (const LoopNode& node = loops.nodes[n]; (node.side == 0) == s.is_a)
+      nodes_of_edges_.push_back({node.along, node.edge, node.facet, n});
+  std::sort(nodes_of_edges_.begin(), nodes_of_edges_.end(), [](const NodeOfEdge& m, const NodeOfEdge& n) {
     return std::tie(m.edge, m.along, m.facet) < std::tie(n.edge, n.along, n.facet);
   });
-  for (std::uint32_t i = 0; i < s.edge_nodes.size(); ++i) {
-    const std::uint32_t edge = loops.nodes[s.edge_nodes[i]].edge;
-    if (s.edge_run[edge] != s.now) s.edge_begin[edge] = i;
-    s.edge_run[edge] = s.now;
-    s.edge_end[edge] = i + 1;
+  s.edge_nodes.clear();
+  for (const NodeOfEdge& node : nodes_of_edges_) {
+    const auto i = static_cast<std::uint32_t>(s.edge_nodes.size());
+    s.edge_nodes.push_back(node.node);
+    if (s.edge_run[node.edge] != s.now) s.edge_begin[node.edge] = i;
+    s.edge_run[node.edge] = s.now;
+    s.edge_end[node.edge] = i + 1;
   }
 }
 
@@ -283,58 +282,61 @@ void PatchRegions::assign_patches(const ContactLoops& loops) {
 
 // By the lowest facet of a, then of b.
 void PatchRegions::number_patches() {
-  struct Lowest {
-    std::uint32_t facet[2] = {no_patch, no_patch};
-    std::uint32_t patch = 0;
-  };
-  std::vector<Lowest> lowest(patch_count);
-  for (std::uint32_t patch = 0; patch < patch_count; ++patch) lowest[patch].patch = patch;
+  if (patch_count <= 1) return;
+  lowest_.clear();
+  for (std::uint32_t patch = 0; patch < patch_count; ++patch) lowest_.push_back({{no_patch, no_patch}, patch});
   for (std::size_t k = 0; k < 2; ++k)
     for (const FacetPart& part : side[k].parts)
       for (std::uint32_t i = part.begin; i < part.end; ++i) {
-        std::uint32_t& facet = lowest[patch_at(side[k].pieces[i])].facet[k];
+        std::uint32_t& facet = lowest_[patch_at(side[k].pieces[i])].facet[k];
         facet = std::min(facet, part.facet);
       }
-  std::erase_if(lowest, [](const Lowest& l) { return l.facet[0] == no_patch && l.facet[1] == no_patch; });
-  std::sort(lowest.begin(), lowest.end(), [](const Lowest& p, const Lowest& q) {
+  std::erase_if(lowest_, [](const Lowest& l) { return l.facet[0] == no_patch && l.facet[1] == no_patch; });
+  std::sort(lowest_.begin(), lowest_.end(), [](const Lowest& p, const Lowest& q) {
     return std::tie(p.facet[0], p.facet[1], p.patch) < std::tie(q.facet[0], q.facet[1], q.patch);
   });
-  std::vector<std::uint32_t> number(patch_count, no_patch);
-  std::vector<std::size_t> counts(lowest.size());
-  for (std::uint32_t i = 0; i < lowest.size(); ++i) {
-    number[lowest[i].patch] = i;
-    counts[i] = crossing_counts[lowest[i].patch];
+  number_.assign(patch_count, no_patch);
+  counts_.resize(lowest_.size());
+  for (std::uint32_t i = 0; i < lowest_.size(); ++i) {
+    number_[lowest_[i].patch] = i;
+    counts_[i] = crossing_counts[lowest_[i].patch];
   }
   for (std::uint32_t& patch : patch_of_)
-    if (patch != no_patch) patch = number[patch];
-  crossing_counts = counts;
-  patch_count = lowest.size();
+    if (patch != no_patch) patch = number_[patch];
+  crossing_counts.swap(counts_);
+  patch_count = lowest_.size();
 }
 
 void PatchRegions::split_parts(SurfaceRegion& s) {
-  const std::size_t count = s.parts.size();
+  const std::size_t count = patch_count > 1 ? s.parts.size() : 0;
+  if (count == 0)
+    for (FacetPart& part : s.parts) part.patch = 0;
   for (std::size_t k = 0; k < count; ++k) {
     const FacetPart part = s.parts[k];
-    const auto begin = s.pieces.begin() + part.begin, end = s.pieces.begin() + part.end;
-    const std::uint32_t patch = patch_at(*begin);
+    const auto pieces = std::span(s.pieces).subspan(part.begin, part.end - part.begin);
+    const std::uint32_t patch = patch_at(pieces[0]);
     s.parts[k].patch = patch;
-    if (std::all_of(begin, end, [&](const BoundaryPiece& piece) { return patch_at(piece) == patch; })) continue;
-    std::stable_sort(begin, end,
-                     [&](const BoundaryPiece& p, const BoundaryPiece& q) { return patch_at(p) < patch_at(q); });
-    std::uint32_t first = part.begin;
-    for (std::uint32_t i = part.begin + 1; i <= part.end; ++i) {
-      if (i < part.end && patch_at(s.pieces[i]) == patch_at(s.pieces[first])) continue;
-      const FacetPart split{patch_at(s.pieces[first]), part.facet, first, i};
-      if (first == part.begin)
+    if (std::all_of(pieces.begin(), pieces.end(), [&](const BoundaryPiece& p) { return patch_at(p) == patch; }))
+      continue;
+    order_.clear();
+    for (std::uint32_t i = 0; i < pieces.size(); ++i) order_.emplace_back(patch_at(pieces[i]), i);
+    std::sort(order_.begin(), order_.end());
+    sorted_.clear();
+    for (const auto& [of, i] : order_) sorted_.push_back(pieces[i]);
+    std::copy(sorted_.begin(), sorted_.end(), pieces.begin());
+    std::uint32_t first = 0;
+    for (std::uint32_t i = 1; i <= order_.size(); ++i) {
+      if (i < order_.size() && order_[i].first == order_[first].first) continue;
+      const FacetPart split{order_[first].first, part.facet, part.begin + first, part.begin + i};
+      if (first == 0)
         s.parts[k] = split;
       else
         s.parts.push_back(split);
       first = i;
     }
   }
-  std::sort(s.parts.begin(), s.parts.end(), [](const FacetPart& p, const FacetPart& q) {
-    return std::tie(p.patch, p.facet) < std::tie(q.patch, q.facet);
-  });
+  const auto key = [](const FacetPart& part) { return std::uint64_t{part.patch} << 32 | part.facet; };
+  std::sort(s.parts.begin(), s.parts.end(), [&](const FacetPart& p, const FacetPart& q) { return key(p) < key(q); });
 }
 
 }  // namespace morula::detail

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <morula/collide/collider.hpp>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "collide/patches/closed_surface.hpp"
@@ -95,7 +96,7 @@ class PatchRegions {
   std::uint32_t element_of(SurfaceRegion& s, std::uint32_t vertex);
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
-  std::vector<double> volumes_of_patches();
+  const std::vector<double>& volumes_of_patches();
   double winding_of(std::uint32_t patch, const Vec3& point);
   Vec3 point_of_cavity(std::uint32_t patch);
   void join_cavities();
@@ -108,6 +109,23 @@ class PatchRegions {
   std::vector<std::uint32_t> patch_of_;  // by root
   ShiftedWinding location_;
   Vec3 origin_;
+  // For sort_loops().
+  struct NodeOfEdge {
+    double along;
+    std::uint32_t edge, facet, node;
+  };
+  std::vector<NodeOfEdge> nodes_of_edges_;
+  std::vector<std::uint64_t> facet_keys_;
+  // For join_cavities(), number_patches() and split_parts().
+  struct Lowest {
+    std::uint32_t facet[2], patch;
+  };
+  std::vector<double> volumes_;
+  std::vector<Lowest> lowest_;
+  std::vector<std::uint32_t> number_;
+  std::vector<std::size_t> counts_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order_;
+  std::vector<BoundaryPiece> sorted_;
   // For the parts of one facet.
   std::vector<std::uint32_t> ends_;
   DisjointSets polygons_{0};

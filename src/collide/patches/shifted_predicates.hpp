@@ -46,7 +46,8 @@ class ShiftedPlane {
 
 /// Sign of orient3d(p, q, g, h) for an edge pq of a and an edge gh of b; 0 only if the edges are parallel.
 inline int shifted_edges(const Vec3& p, const Vec3& q, const Vec3& g, const Vec3& h) {
-  if (const int sign = orient3d(p, q, g, h); sign != 0) return sign;
+  const Triangle t{p, q, g};
+  if (const int sign = TrianglePlane(t).side(h).sign; sign != 0) return sign;
   for (const Projection& projection : projections)
     // mutant patches-edges-meet: `cross2d(p, q, g, h, projection)` -> `cross2d(g, h, p, q, projection)`
     if (const int sign = cross2d(p, q, g, h, projection); sign != 0) return sign;

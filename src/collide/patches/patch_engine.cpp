@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "collide/patches/patch_engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <morula/geometry/triangle_intersection.hpp>
+#include <tuple>
+
+namespace morula::detail {
+namespace {
+
+constexpr std::uint32_t no_id = 0xffffffffu;
+
+/// The axis of the body's coordinates that is most nearly across the normal.
+int axis_across(const RigidTransform& transform, const Vec3& normal) {
+  const Vec3 local = transform.inverse_rotate(normal);
+  const double x = std::abs(local.x), y = std::abs(local.y), z = std::abs(local.z);
+  return x <= y && x <= z ? 0 : y <= z ? 1 : 2;
+}
+
+PatchFrame frame_of(const RigidTransform& transform, int axis, const Vec3& normal, const Vec3& center) {
+  Vec3 unit;
+  unit[axis] = 1;
+  const Vec3 along = transform.rotate(unit);
+  const Vec3 first = normalized(along - normal * dot(along, normal));
+  return {first, cross(normal, first), normal, center};
+}
+
+}  // namespace
+
+void PatchResult::clear() noexcept {
+  patches.clear();
+  known.clear();
+  points.clear();
+  points_begin.clear();
+  for (SideResult& side : sides) {
+    side.facets.clear(), side.gradients.clear();
+    side.facets_begin.clear(), side.gradients_begin.clear();
+  }
+  volume = 0;
+}
+
+void PatchResult::link() {
+  for (SideResult& side : sides) {
+    side.facets_begin.push_back(side.facets.size());
+    side.gradients_begin.push_back(side.gradients.size());
+  }
+  points_begin.push_back(points.size());
+  const auto range = [](const auto& values, const std::vector<std::size_t>& begin, std::size_t i) {
+    return std::span(values).subspan(begin[i], begin[i + 1] - begin[i]);
+  };
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      PatchSide& side = k == 0 ? patches[i].a : patches[i].b;
+      side.facets = range(sides[k].facets, sides[k].facets_begin, i);
+      side.gradients = range(sides[k].gradients, sides[k].gradients_begin, i);
+    }
+    patches[i].points = range(points, points_begin, i);
+  }
+}
+
+PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePair> leaves,
+                              const ContactPatchOptions& options, Meter* meter, std::span<const KnownPatch> earlier,
+                              std::uint32_t& next_id, PatchResult& result) {
+  const Collider &a = *bodies.body[0], &b = *bodies.body[1];
+  const auto out_of_time = [&] { return meter && meter->out_of_time(); };
+  crossings_.start(a, b);
+  for (const NodePair& pair : leaves)
+    if (!crossings_.add(pair, meter)) return {};
+  crossings_.finish();
+  const auto pairs = crossings_.pairs();
+  const Vec3 origin = pairs.empty()
+                          ? b.vertex(b.mesh_facets()[0][0])
+                          : intersection(a.triangle(pairs[0].facet_a()), b.triangle(pairs[0].facet_b()))->from;
+  if (!loops_.find(a, *bodies.surface[0], b, *bodies.surface[1], pairs, origin, meter)) return {};
+  if (const Status status = regions_.find(a, *bodies.surface[0], b, *bodies.surface[1], loops_, origin); !status)
+    return {status};
+  result.clear();
+  for (std::uint32_t patch = 0; patch < regions_.patch_count; ++patch) {
+    if (out_of_time()) return {};
+    if (const Status status = measure(patch, result); !status) return {status};
+  }
+  recognize(bodies, earlier, result);
+  for (std::uint32_t patch = 0; patch < regions_.patch_count; ++patch) {
+    if (out_of_time()) return {};
+    complete(bodies, patch, options, result);
+  }
+  result.volume = std::max(0.0, result.volume);
+  for (std::size_t i = 0; i < result.patches.size(); ++i) {
+    if (result.known[i].id == no_id) result.known[i].id = next_id++;
+    result.patches[i].id = result.known[i].id;
+  }
+  result.link();
+  return {{}, true};
+}
+
+Status PatchEngine::measure(std::uint32_t patch, PatchResult& result) {
+  const PatchIntegrals sums = integrator_.integrate(regions_, patch, result.sides);
+  for (std::uint8_t k = 0; k < 2; ++k)
+    if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
+  ContactPatch made;
+  made.volume = std::max(0.0, sums.volume);
+  // Of a volume that rounds to 0 the reference point is the centroid, up to rounding.
+  const Vec3 arm = sums.volume > 0 ? sums.first_moment / sums.volume : Vec3{};
+  made.centroid = regions_.origin() + sums.reference + arm;
+  for (std::size_t k = 0; k < 2; ++k) {
+    PatchSide& side = k == 0 ? made.a : made.b;
+    side.area_vector = sums.area_vector[k];
+    side.moment = sums.moment[k] - cross(arm, sums.area_vector[k]);
+    side.area = sums.area[k];
+  }
+  // The area vector of a closed region is 0, up to rounding.
+  const double across = length(made.a.area_vector);
+  // mutant patches-closed-normal: `0x1p-40` -> `0`
+  if (across > 0x1p-40 * (made.a.area + made.b.area)) {
+    made.normal = -made.a.area_vector / across;
+    made.mean_depth = made.volume / across;
+  }
+  made.crossing_count = regions_.crossing_counts[patch];
+  result.volume += sums.volume;
+  result.patches.push_back(made);
+  return {};
+}
+
+// Pairs of a known and a new patch in the order of their distance; each is taken once.
+void PatchEngine::recognize(const PatchBodies& bodies, std::span<const KnownPatch> earlier, PatchResult& result) {
+  candidates_.clear();
+  for (std::uint32_t p = 0; p < result.patches.size(); ++p) {
+    const ContactPatch& patch = result.patches[p];
+    KnownPatch& known = result.known.emplace_back(KnownPatch{no_id,
+                                                             {},
+                                                             std::sqrt(std::max(patch.a.area, patch.b.area)),
+                                                             axis_across(bodies.body[0]->transform(), patch.normal)});
+    for (std::size_t k = 0; k < 2; ++k) {
+      const RigidTransform& transform = bodies.body[k]->transform();
+      known.centroid[k] = transform.inverse_rotate(patch.centroid - transform.translation);
+    }
+    for (std::uint32_t q = 0; q < earlier.size(); ++q) {
+      const double gap = std::min(distance(earlier[q].centroid[0], known.centroid[0]),
+                                  distance(earlier[q].centroid[1], known.centroid[1]));
+      if (gap <= std::max(known.size, earlier[q].size)) candidates_.push_back({gap, q, p});
+    }
+  }
+  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& c, const Candidate& d) {
+    return std::tie(c.distance, c.known, c.patch) < std::tie(d.distance, d.known, d.patch);
+  });
+  taken_.assign(earlier.size(), 0);
+  for (const Candidate& c : candidates_) {
+    KnownPatch& patch = result.known[c.patch];
+    if (taken_[c.known] || patch.id != no_id) continue;
+    taken_[c.known] = 1;
+    patch.id = earlier[c.known].id;
+    // The axis stays until it is too near the normal.
+    const RigidTransform& transform = bodies.body[0]->transform();
+    if (std::abs(transform.inverse_rotate(result.patches[c.patch].normal)[earlier[c.known].axis]) < 0.9)
+      patch.axis = earlier[c.known].axis;
+  }
+}
+
+void PatchEngine::complete(const PatchBodies& bodies, std::uint32_t patch, const ContactPatchOptions& options,
+                           PatchResult& result) {
+  ContactPatch& made = result.patches[patch];
+  result.points_begin.push_back(result.points.size());
+  if (made.normal == Vec3{} || (!options.depths && options.max_points == 0)) return;
+  // The point on the axis of the wrench that is nearest to the centroid.
+  const Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
+  const Vec3 center = made.centroid - regions_.origin() + arm;
+  const PatchFrame frame = frame_of(bodies.body[0]->transform(), result.known[patch].axis, made.normal, center);
+  for (std::size_t k = 0; k < 2; ++k) projected_[k].read(regions_, k, patch, frame);
+  if (options.depths) made.depth = depth_.of(projected_[0], projected_[1]);
+  if (options.max_points > 0)
+    points_.add(projected_[0], projected_[1], frame, options.max_points,
+                {-made.a.area_vector, cross(arm, made.a.area_vector) - made.a.moment}, bodies.body, regions_.origin(),
+                result.points);
+}
+
+}  // namespace morula::detail
