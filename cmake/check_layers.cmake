@@ -46,7 +46,7 @@ set(wings_update points rules kdop rebuild)
 set(wings_collide pairs facets front shapes patches)
 set(wings_study svg run claims variants output)
 set(wings_robot read fit write)
-set(wings_surface boxes pairs obstacles haptic)
+set(wings_surface boxes pairs layers obstacles haptic)
 set(wings_geometry enclosing triangles)
 set(wings_io array paraview gltf mesh tree motion)
 # Files beside the wings that the wings may include.

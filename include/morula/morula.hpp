@@ -48,6 +48,7 @@
 #include <morula/scene/broad_phase.hpp>
 #include <morula/scene/scene.hpp>
 #include <morula/surface/haptic_probe.hpp>
+#include <morula/surface/layer_patches.hpp>
 #include <morula/surface/modal_certificate.hpp>
 #include <morula/surface/obstacles.hpp>
 #include <morula/surface/proximity.hpp>

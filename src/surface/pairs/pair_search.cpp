@@ -105,12 +105,14 @@ void PairSearch::start(const SurfaceTreeState& a, const SurfaceTreeState& b, dou
   a_.start(a);
   b_.start(b);
   features_ = features;
+  // mutant height-field-reach: `&& !(reach > 0)` -> ``
+  finds_crossings_ = features == Features::facets && !(reach > 0);
   boxes_.start(a, b, reach, by_spheres, workers);
   are_near_ = {meet_groups(), box_reach(reach, b.origin - a.origin, boxes_.a().extent + boxes_.b().extent)};
   a_.boxes.start(a, boxes_.a(), features);
   if (!is_with_itself())
     b_.boxes.start(b, boxes_.b(), features);
-  else if (features == Features::facets)
+  else if (finds_crossings_)
     fields_.start(a, boxes_.a());
   open_.assign(1, {BoxNode::root(a), BoxNode::root(b)});
 }

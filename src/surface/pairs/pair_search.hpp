@@ -95,7 +95,7 @@ class PairSearch {
   bool is_node_with_itself(const NodePair& pair) const { return is_with_itself() && pair.a == pair.b; }
   /// Whether crossings of these facets with each other are sought and the facets have a border that can be tested.
   bool may_be_height_field(const NodePair& pair) const {
-    return is_node_with_itself(pair) && features_ == Features::facets && !pair.a.is_block();
+    return is_node_with_itself(pair) && finds_crossings_ && !pair.a.is_block();
   }
   bool is_height_field(const NodePair& pair) const {
     return may_be_height_field(pair) && fields_.is_one(pair.a.height, pair.a.number);
@@ -195,6 +195,7 @@ class PairSearch {
 
   Side a_, b_;  // for one surface with itself both refer to it, and b_ has no boxes
   Features features_ = Features::all;
+  bool finds_crossings_ = false;  // pairs of facets that may intersect, and no others
   NearTest are_near_;
   QueryBoxes boxes_;
   const ExcludedPairs* excluded_ = nullptr;
