@@ -109,22 +109,26 @@ struct LayerPatchQuery::State {
   std::vector<double> pressed_areas;
   LayerPoints points;
   std::vector<KnownLayers::Match> matches;
-  KnownLayers known, known_next;
+  KnownLayers known;
   std::array<const SurfaceTreeState*, 2> known_of{};  // surfaces of the known patches, kept by meshes
   LayerResult result, next;
-  std::uint32_t next_id = 0;
+  std::uint32_t first_id = 0, next_id = 0;  // of the first new patch of this run, and of the next one
   Vec3 origin;
 
   void forget() noexcept {
     query.forget();
     result.clear();
-    known.clear();
+    known = {};
   }
   template <class Step>
   SurfaceQueryStatus run_call(CallKind kind, const Step& step) {
     return call_of(*this, kind, [&] {
       const SurfaceQueryStatus status = step(FacetsNear{options.thickness});
-      if (status) find();
+      if (!status) return status;
+      // Whatever interrupted a run, its patches are recognized by those of the run before.
+      if (kind == CallKind::begins) known.finish(), first_id = next_id;
+      next_id = first_id;
+      find();
       return status;
     });
   }
@@ -161,13 +165,11 @@ void LayerPatchQuery::State::find() {
   for (std::uint32_t patch = 0; patch < groups.patch_count(); ++patch) measure(patch);
   samples_begin.push_back(samples.size());
   recognize();
-  known_next.start();
+  known.start();
   for (std::uint32_t patch = 0; patch < groups.patch_count(); ++patch) complete(patch);
   for (std::size_t i = 0; i < next.patches.size(); ++i)
     next.patches[i].points = LayerResult::range(next.points, next.points_begin, i);
-  known_next.finish();
   std::swap(result, next);
-  std::swap(known, known_next);
 }
 
 // Prepares the meshes, reads the positions of facets with partners, and lists the partners.
@@ -316,7 +318,7 @@ void LayerPatchQuery::State::complete(std::uint32_t patch) {
     if (std::abs(made.normal[known[match.known].axis]) < 0.9) now.axis = known[match.known].axis;
   }
   made.id = match.known != KnownLayers::none ? now.id : (now.id = next_id++);
-  known_next.add(now, made.a.gradients, made.b.gradients);
+  known.add(now, made.a.gradients, made.b.gradients);
   next.points_begin.push_back(next.points.size());
   if (options.max_points == 0 || made.normal == Vec3{}) return;
   const std::span<LayerSample> of =

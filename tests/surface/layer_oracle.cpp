@@ -118,7 +118,8 @@ std::vector<FacetPairs> plain_layer_groups(const Mesh& mesh_a, const std::vector
           plain_facet_distance(a, mesh_a.facets[i], b, mesh_b.facets[j]) < thickness)
         pairs.push_back({i, j});
   const auto share = [](const Facet& f, const Facet& g) {
-    return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return std::find(g.begin(), g.end(), v) != g.end(); });
+    return std::any_of(f.begin(), f.end(),
+                       [&](std::uint32_t v) { return std::find(g.begin(), g.end(), v) != g.end(); });
   };
   std::vector<FacetPairs> groups;
   std::vector<bool> seen(pairs.size(), false);

@@ -46,7 +46,7 @@ void EdgeLayers::find(std::uint32_t edge, const Vec3& p, const Vec3& u, const La
     if (!other.is_usable(facet)) continue;
     const Triangle t = other.triangle(facet);
     const Vec3 gap = max(lower - max(t[0], max(t[1], t[2])), min(t[0], min(t[1], t[2])) - upper);
-    if (std::max({gap.x, gap.y, gap.z}) > thickness) continue;
+    if (squared_length(max(gap, Vec3{})) > thickness * thickness) continue;
     const auto place = static_cast<std::uint32_t>(facets_.size());
     facets_.push_back({facet, i, -1, {}, {}});
     for (std::uint32_t k = 0; k < 3; ++k) {

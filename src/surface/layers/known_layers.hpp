@@ -24,17 +24,15 @@ class KnownLayers {
     bool swapped = false;
   };
 
-  void clear() noexcept {
-    patches_.clear();
-    vertices_[0].clear(), vertices_[1].clear();
-  }
-  /// Starts the list of patches of a run.
-  void start() { clear(); }
+  void clear() noexcept { now_.clear(); }
+  /// Adds a patch of this run to the next list.
   void add(const Patch& patch, std::span<const VertexGradient> a, std::span<const VertexGradient> b);
-  /// Ends the list.
+  /// The next list becomes the known one.
   void finish();
+  /// Empties the next list.
+  void start() { next_.clear(); }
 
-  const Patch& operator[](std::uint32_t known) const { return patches_[known]; }
+  const Patch& operator[](std::uint32_t known) const { return now_.patches[known]; }
   /// Sets the numbers of common vertices of the known patches and of one patch of this run.
   void count(std::uint32_t patch, std::span<const VertexGradient> a, std::span<const VertexGradient> b,
              bool may_be_swapped);
@@ -54,8 +52,12 @@ class KnownLayers {
   };
   void count_side(std::uint32_t patch, std::span<const VertexGradient> side, const std::vector<Vertex>& known,
                   bool swapped);
-  std::vector<Patch> patches_;
-  std::array<std::vector<Vertex>, 2> vertices_;
+  struct List {
+    std::vector<Patch> patches;
+    std::array<std::vector<Vertex>, 2> vertices;  // ascending in the known list
+    void clear() noexcept { patches.clear(), vertices[0].clear(), vertices[1].clear(); }
+  };
+  List now_, next_;
   std::vector<Common> common_;
   std::vector<bool> taken_;
 };

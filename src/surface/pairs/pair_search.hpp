@@ -325,7 +325,7 @@ bool PairSearch::run(SurfaceMeter& meter, Workers& workers, const Chunks& chunks
     run_within_budget(meter, find, visit);
     return open_.empty();
   }
-  if (is_with_itself() && features_ == Features::facets) fields_.find_all(workers);
+  if (is_with_itself() && finds_crossings_) fields_.find_all(workers);
   find_block_pairs(meter, workers);
   const std::vector<BlockPair>& pairs = descent_.pairs;
   for (const BlockPair& pair : pairs) {
