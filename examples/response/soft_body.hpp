@@ -4,12 +4,14 @@
 // closed surface. The solvers of stack/, squeeze/, tool/ and ball_on_cloth/ move its points.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <morula/morula.hpp>
 #include <set>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace response {

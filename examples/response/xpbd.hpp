@@ -5,6 +5,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <morula/morula.hpp>
 
 #include "soft_body.hpp"
 
@@ -67,6 +71,7 @@ struct Site {
 inline Vec3 solve_points(const morula::ContactPatch& patch, SoftBody* a, SoftBody* b, double friction) {
   Vec3 total;
   for (const morula::PatchPoint& point : patch.points) {
+    if (!(point.volume > 0) || squared_length(point.force) == 0) continue;
     const Site on_a{a, point.on_a}, on_b{b, point.on_b};
     const double w = on_a.inverse_mass() + on_b.inverse_mass();
     const auto push = [&](const Vec3& by) { on_a.push(by), on_b.push(-by), total += by; };

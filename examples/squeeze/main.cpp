@@ -7,11 +7,13 @@
 // During the motion the work of the fingers has to be the energy that arrives and the heat of damping; at rest all
 // contact forces have to balance the weight of the ball.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <morula/morula.hpp>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "../response/rigid_body.hpp"

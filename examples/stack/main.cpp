@@ -8,11 +8,12 @@
 // After the first 6,000 steps the stack has to be at rest: the plate carries the weight, no box moves, and energy does
 // not grow.
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <morula/morula.hpp>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 

@@ -27,7 +27,7 @@ namespace {
 constexpr double contact_stiffness = 3e8, contact_damping = 3e6;  // pressure per overlap, and per its growth
 constexpr double spring = 400, spring_damping = 12, twist_spring = 40, twist_damping = 2;
 constexpr double tool_mass = 0.2, tool_size = 0.8;
-constexpr int moving_steps = 1200, resting_frames = 50, most_steps = 20000;
+constexpr int moving_steps = 1200, resting_frames = 50, most_steps = 200000;
 const Vec3 tool_inertia{0.002, 0.03, 0.03};  // along its axis, across
 
 /// The rigid tool between device and organ.
