@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Two bodies collide under a budget in every frame; examples/python/contacts.py does the same. The loop stands in
-// docs/tutorials/contact_loop.md. In every frame a test of all pairs of facets finds the points where the surfaces
-// cross; each of them has to lie within the error bound of a contact.
+// The overlap of two bodies under a budget in every frame; examples/python/contacts.py does the same. The loop stands
+// in docs/tutorials/contact_loop.md. In every frame a test of all pairs of facets finds the points where the surfaces
+// cross: patches have as many, and where a budget ended the run, each lies within the error bound of a contact.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -40,47 +40,50 @@ std::vector<Vec3> crossing_points(const morula::Collider& a, const morula::Colli
   return points;
 }
 
-/// The crossing points that no contact is near.
-std::size_t missed(const std::vector<Vec3>& points, const std::vector<morula::Contact>& contacts) {
+/// True if the run is right about the points where surfaces cross.
+bool agrees(const morula::ContactPatchQuery& query, const std::vector<Vec3>& points) {
   std::size_t count = 0;
-  for (const Vec3& p : points) {
-    bool is_near = false;
-    for (const morula::Contact& contact : contacts)
-      is_near = is_near || distance(p, contact.point) <= contact.error_bound + 1e-9;
-    count += is_near ? 0 : 1;
-  }
-  return count;
+  for (const morula::ContactPatch& patch : query.patches()) count += patch.crossing_count;
+  if (query.finished()) return 2 * count == points.size();  // an edge is of two facets
+  return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+    return std::any_of(query.contacts().begin(), query.contacts().end(), [&](const morula::Contact& contact) {
+      return distance(p, contact.point) <= contact.error_bound + 1e-9;
+    });
+  });
 }
 
 }  // namespace
 
 int main() {
+  constexpr double stiffness = 1000;
   std::size_t crossings = 0, faults = 0;
-  const auto check = [&](const morula::Collider& a, const morula::Collider& b, const morula::Contacts& found) {
+  const auto check = [&](const morula::Collider& a, const morula::Collider& b, const morula::ContactPatchQuery& query) {
     const std::vector<Vec3> points = crossing_points(a, b);
+    morula::ContactPatchQuery complete(a, b);
     crossings += points.size();
-    faults += missed(points, found.contacts);
-    if (found.finished && found.surfaces.size() != found.contacts.size()) ++faults;
+    if (!complete.run() || !complete.finished() || !agrees(complete, points) || !agrees(query, points)) ++faults;
+    if (query.finished() && query.volume() != complete.volume()) ++faults;
   };
 
   // [contact_loop]
   const morula::Mesh limb = morula::sample_body("limb", 24), tool = morula::sample_body("tool", 24);
   morula::Body limb_body(limb, morula::build(limb)), tool_body(tool, morula::build(tool));
   morula::Collider a(limb, limb_body), b(tool, tool_body);
-  morula::ContactQuery query({.budget = std::chrono::microseconds(300), .surfaces = true});
-  query.add(a, b);
+  morula::ContactPatchQuery query(a, b);  // once: it keeps its memory
+  Vec3 force;                             // on the tool
   for (int frame = 0; frame < 7; ++frame) {
     const std::vector<Vec3> positions = deform(limb, {morula::Bend{60}}, frame / 6.0);  // a solver's
     if (const morula::Status status = limb_body.update(positions); !status) throw std::runtime_error(message(status));
-    b.set_transform(morula::RigidTransform::from_axis({1, 0, 0}, 0.1 * frame, {0, 0.8 - 0.05 * frame, 0}));
-    const morula::ContactStatus status = frame > 0 ? query.carry() : query.start();
+    b.set_transform(morula::RigidTransform::from_axis({1, 0, 0}, 0.1 * frame, {0, 0.85 - 0.02 * frame, 0}));
+    const morula::Status status =
+        query.run({.max_points = 0, .depths = false, .budget = std::chrono::microseconds(500)});
     if (!status) throw std::runtime_error(message(status));
-    const morula::Contacts& found = query.contacts();
-    Vec3 push;  // a response sums over contacts
-    for (const morula::Contact& contact : found.contacts) push += std::max(0.0, contact.depth) * contact.normal;
-    std::printf("frame %d: %zu contacts, %s; push %.3f %.3f %.3f\n", frame, found.contacts.size(),
-                found.finished ? "all of them" : "as far as the budget reaches", push.x, push.y, push.z);
-    check(a, b, found);  // not shown
+    if (query.finished() || query.contacts().empty()) force = {};  // otherwise that of the last frame stays
+    for (const morula::ContactPatch& patch : query.patches())      // the energy is stiffness / 2 · volume²
+      force -= stiffness * query.volume() * patch.b.area_vector;
+    std::printf("frame %d: %zu patches, volume %.5f, force %.3f %.3f %.3f%s\n", frame, query.patches().size(),
+                query.volume(), force.x, force.y, force.z, query.finished() ? "" : "; the budget ended the run");
+    check(a, b, query);  // not shown
   }
   // [end]
   std::printf("%zu points where an edge crosses a facet, %zu faults\n", crossings, faults);
