@@ -5,10 +5,12 @@
 #include <cmath>
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/crossings.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "collide/patches/patch_points.hpp"
+#include "collide/patches/self_regions.hpp"
 #include "collide/require.hpp"
 #include "geometry/object_call.hpp"
 #include "parallel/float_environment.hpp"
@@ -85,15 +87,22 @@ PatchFrame frame_of(const RigidTransform& transform, int axis, const Vec3& norma
 }  // namespace
 
 struct ContactPatchQuery::State {
-  State(const Collider& a, const Collider& b)
-      : body{&a, &b}, surface{ClosedSurface(a, "first"), ClosedSurface(b, "second")} {}
+  State(const Collider& a, const Collider& b) : body{&a, &b} {
+    surface.reserve(2);
+    surface.emplace_back(a, "first");
+    surface.emplace_back(b, "second");
+  }
+
+  explicit State(const Collider& one) : body{&one, &one}, self(one) {}
 
   CallState call;
   std::array<const Collider*, 2> body;
-  std::array<ClosedSurface, 2> surface;
+  std::vector<ClosedSurface> surface;  // of two bodies
+  std::optional<SelfSurface> self;     // of one body
   CrossingQuery crossings;
   ContactLoops loops;
-  PatchRegions regions;
+  SelfLoops self_loops;
+  SelfRegions regions;
   PatchIntegrator integrator;
   ProjectedRegion projected[2];
   PatchDepth depth;
@@ -108,18 +117,29 @@ struct ContactPatchQuery::State {
     known.clear();
   }
   Status find(const ContactPatchOptions& options);
+  Status find_regions();
   Status measure(std::uint32_t patch);
   void recognize();
   void complete(std::uint32_t patch, const ContactPatchOptions& options);
 };
 
-Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
+Status ContactPatchQuery::State::find_regions() {
   const Collider &a = *body[0], &b = *body[1];
+  if (self) {
+    if (const Status status = crossings.run(a); !status) return status;
+    self_loops.find(a, self->closed, crossings.pairs());
+    regions.find(a, *self, self_loops, {result.sides[0].facets, result.sides[1].facets});
+    return {};
+  }
   if (const Status status = crossings.run(a, b); !status) return status;
   const auto pairs = crossings.pairs();
   const Vec3 origin = pairs.empty() ? b.vertex(b.mesh_facets()[0][0]) : pairs[0].segment.from;
   loops.find(a, surface[0], b, surface[1], pairs, origin);
-  if (const Status status = regions.find(a, surface[0], b, surface[1], loops, origin); !status) return status;
+  return regions.PatchRegions::find(a, surface[0], b, surface[1], loops, origin);
+}
+
+Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
+  if (const Status status = find_regions(); !status) return status;
   next.clear();
   sizes.clear();
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch)
@@ -128,13 +148,13 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch) complete(patch, options);
   next.volume = std::max(0.0, next.volume);
   next.link();
-  next.certified = a.sphere_state().covers && b.sphere_state().covers;
+  next.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
   return {};
 }
 
 Status ContactPatchQuery::State::measure(std::uint32_t patch) {
   const PatchIntegrals sums = integrator.integrate(regions, patch, next.sides);
-  for (std::uint8_t k = 0; k < 2; ++k)
+  for (std::uint8_t k = 0; k < 2 && !self; ++k)
     if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
   ContactPatch made;
   made.volume = std::max(0.0, sums.volume);
@@ -217,6 +237,10 @@ void ContactPatchQuery::State::complete(std::uint32_t patch, const ContactPatchO
 ContactPatchQuery::ContactPatchQuery(const Collider& a, const Collider& b) {
   const StandardFloats standard;
   state_ = std::make_unique<State>(a, b);
+}
+ContactPatchQuery::ContactPatchQuery(const Collider& body) {
+  const StandardFloats standard;
+  state_ = std::make_unique<State>(body);
 }
 ContactPatchQuery::~ContactPatchQuery() = default;
 ContactPatchQuery::ContactPatchQuery(ContactPatchQuery&&) noexcept = default;

@@ -101,6 +101,8 @@ class ContactPatchQuery {
   /// oriented, and for a body that is inside out (its volume is negative in the present positions). Cost: O(F log F)
   /// for F facets, once.
   ContactPatchQuery(const Collider& a, const Collider& b);
+  /// The patches of a body with itself. Borrows the collider; throws and costs like ContactPatchQuery(a, b).
+  explicit ContactPatchQuery(const Collider& body);
   ~ContactPatchQuery();
   ContactPatchQuery(ContactPatchQuery&&) noexcept;
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;

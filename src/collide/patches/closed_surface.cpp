@@ -81,7 +81,7 @@ ShiftedHalfLine shortest_way_out(const Collider& body, const PlacedSpheres& sphe
 }  // namespace
 
 ClosedSurface::ClosedSurface(const Collider& body, const char* which) {
-  const std::string name = std::string("the ") + which + " body";
+  const std::string name = std::string("the ") + which + (*which ? " body" : "body");
   if (!body.has_surface()) throw std::invalid_argument(name + " has spheres alone, and contact patches need facets");
   const MeshView mesh = body.surface();
   connectivity = morula::connectivity(mesh);

@@ -84,7 +84,7 @@ class PatchRegions {
   Status find(const Collider& a, const ClosedSurface& surface_a, const Collider& b, const ClosedSurface& surface_b,
               const ContactLoops& loops, const Vec3& origin);
 
- private:
+ protected:  // also for SelfRegions
   void sort_loops(SurfaceRegion& s, const ContactLoops& loops);
   bool find_windings(SurfaceRegion& s, const Collider& other, const ContactLoops& loops);
   bool spread(SurfaceRegion& s, const ContactLoops& loops, std::uint32_t vertex, int winding);
