@@ -394,12 +394,6 @@ std::vector<Crossing> crossings(const Collider& a, const Collider& b) {
   return {query.pairs().begin(), query.pairs().end()};
 }
 
-std::vector<Crossing> crossings(const Collider& body) {
-  CrossingQuery query;
-  require_good(query.run(body));
-  return {query.pairs().begin(), query.pairs().end()};
-}
-
 std::vector<Crossing> brute_force::crossings(const Collider& a, const Collider& b) {
   require_bodies(a, b, {.all_spheres = false, .positions = true});
   struct Boxed {

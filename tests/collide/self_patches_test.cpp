@@ -22,7 +22,10 @@ namespace {
 
 using test::clipped_overlap;
 using test::ClippedOverlap;
-using test::PlacedBody;
+/// The tree matters little here: a coarse one is made sooner.
+struct PlacedBody : test::PlacedBody {
+  explicit PlacedBody(const Mesh& m) : test::PlacedBody(m, 2) {}
+};
 
 double signed_volume_of(const Collider& body) {
   double volume = 0;
@@ -179,7 +182,7 @@ TEST(SelfPatches, of_a_hook_of_boxes_on_a_grid_are_boxes) {
 // The overlaps of bodies that are parts of one mesh are counted by pairs.
 TEST(SelfPatches, of_several_bodies_in_one_mesh_are_those_of_all_pairs) {
   Random random(3);
-  for (int pose = 0; pose < 12; ++pose) {
+  for (int pose = 0; pose < 8; ++pose) {
     const auto place = [&](const Mesh& mesh) {
       const auto u = [&] { return random.uniform(-1, 1); };
       // Half of the poses are on a grid.
@@ -218,7 +221,7 @@ TEST(SelfPatches, of_tangled_surfaces_are_those_of_clipped_tetrahedra) {
   Random random(17);
   for (int round = 0; round < 24; ++round) {
     const bool on_grid = round % 2 == 1;
-    PlacedBody body(round % 3 == 0 ? test::uv_sphere(6, 5) : test::icosphere(round % 3 == 1 ? 0 : 1), 2);
+    PlacedBody body(round % 3 == 0 ? test::uv_sphere(6, 5) : test::icosphere(round % 3 == 1 ? 0 : 1));
     std::vector<Vec3> moved = body.mesh.positions;
     for (Vec3& p : moved)
       for (int k = 0; k < 3; ++k) {
@@ -415,8 +418,8 @@ TEST(SelfPatches, refuse_open_and_inverted_surfaces_by_name) {
 
 TEST(SelfCrossings, are_those_of_all_pairs_without_a_common_vertex) {
   Random random(2);
-  for (int round = 0; round < 6; ++round) {
-    PlacedBody body(round % 2 == 0 ? test::icosphere(2) : tube(hook_rings(6.6, 0.02)), 4);
+  for (int round = 0; round < 2; ++round) {
+    PlacedBody body(round % 2 == 0 ? test::icosphere(2) : tube(hook_rings(6.6, 0.02)));
     if (round % 2 == 0) body.deform(test::rippled(body.mesh.positions, 0.5, static_cast<std::uint64_t>(round)));
     std::vector<Crossing> expected = brute_force::crossings(body.collider, body.collider);
     std::erase_if(expected, [&](const Crossing& c) {
@@ -426,10 +429,9 @@ TEST(SelfCrossings, are_those_of_all_pairs_without_a_common_vertex) {
           if (v == w) return true;
       return false;
     });
-    EXPECT_EQ(crossings(body.collider), expected);
     CrossingQuery query;
     ASSERT_TRUE(query.run(body.collider));
-    EXPECT_EQ(query.pairs().size(), expected.size());
+    EXPECT_EQ(std::vector<Crossing>(query.pairs().begin(), query.pairs().end()), expected);
     ASSERT_TRUE(query.run(body.collider, body.collider));
     EXPECT_GT(query.pairs().size(), body.mesh.facets.size()) << "a pair of bodies is not restricted";
   }

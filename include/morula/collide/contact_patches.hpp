@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contact patches: the connected parts of the overlap of two solid bodies, exactly for their piecewise linear surfaces.
+// Contact patches: the connected parts of the overlap of two solid bodies, or of one with itself, exactly for their
+// piecewise linear surfaces.
 //
 //   morula::ContactPatchQuery query(a, b);                // made once; it follows both bodies
 //   if (!query.run()) return;
@@ -66,6 +67,11 @@ struct PatchPoint {
 
 /// A connected part of the overlap of two bodies. Its surface consists of a region of each body's surface, and both
 /// regions meet in the crossing loops.
+///
+/// For one body a and b are the two sides of its surface that lie inside each other. In the first run a is the side with
+/// the lowest facet; later a side remains a while it has facets in common with it. Where the loops do not separate two
+/// sides, as at a fold, where three parts overlap, and around a part inside another, a has the whole region: then there
+/// is volume, centroid and gradients, but b is empty, and there are no normal, depth and points.
 struct ContactPatch {
   /// Number of the patch, the same in later runs while its centroid moves, with either body, by less than the square
   /// root of its area from run to run.
@@ -73,7 +79,7 @@ struct ContactPatch {
   double volume = 0;  ///< mesh units³, positive
   Vec3 centroid;      ///< centroid of the volume, world coordinates
   /// Unit vector from b to a: against the area vector of a's region. (0, 0, 0) if that vanishes, for example for a body
-  /// wholly inside the other.
+  /// wholly inside the other, and for a patch of one body without two sides.
   Vec3 normal;
   /// Least translation of a along the normal that parts both regions, mesh units: the largest distance, along the
   /// normal, from a point of a's region up to a point of b's region. If all facets of a's region face against the
@@ -94,6 +100,11 @@ struct ContactPatch {
 /// by an infinitely small vector; volumes, centroids and gradients of volumes are those of the limit. The volume is a
 /// continuous function of all positions.
 ///
+/// For one body the integrand is w (w - 1) / 2, w its winding number: a point counts once for each pair of parts of the
+/// surface around it. Where the surface is inside out, w < 0, this is the overlap of the outside with itself, so a dent
+/// that comes out at the other side counts, too. Vertices are treated as if each were translated by an infinitely small
+/// vector of its own.
+///
 /// Patches are complete if the spheres of both bodies cover (SphereState::covers).
 class ContactPatchQuery {
  public:
@@ -101,16 +112,17 @@ class ContactPatchQuery {
   /// oriented, and for a body that is inside out (its volume is negative in the present positions). Cost: O(F log F)
   /// for F facets, once.
   ContactPatchQuery(const Collider& a, const Collider& b);
-  /// The patches of a body with itself. Borrows the collider; throws and costs like ContactPatchQuery(a, b).
+  /// The patches of a body with itself, where it is closed and oriented. Borrows the collider; throws and costs like
+  /// ContactPatchQuery(a, b).
   explicit ContactPatchQuery(const Collider& body);
   ~ContactPatchQuery();
   ContactPatchQuery(ContactPatchQuery&&) noexcept;
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
-  /// 16 points (bad_option), and a surface that is inside out around a vertex of the other (inside_out); patches() then
-  /// stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per
-  /// facet inside; depths and points cost twice as much in addition.
+  /// 16 points (bad_option), and of two bodies a surface that is inside out around a vertex of the other (inside_out);
+  /// patches() then stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1
+  /// µs per facet inside; depths and points cost twice as much in addition. For one body all facets are read.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until

@@ -61,8 +61,6 @@ class CrossingQuery {
 /// The pairs of CrossingQuery::run(a, b), for a single call. Throws std::invalid_argument, with the message of the
 /// status, for input that it rejects.
 std::vector<Crossing> crossings(const Collider& a, const Collider& b);
-/// Those of run(body).
-std::vector<Crossing> crossings(const Collider& body);
 
 namespace brute_force {
 /// The same pairs without spheres, for tests: compares every facet of a with every facet of b. Throws like

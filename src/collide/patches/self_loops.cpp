@@ -62,6 +62,27 @@ double middle_in_plane(const Vec3& p, const Vec3& q, const Triangle& t) {
   return 0.5 * (low + high);
 }
 
+/// The share of segment p q at which it is nearest to the triangle's longest side; the middle of all if they are
+/// parallel.
+double nearest_to_sliver(const Vec3& p, const Vec3& q, const Triangle& t) {
+  std::size_t k = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (squared_distance(t[i], t[(i + 1) % 3]) > squared_distance(t[k], t[(k + 1) % 3])) k = i;
+  const Vec3 d = q - p, e = t[(k + 1) % 3] - t[k], w = t[k] - p, normal = cross(d, e);
+  const double square = squared_length(d), across = squared_length(normal);
+  if (!(square > 0)) return 0.5;
+  if (across > 0x1p-60 * square * squared_length(e)) return std::clamp(dot(cross(w, e), normal) / across, 0.0, 1.0);
+  const double from = dot(w, d) / square, to = dot(w + e, d) / square;
+  return 0.5 * (std::clamp(std::min(from, to), 0.0, 1.0) + std::clamp(std::max(from, to), 0.0, 1.0));
+}
+
+/// True if the triangle's normal is only a few digits, or none.
+bool is_sliver(const Triangle& t) {
+  const Vec3 u = t[1] - t[0], v = t[2] - t[0];
+  const double size = std::max({squared_length(u), squared_length(v), squared_distance(t[1], t[2])});
+  return !(length(cross(u, v)) > 0x1p-26 * size);
+}
+
 }  // namespace
 
 /// Two facets, with the sides of each one's corners relative to the plane of the other; sign 0 for a common corner.
@@ -188,13 +209,19 @@ void SelfLoops::test(std::uint32_t facet_a, std::uint32_t facet_b, std::uint32_t
   segments.push_back({facet_a, facet_b, 0, 0});
 }
 
+// The planes' normals of slivers have no digits. There, and where the edge lies in the plane, any point on the edge that
+// lies in the facet will do: the facets' parts are those of a surface that is moved within its rounding errors.
 SelfNode SelfLoops::node_of(const FacetPair& pair, std::size_t side, std::size_t k, std::size_t next) const {
   const std::uint32_t edge = surface_->connectivity.facet_edges[pair.facet[side]][k];
   if (pair.corners[side][k] != surface_->connectivity.edges[edge][0]) std::swap(k, next);
   const TrianglePlane::Side &s0 = pair.side[side][k], &s1 = pair.side[side][next];
   const double h0 = std::max(0.0, s0.value * s0.sign), h1 = std::max(0.0, s1.value * s1.sign), sum = h0 + h1;
-  const Triangle& t = pair.triangle[side];
-  const double along = sum > 0 ? h0 / sum : middle_in_plane(t[k], t[next], pair.triangle[1 - side]);
+  const Vec3 &p = pair.triangle[side][k], &q = pair.triangle[side][next];
+  const Triangle& other = pair.triangle[1 - side];
+  // mutant self-sliver: `is_sliver(other)` -> `false`
+  const double along = is_sliver(other) ? nearest_to_sliver(p, q, other)
+                       : sum > 0        ? h0 / sum
+                                        : middle_in_plane(p, q, other);
   return {edge, pair.facet[1 - side], along, s0.sign > s1.sign ? 1 : -1};
 }
 

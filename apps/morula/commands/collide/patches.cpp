@@ -9,6 +9,7 @@
 #include <morula/collide/contact_patches.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/io/whole_output.hpp>
+#include <optional>
 #include <toolbox/csv.hpp>
 #include <toolbox/stopwatch.hpp>
 
@@ -108,15 +109,17 @@ void add_patch_frame(PatchReport& report, const std::string& name_a, const std::
   report.uncertified += query.certified() ? 0 : 1;
 }
 
+/// b: a itself for patches of one body.
 PatchReport patches_of_frames(Side& a, Side& b, Workers& workers) {
   PatchReport report;
-  ContactPatchQuery query(a.collider(), b.collider());
+  const bool is_one = &a == &b;
+  ContactPatchQuery query = is_one ? ContactPatchQuery(a.collider()) : ContactPatchQuery(a.collider(), b.collider());
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   Progress progress("colliding");
   for (std::size_t frame = 0; frame < count; ++frame) {
     progress.update(static_cast<double>(frame) / static_cast<double>(count));
     a.move_to(frame, workers);
-    b.move_to(frame, workers);
+    if (!is_one) b.move_to(frame, workers);
     toolbox::Stopwatch watch;
     const Status status = query.run();
     report.microseconds.push_back(1e6 * watch.lap());
@@ -145,11 +148,14 @@ int collide_patches(const PatchRun& run) {
     require_not_input(run.output, {run.a.mesh, run.a.tree, run.a.motion, run.b.mesh, run.b.tree, run.b.motion});
   }
   Workers workers = make_workers(run.threads);
-  Side a(run.a, run.sph_origin, workers), b(run.b, run.sph_origin, workers);
+  Side a(run.a, run.sph_origin, workers);
+  std::optional<Side> other;
+  if (!run.b.mesh.empty()) other.emplace(run.b, run.sph_origin, workers);
+  Side& b = other ? *other : a;
   require_closed(a);
-  require_closed(b);
+  if (other) require_closed(b);
   a.prepare(rules, workers);
-  b.prepare(rules, workers);
+  if (other) b.prepare(rules, workers);
   const PatchReport report = patches_of_frames(a, b, workers);
   if (!run.output.empty()) {
     write_whole(run.output, report.rows);
@@ -168,7 +174,7 @@ int collide_patches(const PatchRun& run) {
   if (report.uncertified > 0)
     fmt::print("note      patches may be missing in {}: spheres of the rule {} do not cover\n",
                counted(report.uncertified, "frame"), run.rule);
-  fmt::print("{}", built_tree_note(a.tree_was_built(), b.tree_was_built()));
+  fmt::print("{}", built_tree_note(a.tree_was_built(), other && b.tree_was_built()));
   if (!run.output.empty()) fmt::print("written   {}\n", run.output);
   return exit_done;
 }
