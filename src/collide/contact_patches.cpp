@@ -126,8 +126,7 @@ struct ContactPatchQuery::State {
 Status ContactPatchQuery::State::find_regions() {
   const Collider &a = *body[0], &b = *body[1];
   if (self) {
-    if (const Status status = crossings.run(a); !status) return status;
-    self_loops.find(a, self->closed, crossings.pairs());
+    self_loops.find(a, self->closed, self->tree);
     regions.find(a, *self, self_loops, {result.sides[0].facets, result.sides[1].facets});
     return {};
   }
@@ -148,7 +147,7 @@ Status ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   for (std::uint32_t patch = 0; patch < regions.patch_count; ++patch) complete(patch, options);
   next.volume = std::max(0.0, next.volume);
   next.link();
-  next.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
+  next.certified = self || (body[0]->sphere_state().covers && body[1]->sphere_state().covers);
   return {};
 }
 

@@ -233,10 +233,6 @@ class Selection {
   std::size_t size_ = 0;
 };
 
-bool have_common_vertex(const Facet& f, const Facet& g) {
-  return std::any_of(f.begin(), f.end(), [&](std::uint32_t v) { return v == g[0] || v == g[1] || v == g[2]; });
-}
-
 bool have_nodes(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
   return std::all_of(nodes.begin(), nodes.end(), [&](const NodePair& pair) {
     return pair.a < a.tree().node_count() && pair.b < b.tree().node_count();
@@ -248,8 +244,6 @@ bool have_nodes(const Collider& a, const Collider& b, std::span<const NodePair> 
 struct CrossingQuery::State {
   CallState call;
   std::vector<Crossing> found;
-  bool of_one_body = false;
-  std::span<const Facet> facets_of_one_body;
   std::size_t leaf_pairs = 0, facets_read = 0, pairs_tested = 0;
 
   // The memory, kept for the next query.
@@ -272,7 +266,6 @@ struct CrossingQuery::State {
   }
   void find(const Collider& a, const Collider& b, std::span<const NodePair> nodes);
   void look_at(const NodePair& pair);
-  Status run(const Collider& a, const Collider& b, bool one_body);
 };
 
 void CrossingQuery::State::look_at(const NodePair& pair) {
@@ -297,12 +290,7 @@ void CrossingQuery::State::look_at(const NodePair& pair) {
     for (std::size_t j = 0; j < count; ++j) {
       const std::uint32_t slot_a = few_a ? few.slot(i) : many.slot(partners[j]);
       const std::uint32_t slot_b = few_a ? many.slot(partners[j]) : few.slot(i);
-      std::uint32_t facet_a = facets_a.facet(slot_a), facet_b = facets_b.facet(slot_b);
-      if (of_one_body) {
-        if (have_common_vertex(facets_of_one_body[facet_a], facets_of_one_body[facet_b])) continue;
-        if (facet_b < facet_a) std::swap(facet_a, facet_b);
-      }
-      const std::uint64_t key = std::uint64_t{facet_a} << 32 | facet_b;
+      const std::uint64_t key = std::uint64_t{facets_a.facet(slot_a)} << 32 | facets_b.facet(slot_b);
       if (tested.insert(key)) candidates.push_back({slot_a, slot_b, key});
     }
   }
@@ -316,7 +304,6 @@ void CrossingQuery::State::look_at(const NodePair& pair) {
 }
 
 void CrossingQuery::State::find(const Collider& a, const Collider& b, std::span<const NodePair> nodes) {
-  if (of_one_body) facets_of_one_body = a.mesh_facets();
   const Vec3 origin = a.transform()(a.sphere_state().origin);
   facets_a.start(a, origin);
   facets_b.start(b, origin);
@@ -359,33 +346,24 @@ Status CrossingQuery::run(const Collider& a, const Collider& b, std::span<const 
   ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return own.status();
   const PairAsRead read(a, b);
-  state_->of_one_body = false;
   state_->find(a, b, nodes);
   own.finish(read.status());
   return state_->call.ended;
 }
 
-Status CrossingQuery::State::run(const Collider& a, const Collider& b, bool one_body) {
+Status CrossingQuery::run(const Collider& a, const Collider& b) {
   const StandardFloats standard;
   if (const Status status = status_of_pair(a, b, {.positions = true}); !status) return status;
-  ObjectCall own(*this, CallKind::begins);
+  ObjectCall own(*state_, CallKind::begins);
   if (!own.status()) return own.status();
   const PairAsRead read(a, b);
-  of_one_body = one_body;
-  leaves.clear();
+  state_->leaves.clear();
   each_overlapping(TreePair(a, b, 0, leaf_level), [&](std::uint32_t node_a, std::uint32_t node_b) {
-    if (!one_body || node_a <= node_b) leaves.push_back({node_a, node_b});
+    state_->leaves.push_back({node_a, node_b});
   });
-  find(a, b, leaves);
+  state_->find(a, b, state_->leaves);
   own.finish(read.status());
-  return call.ended;
-}
-
-Status CrossingQuery::run(const Collider& a, const Collider& b) {
-  return state_->run(a, b, false);
-}
-Status CrossingQuery::run(const Collider& body) {
-  return state_->run(body, body, true);
+  return state_->call.ended;
 }
 
 std::vector<Crossing> crossings(const Collider& a, const Collider& b) {

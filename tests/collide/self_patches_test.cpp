@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <morula/collide/contact_patches.hpp>
-#include <morula/collide/crossings.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <numbers>
 #include <support/error_text.hpp>
@@ -414,27 +413,6 @@ TEST(SelfPatches, refuse_open_and_inverted_surfaces_by_name) {
   const auto refusal = [](const Collider& body) { return test::error_text([&] { ContactPatchQuery{body}; }); };
   EXPECT_NE(refusal(open.collider).find("the body is not closed: 12 of its edges"), std::string::npos);
   EXPECT_NE(refusal(inverted.collider).find("the body is inside out"), std::string::npos);
-}
-
-TEST(SelfCrossings, are_those_of_all_pairs_without_a_common_vertex) {
-  Random random(2);
-  for (int round = 0; round < 2; ++round) {
-    PlacedBody body(round % 2 == 0 ? test::icosphere(2) : tube(hook_rings(6.6, 0.02)));
-    if (round % 2 == 0) body.deform(test::rippled(body.mesh.positions, 0.5, static_cast<std::uint64_t>(round)));
-    std::vector<Crossing> expected = brute_force::crossings(body.collider, body.collider);
-    std::erase_if(expected, [&](const Crossing& c) {
-      if (c.facet_a >= c.facet_b) return true;
-      for (const std::uint32_t v : body.mesh.facets[c.facet_a])
-        for (const std::uint32_t w : body.mesh.facets[c.facet_b])
-          if (v == w) return true;
-      return false;
-    });
-    CrossingQuery query;
-    ASSERT_TRUE(query.run(body.collider));
-    EXPECT_EQ(std::vector<Crossing>(query.pairs().begin(), query.pairs().end()), expected);
-    ASSERT_TRUE(query.run(body.collider, body.collider));
-    EXPECT_GT(query.pairs().size(), body.mesh.facets.size()) << "a pair of bodies is not restricted";
-  }
 }
 
 /// Polynomials in e_0, e_1, e_2 (the last point's translation decides nothing), by powers; the first key dominates.

@@ -105,7 +105,7 @@ struct ContactPatch {
 /// that comes out at the other side counts, too. Vertices are treated as if each were translated by an infinitely small
 /// vector of its own.
 ///
-/// Patches are complete if the spheres of both bodies cover (SphereState::covers).
+/// Patches of two bodies are complete if the spheres of both cover (SphereState::covers); those of one are complete.
 class ContactPatchQuery {
  public:
   /// Borrows both colliders. Throws std::invalid_argument for a collider without facets, a surface that is open or not
@@ -121,15 +121,16 @@ class ContactPatchQuery {
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
   /// 16 points (bad_option), and of two bodies a surface that is inside out around a vertex of the other (inside_out);
-  /// patches() then stays as it was. Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1
-  /// µs per facet inside; depths and points cost twice as much in addition. For one body all facets are read.
+  /// patches() then stays as it was. Cost: that of CrossingQuery for two bodies, or linear for one; about 0.5 µs per pair of facets that intersect and 0.1
+  /// µs per facet inside; depths and points cost twice as much in addition.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until
   /// the next run.
   std::span<const ContactPatch> patches() const;
   double volume() const;   ///< sum of the volumes of all patches, mesh units³
-  bool certified() const;  ///< SphereState::covers of both bodies in that run; if false, patches may be incomplete
+  /// SphereState::covers of both bodies in that run, true for one body; if false, patches may be incomplete.
+  bool certified() const;
 
  private:
   struct State;

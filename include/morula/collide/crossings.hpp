@@ -12,7 +12,7 @@
 
 namespace morula {
 
-/// A facet of a and a facet of b that intersect. For a body with itself both are facets of one body.
+/// A facet of a and a facet of b that intersect.
 struct Crossing {
   std::uint32_t facet_a, facet_b;
   Segment segment;  ///< result of intersection() of the two triangles, world coordinates
@@ -36,8 +36,6 @@ class CrossingQuery {
   /// reject, a collider without facets, and positions of another frame than the spheres; pairs() then stays as it was.
   /// Cost: about 20 ns per facet read and 30 to 100 ns per pair tested.
   Status run(const Collider& a, const Collider& b);
-  /// Finds all pairs of facets of one body that intersect and have no common vertex, facet_a < facet_b, like run(a, b).
-  Status run(const Collider& body);
   /// Finds the pairs of facets of which some pair of `nodes` owns parts: the first node a part of the facet of `a`, the
   /// second a part of the facet of `b`. nodes: usually pairs of leaves, such as those of a query for contacts. A facet
   /// is tested as a whole, so nodes may find a pair whose common points they do not own. Rejects nodes out of range

@@ -109,17 +109,19 @@ struct SelfLoops::FacetPair {
   }
 };
 
-void SelfLoops::find(const Collider& body, const ClosedSurface& surface, std::span<const Crossing> pairs) {
+void SelfLoops::find(const Collider& body, const ClosedSurface& surface, SelfTree& tree) {
   body_ = &body;
   surface_ = &surface;
   nodes.clear(), points.clear(), segments.clear(), ends_.clear();
   world.resize(body.vertex_count());
   for (std::uint32_t v = 0; v < world.size(); ++v) world[v] = body.vertex(v);
   InterruptPoller poll_interrupt(256);
-  for (const Crossing& crossing : pairs) {
+  const auto facets = body.mesh_facets();
+  tree.update(facets, world);
+  tree.each_pair([&](std::uint32_t f, std::uint32_t g) {
     poll_interrupt();
-    test(crossing.facet_a, crossing.facet_b, no_vertex);
-  }
+    if (common_corners(facets[f], facets[g]) == 0) test(f, g, no_vertex);
+  });
   find_pointed_fans();
   for (std::uint32_t v = 0; v < fans_.size(); ++v)
     if (fans_[v].is_pointed) {

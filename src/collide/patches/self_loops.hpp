@@ -12,11 +12,11 @@
 
 #include <cstdint>
 #include <morula/collide/collider.hpp>
-#include <morula/collide/crossings.hpp>
 #include <span>
 #include <vector>
 
 #include "collide/patches/closed_surface.hpp"
+#include "collide/patches/self_tree.hpp"
 #include "geometry/exact_predicates.hpp"
 
 namespace morula::detail {
@@ -44,8 +44,8 @@ class SelfLoops {
   std::vector<SelfSegment> segments;
   Vec3 origin;
 
-  /// pairs: all pairs of facets without a common vertex that have a common point, each once.
-  void find(const Collider& body, const ClosedSurface& surface, std::span<const Crossing> pairs);
+  /// tree: of the body's facets; brought up to date.
+  void find(const Collider& body, const ClosedSurface& surface, SelfTree& tree);
 
  private:
   struct FacetPair;

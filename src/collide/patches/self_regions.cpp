@@ -11,8 +11,18 @@
 
 namespace morula::detail {
 
+namespace {
+
+std::vector<Vec3> positions_of(const Collider& body) {
+  std::vector<Vec3> world(body.vertex_count());
+  for (std::uint32_t v = 0; v < world.size(); ++v) world[v] = body.vertex(v);
+  return world;
+}
+
+}  // namespace
+
 SelfSurface::SelfSurface(const Collider& body)
-    : closed(body, ""), parts(components_by_edges(body.surface(), closed.connectivity)), part_edge(parts.count, no_edge) {
+    : closed(body, ""), parts(components_by_edges(body.surface(), closed.connectivity)), part_edge(parts.count, no_edge), tree(body.mesh_facets(), positions_of(body)) {
   for (std::uint32_t f = 0; f < parts.of_facet.size(); ++f)
     if (std::uint32_t& edge = part_edge[parts.of_facet[f]]; edge == no_edge)
       edge = closed.connectivity.facet_edges[f][0];
@@ -110,7 +120,7 @@ void SelfRegions::find_numbers(const SelfSurface& surface, const SelfLoops& loop
   const auto locate = [&](std::uint32_t edge) {
     if (edge == no_edge || number_run_[edge] == s.now) return;
     check_interrupt();
-    spread(loops, edge, location_.outside(*s.body, surface.closed, loops.world, edge));
+    spread(loops, edge, number_outside(s.body->mesh_facets(), connectivity, surface.tree, loops.world, edge));
   };
   for (const Incidence& incidence : incidences_) {
     s.component_run[surface.parts.of_facet[incidence.facet]] = s.now;

@@ -32,6 +32,7 @@ struct SelfSurface {
   ClosedSurface closed;
   Components parts;                      ///< by edges
   std::vector<std::uint32_t> part_edge;  ///< no_edge for a facet without edges
+  SelfTree tree;
 };
 
 /// side[0] and side[1] are the two sides of the patches. Both lie on one body.
@@ -62,7 +63,6 @@ class SelfRegions : public PatchRegions {
   void choose_sides(const Earlier& earlier);
   void distribute();
 
-  SelfWinding location_;
   std::vector<Incidence> incidences_;  // ascending
   std::vector<std::uint32_t> cut_begin_;  // by cut facet: its first incidence
   std::vector<std::uint32_t> number_run_;  // by edge: the run that has set its number

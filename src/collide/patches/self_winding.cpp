@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "collide/patches/self_winding.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "collide/pairs/placed_spheres.hpp"
 
 namespace morula::detail {
 namespace {
@@ -41,60 +38,30 @@ int passage_of_cone(const IndexedPoint& u, const IndexedPoint& x, const Cone& g)
 
 }  // namespace
 
-// Facets that the half line from `from` along the axis may meet.
-void SelfWinding::collect(const Collider& body, const Vec3& from, int axis, int sign) {
-  const PlacedSpheres spheres(body);
-  const SphereTree& tree = body.tree();
-  const auto may_meet = [&](const Sphere& s) {
-    const double reach = s.radius * (1 + 0x1p-50), ahead = sign * (s.center[axis] - from[axis]);
-    const int side = (axis + 1) % 3, other = (axis + 2) % 3;
-    const double u = s.center[side] - from[side], v = s.center[other] - from[other];
-    return ahead + reach >= 0 && (u * u + v * v) * (1 - 0x1p-49) <= reach * reach;
-  };
-  std::array<std::uint32_t, max_depth * max_branching + 1> stack;
-  std::size_t top = 0;
-  facets_.clear();
-  stack[top++] = 0;
-  while (top > 0) {
-    const std::uint32_t node = stack[--top];
-    if (!may_meet(spheres(node))) continue;
-    if (tree.is_leaf(node)) {
-      const auto owned = body.facets(node);
-      facets_.insert(facets_.end(), owned.begin(), owned.end());
-      continue;
-    }
-    for (std::uint32_t k = 0; k < tree.child_count[node]; ++k) stack[top++] = tree.first_child[node] + k;
-  }
-  std::sort(facets_.begin(), facets_.end());
-  facets_.erase(std::unique(facets_.begin(), facets_.end()), facets_.end());
-}
-
-int SelfWinding::outside(const Collider& body, const ClosedSurface& surface, std::span<const Vec3> world,
-                         std::uint32_t edge) {
-  const Connectivity& connectivity = surface.connectivity;
+int number_outside(std::span<const Facet> facets, const Connectivity& connectivity, const SelfTree& tree,
+                   std::span<const Vec3> world, std::uint32_t edge) {
   const auto& [first, second] = connectivity.edges[edge];
   const IndexedPoint v{world[first], first}, u{world[second], second};
-  // The nearest way out of the body's sphere.
-  const Sphere root = PlacedSpheres(body)(0);
+  // The nearest way out of the box.
+  const Box& box = tree.bounds();
   int axis = 0, sign = 1;
-  for (int k = 0; k < 3; ++k) {
-    const double here = v.at[k] - root.center[k];
-    if (std::abs(here) > std::abs(v.at[axis] - root.center[axis])) axis = k;
-  }
-  if (v.at[axis] < root.center[axis]) sign = -1;
+  for (int k = 0; k < 3; ++k)
+    for (const int there : {1, -1}) {
+      const auto way = [&](int a, int s) { return s > 0 ? box.upper[a] - v.at[a] : v.at[a] - box.lower[a]; };
+      if (way(k, there) < way(axis, sign)) axis = k, sign = there;
+    }
   // X is translated least of all.
   IndexedPoint x{v.at, 0xffffffffu};
-  x.at[axis] = root.center[axis] + sign * (2 * root.radius + 0x1p-30 * std::abs(root.center[axis]));
-  collect(body, v.at, axis, sign);
+  const double end = sign > 0 ? box.upper[axis] : box.lower[axis];
+  x.at[axis] = end + sign * (length(box.extent()) + 0x1p-30 * std::abs(end) + 0x1p-1000);
 
   int winding = 0;
-  const auto facets = body.mesh_facets();
-  for (const std::uint32_t facet : facets_) {
+  tree.each_on_half_line(v.at, axis, sign, [&](std::uint32_t facet) {
     const Facet& f = facets[facet];
-    if (connectivity.facet_edges[facet][0] == no_edge) continue;
-    if (f[0] == first || f[1] == first || f[2] == first) continue;
+    if (connectivity.facet_edges[facet][0] == no_edge) return;
+    if (f[0] == first || f[1] == first || f[2] == first) return;
     winding -= passage(v, x, {IndexedPoint{world[f[0]], f[0]}, {world[f[1]], f[1]}, {world[f[2]], f[2]}});
-  }
+  });
   std::array<Cone, 2> at_edge{};
   std::array<std::uint32_t, 2> apex{};
   std::size_t found = 0;
