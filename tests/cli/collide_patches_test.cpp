@@ -182,8 +182,8 @@ TEST(CollidePatches, refuse_surfaces_by_name_with_a_remedy_that_works) {
 TEST(CollidePatches, refuse_options_that_show_no_patches) {
   const PatchBench bench;
   const std::string command = "collide cube.obj plate.obj --patches -o p.csv ";
-  for (const std::string option : {"--budget 10", "--level 0", "--margin 1", "--crossings", "--within 1",
-                                   "--carry", "--plot p.svg", "--priority level"})
+  for (const std::string option : {"--budget 10", "--level 0", "--margin 1", "--crossings", "--within 1", "--carry",
+                                   "--plot p.svg", "--priority level"})
     bench.expect_refused(command + option, option.substr(0, option.find(' ')) + " shows no patches");
   bench.expect_refused("collide cube.obj --patches", "cube.obj is one body");
   bench.expect_refused("collide --scene room.json --patches", "--patches is for two bodies");

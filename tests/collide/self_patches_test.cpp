@@ -170,8 +170,8 @@ TEST(SelfPatches, of_a_hook_of_boxes_on_a_grid_are_boxes) {
       for (const double lift : {-2.0, 0.0, 0.25, 2.0}) {
         body.deform(square_hook(begin, end, lift).positions);
         ASSERT_TRUE(query.run());
-        const double volume = std::clamp(1 - begin, 0.0, 2.0) * std::clamp(1 - end, 0.0, 2.0) *
-                              std::max(0.0, 2 - std::abs(lift));
+        const double volume =
+            std::clamp(1 - begin, 0.0, 2.0) * std::clamp(1 - end, 0.0, 2.0) * std::max(0.0, 2 - std::abs(lift));
         EXPECT_NEAR(query.volume(), volume, 1e-13) << begin << ' ' << end << ' ' << lift;
         EXPECT_NEAR(sum_of_volumes(query), volume, 1e-13);
         expect_consistent(query, 1e-13);
@@ -443,7 +443,8 @@ TEST(SelfPredicates, are_the_leading_terms_of_translated_points) {
     const int range = 1 + round % 3;
     for (long& x : c) x = static_cast<long>(random.uniform(0, range + 0.999));
     std::array<std::uint32_t, 4> index{0, 1, 2, 3};
-    for (std::size_t k = 3; k > 0; --k) std::swap(index[k], index[static_cast<std::size_t>(random.uniform(0, k + 0.999))]);
+    for (std::size_t k = 3; k > 0; --k)
+      std::swap(index[k], index[static_cast<std::size_t>(random.uniform(0, k + 0.999))]);
     std::array<detail::IndexedPoint, 4> points;
     std::array<std::array<Polynomial, 3>, 4> x;
     for (std::size_t p = 0; p < 4; ++p) {

@@ -211,8 +211,8 @@ void SelfLoops::test(std::uint32_t facet_a, std::uint32_t facet_b, std::uint32_t
   segments.push_back({facet_a, facet_b, 0, 0});
 }
 
-// The planes' normals of slivers have no digits. There, and where the edge lies in the plane, any point on the edge that
-// lies in the facet will do: the facets' parts are those of a surface that is moved within its rounding errors.
+// The planes' normals of slivers have no digits. There, and where the edge lies in the plane, any point on the edge
+// that lies in the facet will do: the facets' parts are those of a surface that is moved within its rounding errors.
 SelfNode SelfLoops::node_of(const FacetPair& pair, std::size_t side, std::size_t k, std::size_t next) const {
   const std::uint32_t edge = surface_->connectivity.facet_edges[pair.facet[side]][k];
   if (pair.corners[side][k] != surface_->connectivity.edges[edge][0]) std::swap(k, next);

@@ -38,7 +38,7 @@ struct SelfSegment {
 
 class SelfLoops {
  public:
-  std::vector<Vec3> world;  ///< positions of all vertices
+  std::vector<Vec3> world;      ///< positions of all vertices
   std::vector<SelfNode> nodes;  ///< ascending by edge, then by facet
   std::vector<Vec3> points;     ///< of nodes, about the origin
   std::vector<SelfSegment> segments;

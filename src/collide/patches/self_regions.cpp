@@ -22,7 +22,10 @@ std::vector<Vec3> positions_of(const Collider& body) {
 }  // namespace
 
 SelfSurface::SelfSurface(const Collider& body)
-    : closed(body, ""), parts(components_by_edges(body.surface(), closed.connectivity)), part_edge(parts.count, no_edge), tree(body.mesh_facets(), positions_of(body)) {
+    : closed(body, ""),
+      parts(components_by_edges(body.surface(), closed.connectivity)),
+      part_edge(parts.count, no_edge),
+      tree(body.mesh_facets(), positions_of(body)) {
   for (std::uint32_t f = 0; f < parts.of_facet.size(); ++f)
     if (std::uint32_t& edge = part_edge[parts.of_facet[f]]; edge == no_edge)
       edge = closed.connectivity.facet_edges[f][0];
@@ -176,12 +179,10 @@ void SelfRegions::spread(const SelfLoops& loops, std::uint32_t edge, int number)
         const int leaves = ends + step_at(loops, facet, corners[after]);
         const int arrives = begins - step_at(loops, facet, corners[k]);
         // The side after this one begins at its end; the side before ends at its begin.
-        reach(edges[after], connectivity.edges[edges[after]][0] == corners[after]
-                                ? leaves
-                                : leaves - jumps_of(loops, edges[after]));
-        reach(edges[before], connectivity.edges[edges[before]][0] == corners[k]
-                                 ? arrives
-                                 : arrives - jumps_of(loops, edges[before]));
+        reach(edges[after],
+              connectivity.edges[edges[after]][0] == corners[after] ? leaves : leaves - jumps_of(loops, edges[after]));
+        reach(edges[before],
+              connectivity.edges[edges[before]][0] == corners[k] ? arrives : arrives - jumps_of(loops, edges[before]));
       } else if (s.facet_run[facet] != s.now && at_first != 0) {
         s.facet_run[facet] = s.now;
         s.is_cut[facet] = 0;

@@ -63,14 +63,14 @@ class SelfRegions : public PatchRegions {
   void choose_sides(const Earlier& earlier);
   void distribute();
 
-  std::vector<Incidence> incidences_;  // ascending
-  std::vector<std::uint32_t> cut_begin_;  // by cut facet: its first incidence
+  std::vector<Incidence> incidences_;      // ascending
+  std::vector<std::uint32_t> cut_begin_;   // by cut facet: its first incidence
   std::vector<std::uint32_t> number_run_;  // by edge: the run that has set its number
   std::vector<int> number_;                // outside the edge at its first vertex
   // Two elements for each of the sets: sets are on different sides if the first of one is joined with the second of
   // the other; then the elements 2 r and 2 r + 1 of a patch that has no sides are joined.
   DisjointSets sides_{0};
-  std::vector<std::uint8_t> side_of_;     // by root
+  std::vector<std::uint8_t> side_of_;       // by root
   std::vector<std::uint8_t> has_no_sides_;  // by root
   std::vector<std::int32_t> earlier_;       // by facet: parts on a's side less parts on b's
 };

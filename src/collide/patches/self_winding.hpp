@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The winding number of a closed surface just outside one of its own edges, in general position (self_predicates.hpp).
 //
-// It is 0 at a point X outside the box of all facets. On the segment from a vertex v to X, each facet that does not contain v
-// changes it where the segment passes through. Near v, the facets that contain v but not a vertex u are cones; they
-// change it on the way from the direction of X to that of u, in the triangle v u X, where they meet this triangle's
-// cone. So it is known in this triangle, next to the edge v u. There it is the number outside the edge, or one more if
-// the triangle lies inside the wedge of the edge's two facets.
+// It is 0 at a point X outside the box of all facets. On the segment from a vertex v to X, each facet that does not
+// contain v changes it where the segment passes through. Near v, the facets that contain v but not a vertex u are
+// cones; they change it on the way from the direction of X to that of u, in the triangle v u X, where they meet this
+// triangle's cone. So it is known in this triangle, next to the edge v u. There it is the number outside the edge, or
+// one more if the triangle lies inside the wedge of the edge's two facets.
 #pragma once
 
 #include <cstdint>
