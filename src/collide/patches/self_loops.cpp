@@ -39,7 +39,7 @@ bool surely_separate(const Vec3& v, const std::array<Vec3, 2>& f, const std::arr
     // Differences are off by 2^-53, products by twice this, sums of three by four times.
     const Vec3 x = p - v;
     const double size = std::abs(across.x * x.x) + std::abs(across.y * x.y) + std::abs(across.z * x.z);
-    // mutant self-separate: `8 * 0x1p-53` -> `-1e-3`
+    // mutant self-separate: `8 * 0x1p-53` -> `-0.3`
     return sign * dot(across, x) > 8 * 0x1p-53 * size + 0x1p-1000;
   };
   return is_beyond(f[0], 1) && is_beyond(f[1], 1) && is_beyond(g[0], -1) && is_beyond(g[1], -1);
