@@ -16,7 +16,7 @@
 #include "collide/patches/self_predicates.hpp"
 #include "placed_bodies.hpp"
 
-namespace morula {
+namespace morula::self_patches {
 namespace {
 
 using test::clipped_overlap;
@@ -474,4 +474,4 @@ TEST(SelfPredicates, are_the_leading_terms_of_translated_points) {
 }
 
 }  // namespace
-}  // namespace morula
+}  // namespace morula::self_patches
