@@ -54,6 +54,26 @@ def test_a_budget_leaves_all_patches_or_contacts():
     assert query.run(budget="10s").is_finished and query.run().id[0] == complete.id[0]
     with pytest.raises(ValueError):
         query.run(budget=-1)
+def test_the_patch_of_a_body_with_itself_is_that_of_its_parts():
+    hull = morula.ConvexHull.box((0, 0, 0), (1, 1, 1))
+    mesh = morula.Mesh(
+        numpy.concatenate([hull.vertices, hull.vertices + (0.5, 0.25, 0.9)]),
+        numpy.concatenate([hull.facets, hull.facets + len(hull.vertices)]),
+    )
+    body = morula.Body(mesh, morula.build(mesh, method="octree", depth=2))
+    query = morula.ContactPatchQuery(body)
+    patches = query.run()
+    assert len(patches) == 1 and abs(patches.volume[0] - 0.5 * 0.75 * 0.1) < 1e-14
+    numpy.testing.assert_allclose(patches.centroid[0], (0.75, 0.625, 0.95), atol=1e-14)
+    assert set(patches.a.vertex) <= set(range(len(hull.vertices)))
+    assert set(patches.b.vertex).isdisjoint(range(len(hull.vertices)))
+    moved = mesh.positions.copy()
+    moved[len(hull.vertices):] += (0, 0, 1)
+    body.update(moved)
+    assert len(query.run()) == 0
+    with pytest.raises(ValueError, match="the body is not closed"):
+        plate = morula.Mesh(numpy.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], float), numpy.array([(0, 1, 2)]))
+        morula.ContactPatchQuery(morula.Body(plate, morula.build(plate, method="octree", depth=1)))
 
 
 def test_bodies_without_an_inside_are_refused_by_name():

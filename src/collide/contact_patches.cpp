@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contact_query.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,12 +16,18 @@ namespace morula {
 using namespace detail;
 
 struct ContactPatchQuery::State {
-  State(const Collider& a, const Collider& b)
-      : body{&a, &b}, surface{ClosedSurface(a, "first"), ClosedSurface(b, "second")} {}
+  State(const Collider& a, const Collider& b) : body{hold(a), hold(b)} {
+    surface.reserve(2);
+    surface.emplace_back(a, "first");
+    surface.emplace_back(b, "second");
+  }
+
+  explicit State(const Collider& one) : body{hold(one), hold(one)}, self(one) {}
 
   CallState call;
-  std::array<const Collider*, 2> body;
-  std::array<ClosedSurface, 2> surface;
+  std::array<std::shared_ptr<const Collider>, 2> body;
+  std::vector<ClosedSurface> surface;  // of two bodies
+  std::optional<SelfSurface> self;     // of one body
   std::unique_ptr<PatchEngine> engine;
   std::unique_ptr<ContactQuery> search;  // of runs with a budget
   std::vector<NodePair> leaves;
@@ -48,11 +55,17 @@ struct ContactPatchQuery::State {
 
 PatchStatus ContactPatchQuery::State::find_below(const ContactPatchOptions& options, Meter* meter) {
   if (!engine) engine = std::make_unique<PatchEngine>();
-  return engine->find({body, {&surface[0], &surface[1]}}, leaves, options, meter, known, next_id, next);
+  return engine->find({{body[0].get(), body[1].get()}, {&surface[0], &surface[1]}}, leaves, options, meter, known,
+                      next_id, next);
 }
 
 PatchStatus ContactPatchQuery::State::find(const ContactPatchOptions& options) {
   leaves.clear();
+  if (self) {
+    if (!engine) engine = std::make_unique<PatchEngine>();
+    return engine->find_self(*body[0], *self, options, {result.sides[0].facets, result.sides[1].facets}, known, next_id,
+                             next);
+  }
   if (!options.budget.is_unlimited()) return find_within(options);
   each_overlapping(TreePair(*body[0], *body[1], 0, leaf_level), [&](std::uint32_t a, std::uint32_t b) {
     leaves.push_back({a, b});
@@ -88,12 +101,16 @@ void ContactPatchQuery::State::keep(bool is_finished) {
     contacts.assign(found.begin(), found.end());
   }
   finished = is_finished;
-  certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
+  certified = self || (body[0]->sphere_state().covers && body[1]->sphere_state().covers);
 }
 
 ContactPatchQuery::ContactPatchQuery(const Collider& a, const Collider& b) {
   const StandardFloats standard;
   state_ = std::make_unique<State>(a, b);
+}
+ContactPatchQuery::ContactPatchQuery(const Collider& body) {
+  const StandardFloats standard;
+  state_ = std::make_unique<State>(body);
 }
 ContactPatchQuery::~ContactPatchQuery() = default;
 ContactPatchQuery::ContactPatchQuery(ContactPatchQuery&&) noexcept = default;
@@ -103,7 +120,8 @@ Status ContactPatchQuery::run(const ContactPatchOptions& options) {
   const StandardFloats standard;
   State& s = *state_;
   if (const Status status = status_of_pair(*s.body[0], *s.body[1], {.positions = true}); !status) return status;
-  if (options.max_points > 16 || options.budget.tests() < 0) return {Status::Code::bad_option};
+  if (options.max_points > 16 || options.budget.tests() < 0 || (s.self && !options.budget.is_unlimited()))
+    return {Status::Code::bad_option};
   ObjectCall own(s, CallKind::begins);
   if (!own.status()) return own.status();
   const PairAsRead read(*s.body[0], *s.body[1]);

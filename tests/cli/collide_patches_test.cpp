@@ -89,6 +89,32 @@ TEST(CollidePatches, of_boxes_are_those_by_hand) {
   EXPECT_NE(text.out.find("no tree given for A and B"), std::string::npos) << text.out;
 }
 
+TEST(CollidePatches, of_one_mesh_are_those_of_its_parts) {
+  const PatchBench bench;
+  std::string both = box_obj({0, 1, 0, 1, 0, 1}), plate = box_obj({-1, 2, -1, 2, 0.7, 3});
+  std::istringstream lines(plate);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    words >> kind;
+    if (kind == "f") {
+      both += "f";
+      for (int corner; words >> corner;) both += " " + std::to_string(corner + 8);
+      both += "\n";
+    } else {
+      both += line + "\n";
+    }
+  }
+  bench.write("both.obj", both);
+  const auto json = bench.require("collide both.obj --self --patches --json").json();
+  ASSERT_EQ(json["frames"].size(), 1u);
+  expect_top_of_cube(json["frames"][0], 0.3, 1);
+  EXPECT_NE(bench.require("collide both.obj --self --patches").out.find("no tree given for A:"), std::string::npos);
+  bench.expect_refused("collide both.obj --patches", "add --self");
+  bench.expect_refused("collide both.obj cube.obj --self --patches", "--self with --patches is for one body");
+  bench.expect_refused("collide both.obj --self --patches --translate-b 1,0,0", "there is no body B");
+}
+
 // A quarter turn about the z axis maps the plate to x from -2 to 1: one to the right, it is where it was.
 TEST(CollidePatches, follow_poses_and_motions) {
   const PatchBench bench;
@@ -156,8 +182,8 @@ TEST(CollidePatches, refuse_surfaces_by_name_with_a_remedy_that_works) {
 TEST(CollidePatches, refuse_options_that_show_no_patches) {
   const PatchBench bench;
   const std::string command = "collide cube.obj plate.obj --patches -o p.csv ";
-  for (const std::string option : {"--budget 10", "--level 0", "--margin 1", "--crossings", "--self", "--within 1",
-                                   "--carry", "--plot p.svg", "--priority level"})
+  for (const std::string option : {"--budget 10", "--level 0", "--margin 1", "--crossings", "--within 1", "--carry",
+                                   "--plot p.svg", "--priority level"})
     bench.expect_refused(command + option, option.substr(0, option.find(' ')) + " shows no patches");
   bench.expect_refused("collide cube.obj --patches", "cube.obj is one body");
   bench.expect_refused("collide --scene room.json --patches", "--patches is for two bodies");

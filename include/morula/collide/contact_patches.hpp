@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Contact patches: the connected parts of the overlap of two solid bodies, exactly for their piecewise linear surfaces.
+// Contact patches: the connected parts of the overlap of two solid bodies, or of one with itself, exactly for their
+// piecewise linear surfaces.
 //
 //   morula::ContactPatchQuery query(a, b);                // made once; it follows both bodies
 //   if (!query.run()) return;
@@ -73,6 +74,11 @@ struct PatchPoint {
 
 /// A connected part of the overlap of two bodies. Its surface consists of a region of each body's surface, and both
 /// regions meet in the crossing loops.
+///
+/// For one body a and b are the two sides of its surface that lie inside each other. In the first run a is the side
+/// with the lowest facet; later a side remains a while it has facets in common with it. Where the loops do not separate
+/// two sides, as at a fold, where three parts overlap, and around a part inside another, a has the whole region: then
+/// there is volume, centroid and gradients, but b is empty, and there are no normal, depth and points.
 struct ContactPatch {
   /// Number of the patch, the same in later runs while its centroid moves, with either body, by less than the square
   /// root of its area from run to run.
@@ -80,7 +86,7 @@ struct ContactPatch {
   double volume = 0;  ///< mesh units³, positive
   Vec3 centroid;      ///< centroid of the volume, world coordinates
   /// Unit vector from b to a: against the area vector of a's region. (0, 0, 0) if that vanishes, for example for a body
-  /// wholly inside the other.
+  /// wholly inside the other, and for a patch of one body without two sides.
   Vec3 normal;
   /// Least translation of a along the normal that parts both regions, mesh units: the largest distance, along the
   /// normal, from a point of a's region up to a point of b's region. If all facets of a's region face against the
@@ -101,32 +107,41 @@ struct ContactPatch {
 /// by an infinitely small vector; volumes, centroids and gradients of volumes are those of the limit. The volume is a
 /// continuous function of all positions.
 ///
-/// Patches are complete if the spheres of both bodies cover (SphereState::covers).
+/// For one body the integrand is w (w - 1) / 2, w its winding number: a point counts once for each pair of parts of the
+/// surface around it. Where the surface is inside out, w < 0, this is the overlap of the outside with itself, so a dent
+/// that comes out at the other side counts, too. Vertices are treated as if each were translated by an infinitely small
+/// vector of its own.
+///
+/// Patches of two bodies are complete if the spheres of both cover (SphereState::covers); those of one are complete.
 ///
 /// A run that its budget ends gives no patches, because a loop that is not closed yet bounds no region. It gives
 /// contacts of spheres that hold all crossings. Ids of patches last over such runs.
 class ContactPatchQuery {
  public:
-  /// Borrows both colliders. Throws std::invalid_argument for a collider without facets, a surface that is open or not
-  /// oriented, and for a body that is inside out (its volume is negative in the present positions). Cost: O(F log F)
-  /// for F facets, once.
+  /// Keeps both sides (Collider). Throws std::invalid_argument for a collider without facets, a surface that is open or
+  /// not oriented, and for a body that is inside out (its volume is negative in the present positions). Cost: O(F log
+  /// F) for F facets, once.
   ContactPatchQuery(const Collider& a, const Collider& b);
+  /// The patches of a body with itself, where it is closed and oriented. Keeps the side; throws and costs like
+  /// ContactPatchQuery(a, b).
+  explicit ContactPatchQuery(const Collider& body);
   ~ContactPatchQuery();
   ContactPatchQuery(ContactPatchQuery&&) noexcept;
   ContactPatchQuery& operator=(ContactPatchQuery&&) noexcept;
 
   /// Computes the patches of the present positions and transforms. Rejects a body that CrossingQuery rejects, more than
-  /// 16 points and a negative budget (bad_option), and a surface that is inside out where it meets the other
-  /// (inside_out); all results then stay as they were. If a callback (clock) throws or moves a body, the query has no
-  /// results, and patches get new ids.
+  /// 16 points, a negative budget, and a budget for one body (bad_option), and of two bodies a surface that is inside
+  /// out where it meets the other (inside_out); all results then stay as they were. If a callback (clock) throws or
+  /// moves a body, the query has no results, and patches get new ids.
   ///
   /// A budget of pair tests is never exceeded, and gives the same bits on any machine. A budget of time is read before
   /// every block of at most 64 tests of spheres, before the facets of each pair of leaves, before every 64 pairs of
   /// facets that intersect, and before the integrals of each patch and its depth and points. The run ends late by one
   /// of these steps, by the boundaries of all regions, or by the list of contacts.
   ///
-  /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; depths
-  /// and points cost twice as much in addition. Allocates nothing where earlier runs needed as much memory.
+  /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; for one
+  /// body instead of CrossingQuery about 0.7 µs per facet. Depths and points cost twice as much in addition. For two
+  /// bodies whose overlap has no cavity, allocates nothing where earlier runs needed as much memory.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until
@@ -138,8 +153,9 @@ class ContactPatchQuery {
   /// the surfaces cross, so each loop that bounds a patch, lies in the regions of one of these pairs, within its error
   /// bound. A body wholly inside the other has no crossing, and may be in no contact. Valid until the next run.
   std::span<const Contact> contacts() const;
-  double volume() const;   ///< sum of the volumes of all patches, mesh units³
-  bool certified() const;  ///< SphereState::covers of both bodies in that run; if false, patches may be incomplete
+  double volume() const;  ///< sum of the volumes of all patches, mesh units³
+  /// SphereState::covers of both bodies in that run, true for one body; if false, patches may be incomplete.
+  bool certified() const;
 
  private:
   struct State;

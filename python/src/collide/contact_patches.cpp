@@ -63,7 +63,7 @@ void bind_records(nb::module_& m) {
       .property("point_a", MORULA_COLUMN3(PatchPoints, rows, point.on_a.point), "(n, 3) float64, world coordinates.")
       .property("point_b", MORULA_COLUMN3(PatchPoints, rows, point.on_b.point), "(n, 3) float64, world coordinates.")
       .table([](const PatchPoints& self) { return self.rows.size(); });
-  Record<ContactPatches>(m, "ContactPatches", "The parts of the overlap of two bodies.")
+  Record<ContactPatches>(m, "ContactPatches", "The parts of the overlap of two bodies, or of one with itself.")
       .property("id", MORULA_COLUMN(ContactPatches, patches, id), doc::ContactPatch_id)
       .property("volume", MORULA_COLUMN(ContactPatches, patches, volume), "(n,) float64, mesh units³.")
       .property("centroid", MORULA_COLUMN3(ContactPatches, patches, centroid), doc::ContactPatch_centroid)
@@ -111,6 +111,17 @@ void bind_contact_patches(nb::module_& m) {
             new (self) HeldPatches(std::move(query), {{std::move(a), std::move(b)}});
           },
           nb::arg("a"), nb::arg("b"), doc::ContactPatchQuery_ContactPatchQuery)
+      .def(
+          "__init__",
+          [](HeldPatches* self, ColliderGiven given) {
+            auto body = kept_side_of(given, "body");
+            ContactPatchQuery query = without_gil([&] {
+              const Reading reading({body.get()});
+              return ContactPatchQuery(body->current());
+            });
+            new (self) HeldPatches(std::move(query), {{std::move(body)}});
+          },
+          nb::arg("body"), doc::ContactPatchQuery_ContactPatchQuery_2)
       .def(
           "run",
           [](HeldPatches& self, std::uint32_t max_points, bool depths, BudgetGiven budget) {

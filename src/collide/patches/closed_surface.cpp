@@ -99,7 +99,7 @@ Components components_of(std::size_t facet_count, const Connectivity& connectivi
 }  // namespace
 
 ClosedSurface::ClosedSurface(const Collider& body, const char* which) {
-  const std::string name = std::string("the ") + which + " body";
+  const std::string name = std::string("the ") + which + (*which ? " body" : "body");
   if (!body.has_surface()) throw std::invalid_argument(name + " has spheres alone, and contact patches need facets");
   const MeshView mesh = body.surface();
   connectivity = morula::connectivity(mesh);

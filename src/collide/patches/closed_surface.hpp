@@ -12,7 +12,7 @@ namespace morula::detail {
 
 /// A body's surface that is closed, oriented and not inside out. It depends on the facets alone.
 struct ClosedSurface {
-  /// which: "first" or "second", for the message. Throws std::invalid_argument.
+  /// which: "first", "second", or "" for the only body, for the message. Throws std::invalid_argument.
   ClosedSurface(const Collider& body, const char* which);
 
   Connectivity connectivity;

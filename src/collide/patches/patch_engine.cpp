@@ -63,7 +63,6 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
                               const ContactPatchOptions& options, Meter* meter, std::span<const KnownPatch> earlier,
                               std::uint32_t& next_id, PatchResult& result) {
   const Collider &a = *bodies.body[0], &b = *bodies.body[1];
-  const auto out_of_time = [&] { return meter && meter->out_of_time(); };
   crossings_.start(a, b);
   for (const NodePair& pair : leaves)
     // mutant patches-within-budget: `return {}` -> `break`
@@ -76,13 +75,30 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
                           ? inner.vertex(inner.mesh_facets()[0][0])
                           : intersection(a.triangle(pairs[0].facet_a()), b.triangle(pairs[0].facet_b()))->from;
   if (!loops_.find(a, *bodies.surface[0], b, *bodies.surface[1], pairs, origin, meter)) return {};
-  if (const Status status = regions_.find(a, *bodies.surface[0], b, *bodies.surface[1], loops_, origin); !status)
+  if (const Status status = regions_.PatchRegions::find(a, *bodies.surface[0], b, *bodies.surface[1], loops_, origin);
+      !status)
     return {status};
+  return find_in_regions(bodies, options, meter, earlier, next_id, result);
+}
+
+PatchStatus PatchEngine::find_self(const Collider& body, SelfSurface& surface, const ContactPatchOptions& options,
+                                   const SelfRegions::Earlier& sides, std::span<const KnownPatch> earlier,
+                                   std::uint32_t& next_id, PatchResult& result) {
+  self_loops_.find(body, surface.closed, surface.tree);
+  regions_.find(body, surface, self_loops_, sides);
+  return find_in_regions({{&body, &body}, {&surface.closed, &surface.closed}, true}, options, nullptr, earlier, next_id,
+                         result);
+}
+
+PatchStatus PatchEngine::find_in_regions(const PatchBodies& bodies, const ContactPatchOptions& options, Meter* meter,
+                                         std::span<const KnownPatch> earlier, std::uint32_t& next_id,
+                                         PatchResult& result) {
+  const auto out_of_time = [&] { return meter && meter->out_of_time(); };
   result.clear();
   diagonals_.clear();
   for (std::uint32_t patch = 0; patch < regions_.patch_count; ++patch) {
     if (out_of_time()) return {};
-    if (const Status status = measure(patch, result); !status) return {status};
+    if (const Status status = measure(bodies, patch, result); !status) return {status};
   }
   recognize(bodies, earlier, result);
   for (std::uint32_t patch = 0; patch < regions_.patch_count; ++patch) {
@@ -98,12 +114,12 @@ PatchStatus PatchEngine::find(const PatchBodies& bodies, std::span<const NodePai
   return {{}, true};
 }
 
-Status PatchEngine::measure(std::uint32_t patch, PatchResult& result) {
+Status PatchEngine::measure(const PatchBodies& bodies, std::uint32_t patch, PatchResult& result) {
   const PatchIntegrals sums = integrator_.integrate(regions_, patch, result.sides);
-  for (std::uint8_t k = 0; k < 2; ++k)
+  for (std::uint8_t k = 0; k < 2 && !bodies.is_one; ++k)
     if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
   // Winding numbers below 0 that no vertex shows: the body whose winding numbers are lower is inside out.
-  if (sums.volume < -sums.volume_rounding) {
+  if (!bodies.is_one && sums.volume < -sums.volume_rounding) {
     const bool lower_on_a = sums.wound_area[0] * sums.area[1] < sums.wound_area[1] * sums.area[0];
     return {Status::Code::inside_out, static_cast<std::uint8_t>(lower_on_a ? 1 : 0)};
   }

@@ -12,6 +12,7 @@
 #include "collide/facets/facet_crossings.hpp"
 #include "collide/patches/patch_matching.hpp"
 #include "collide/patches/patch_points.hpp"
+#include "collide/patches/self_regions.hpp"
 
 namespace morula::detail {
 
@@ -33,6 +34,7 @@ struct PatchResult {
 struct PatchBodies {
   std::array<const Collider*, 2> body;
   std::array<const ClosedSurface*, 2> surface;
+  bool is_one = false;  ///< true: both are the same body, whose patches with itself are computed
 };
 
 /// ok and whether all patches were computed, or a rejection.
@@ -50,15 +52,23 @@ class PatchEngine {
   PatchStatus find(const PatchBodies& bodies, std::span<const NodePair> leaves, const ContactPatchOptions& options,
                    Meter* meter, std::span<const KnownPatch> earlier, std::uint32_t& next_id, PatchResult& result);
 
+  /// Computes all patches of a body with itself. sides: the facets of both sides in the result of the last run.
+  PatchStatus find_self(const Collider& body, SelfSurface& surface, const ContactPatchOptions& options,
+                        const SelfRegions::Earlier& sides, std::span<const KnownPatch> earlier, std::uint32_t& next_id,
+                        PatchResult& result);
+
  private:
-  Status measure(std::uint32_t patch, PatchResult& result);
+  PatchStatus find_in_regions(const PatchBodies& bodies, const ContactPatchOptions& options, Meter* meter,
+                              std::span<const KnownPatch> earlier, std::uint32_t& next_id, PatchResult& result);
+  Status measure(const PatchBodies& bodies, std::uint32_t patch, PatchResult& result);
   void recognize(const PatchBodies& bodies, std::span<const KnownPatch> earlier, PatchResult& result);
   void complete(const PatchBodies& bodies, std::uint32_t patch, const ContactPatchOptions& options,
                 PatchResult& result);
 
   FacetCrossings crossings_;
   ContactLoops loops_;
-  PatchRegions regions_;
+  SelfLoops self_loops_;
+  SelfRegions regions_;
   PatchIntegrator integrator_;
   ProjectedRegion projected_[2];
   PatchDepth depth_;

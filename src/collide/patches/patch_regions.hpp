@@ -81,7 +81,7 @@ class PatchRegions {
 
   std::uint32_t& patch_at(const BoundaryPiece& piece) { return patch_of_[sets_.root(piece.from)]; }
 
- private:
+ protected:  // also for SelfRegions
   void sort_loops(SurfaceRegion& s, const ContactLoops& loops);
   bool find_windings(SurfaceRegion& s, const Collider& other, const ContactLoops& loops);
   bool spread(SurfaceRegion& s, const ContactLoops& loops, std::uint32_t vertex, int winding);

@@ -187,8 +187,11 @@ int run_features(const CollideArguments& o) {
 int run_patches(const CollideArguments& o) {
   std::string given = given_of_spheres(o);
   if (o.find_crossings) given = "--crossings";
-  if (o.with_self) given = "--self";
   if (o.within) given = "--within";
+  if (o.with_self && !o.b.mesh.empty())
+    throw UsageError("--self with --patches is for one body: leave out --self, or the other body");
+  if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.translate + o.b.rotate).empty())
+    throw UsageError("there is no body B: name it, or leave out its options");
   if (!given.empty()) throw UsageError(fmt::format("{} shows no patches: leave it out with --patches", given));
   return collide_patches({.a = o.a,
                           .b = o.b,
@@ -204,7 +207,8 @@ int collide_command(const CollideArguments& o) {
   if (!o.scene.empty()) return run_scene(o);
   if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
   if ((o.with_self || o.within) && !o.find_patches) return run_features(o);
-  if (o.b.mesh.empty()) throw UsageError(fmt::format("{} is one body: name another one, or add --self", o.a.mesh));
+  if (o.b.mesh.empty() && !o.with_self)
+    throw UsageError(fmt::format("{} is one body: name another one, or add --self", o.a.mesh));
   if (o.find_patches) return run_patches(o);
   const std::vector<Rule> rules = parse_rules(o.rule);
   require_position_rules(rules);
@@ -309,7 +313,8 @@ void add_collide(CLI::App& app, Run& run) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   add_flag(*command, "--self", o->with_self,
-           "Facets of a body that cross each other, and facets of A and B that cross; no spheres");
+           "Facets of a body that cross each other, and facets of A and B that cross; no spheres. With --patches: the "
+           "overlap of A with itself");
   add_option(*command, "--within", o->within,
              "Pairs of vertex and facet, edge and edge, at most this far apart; no spheres")
       ->type_name("LENGTH")
@@ -348,6 +353,7 @@ void add_collide(CLI::App& app, Run& run) {
       "200us\n"
       "  morula collide liver.obj tool.obj --crossings -o pairs.csv\n"
       "  morula collide liver.obj tool.obj --patches\n"
+      "  morula collide liver.obj --motion-a motion/ --self --patches\n"
       "  morula collide --scene room.json --budget 1ms\n"
       "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] {

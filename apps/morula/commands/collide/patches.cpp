@@ -10,6 +10,7 @@
 #include <morula/collide/crossings.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/io/whole_output.hpp>
+#include <optional>
 #include <toolbox/csv.hpp>
 #include <toolbox/stopwatch.hpp>
 
@@ -110,17 +111,18 @@ void add_patch_frame(PatchReport& report, const std::string& name_a, const std::
   report.uncertified += query.certified() ? 0 : 1;
 }
 
-/// view: null without a page.
+/// b: a itself for patches of one body. view: null without a page.
 PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& workers) {
   PatchReport report;
   CrossingQuery crossed;
-  ContactPatchQuery query(a.collider(), b.collider());
+  const bool is_one = &a == &b;
+  ContactPatchQuery query = is_one ? ContactPatchQuery(a.collider()) : ContactPatchQuery(a.collider(), b.collider());
   const std::size_t count = std::max(a.frame_count(), b.frame_count());
   Progress progress("colliding");
   for (std::size_t frame = 0; frame < count; ++frame) {
     progress.update(static_cast<double>(frame) / static_cast<double>(count));
     a.move_to(frame, workers);
-    b.move_to(frame, workers);
+    if (!is_one) b.move_to(frame, workers);
     toolbox::Stopwatch watch;
     const Status status = query.run();
     report.microseconds.push_back(1e6 * watch.lap());
@@ -134,6 +136,11 @@ PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& work
     if (!status) throw UsageError(message(status));
     add_patch_frame(report, a.frame_name(frame), b.frame_name(frame), query);
     if (view == nullptr) continue;
+    // Of one body, facets that share a vertex would be among the pairs.
+    if (is_one) {
+      view->end_frame_with_patches(a.frame_name(frame), query.patches(), {});
+      continue;
+    }
     if (const Status crossings = crossed.run(a.collider(), b.collider()); !crossings)
       throw UsageError(message(crossings));
     view->end_frame_with_patches(a.frame_name(frame) + ", " + b.frame_name(frame), query.patches(), crossed.pairs());
@@ -155,14 +162,18 @@ int collide_patches(const PatchRun& run) {
   if (!run.page.empty())
     collide_views().require(run.page, {run.a.mesh, run.a.tree, run.a.motion, run.b.mesh, run.b.tree, run.b.motion});
   Workers workers = make_workers(run.threads);
-  Side a(run.a, run.sph_origin, workers), b(run.b, run.sph_origin, workers);
+  Side a(run.a, run.sph_origin, workers);
+  std::optional<Side> other;
+  if (!run.b.mesh.empty()) other.emplace(run.b, run.sph_origin, workers);
+  Side& b = other ? *other : a;
   require_closed(a);
-  require_closed(b);
+  if (other) require_closed(b);
   a.prepare(rules, workers);
-  b.prepare(rules, workers);
+  if (other) b.prepare(rules, workers);
   std::unique_ptr<CollideView> view;
-  if (!run.page.empty())
+  if (!run.page.empty() && other)
     view = collide_views().make(a.stem() + " and " + b.stem(), {&a.collider(), &b.collider()}, run.rule);
+  if (!run.page.empty() && !other) view = collide_views().make(a.stem(), {&a.collider()}, run.rule);
   const PatchReport report = patches_of_frames(a, b, view.get(), workers);
   if (!run.output.empty()) {
     write_whole(run.output, report.rows);
@@ -185,7 +196,7 @@ int collide_patches(const PatchRun& run) {
   if (report.uncertified > 0)
     fmt::print("note      patches may be missing in {}: spheres of the rule {} do not cover\n",
                counted(report.uncertified, "frame"), run.rule);
-  fmt::print("{}", built_tree_note(a.tree_was_built(), b.tree_was_built()));
+  fmt::print("{}", built_tree_note(a.tree_was_built(), other && b.tree_was_built()));
   for (const std::string& file : {run.output, run.page})
     if (!file.empty()) fmt::print("written   {}\n", file);
   return exit_done;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// `morula collide --patches`: the connected parts of the overlap of two closed bodies, frame by frame.
+// `morula collide --patches`: the connected parts of the overlap of two closed bodies, or of one with itself, frame by
+// frame.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 namespace morula::cli {
 
 struct PatchRun {
-  SideFiles a, b;
+  SideFiles a, b;  // no mesh of b: a with itself
   std::string rule, sph_origin;
   std::string output;
   std::string page;
