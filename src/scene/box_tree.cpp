@@ -9,15 +9,15 @@
 namespace morula::detail {
 namespace {
 
-float surface(const FloatBox& b) {
+float surface(const OuterBox& b) {
   const float x = b.upper[0] - b.lower[0], y = b.upper[1] - b.lower[1], z = b.upper[2] - b.lower[2];
   return x * y + y * z + z * x;
 }
 
 }  // namespace
 
-FloatBox float_box(const Box& box) {
-  FloatBox narrow{};
+OuterBox float_box(const Box& box) {
+  OuterBox narrow{};
   for (int axis = 0; axis < 3; ++axis) {
     narrow.lower[axis] = -rounded_up(-box.lower[axis]);
     narrow.upper[axis] = rounded_up(box.upper[axis]);
@@ -25,8 +25,8 @@ FloatBox float_box(const Box& box) {
   return narrow;
 }
 
-FloatBox joined(const FloatBox& a, const FloatBox& b) {
-  FloatBox both{};
+OuterBox joined(const OuterBox& a, const OuterBox& b) {
+  OuterBox both{};
   for (int axis = 0; axis < 3; ++axis) {
     both.lower[axis] = std::min(a.lower[axis], b.lower[axis]);
     both.upper[axis] = std::max(a.upper[axis], b.upper[axis]);
@@ -70,7 +70,7 @@ void BoxTree::replace_child(std::uint32_t parent, std::uint32_t before, std::uin
   }
 }
 
-std::uint32_t BoxTree::insert(const FloatBox& box, std::uint32_t item) {
+std::uint32_t BoxTree::insert(const OuterBox& box, std::uint32_t item) {
   const std::uint32_t leaf = take();
   nodes_[leaf] = {box, item, none};
   parent_[leaf] = none;

@@ -20,19 +20,19 @@ inline void require_reservable(std::initializer_list<std::size_t> sizes) {
 }
 
 /// A box in float, rounded outwards; bounds beyond the range of float are infinite.
-struct FloatBox {
+struct OuterBox {
   float lower[3], upper[3];
-  bool overlaps(const FloatBox& other) const {
+  bool overlaps(const OuterBox& other) const {
     return lower[0] <= other.upper[0] && other.lower[0] <= upper[0] && lower[1] <= other.upper[1] &&
            other.lower[1] <= upper[1] && lower[2] <= other.upper[2] && other.lower[2] <= upper[2];
   }
-  bool contains(const FloatBox& other) const {
+  bool contains(const OuterBox& other) const {
     return lower[0] <= other.lower[0] && other.upper[0] <= upper[0] && lower[1] <= other.lower[1] &&
            other.upper[1] <= upper[1] && lower[2] <= other.lower[2] && other.upper[2] <= upper[2];
   }
 };
-FloatBox float_box(const Box& box);
-FloatBox joined(const FloatBox& a, const FloatBox& b);
+OuterBox float_box(const Box& box);
+OuterBox joined(const OuterBox& a, const OuterBox& b);
 
 /// A leaf is inserted where the boxes on its path grow least in surface; on the way back up, a node and the child of
 /// its sibling change places where that makes the sibling smaller [kopta2012].
@@ -45,9 +45,9 @@ class BoxTree {
   /// Makes room for so many leaves in all; insert(), remove() and visit() then allocate nothing.
   void reserve(std::size_t leaves);
   /// Returns the leaf. Requires room: by reserve(), or by an earlier remove() of another leaf.
-  std::uint32_t insert(const FloatBox& box, std::uint32_t item);
+  std::uint32_t insert(const OuterBox& box, std::uint32_t item);
   void remove(std::uint32_t leaf);
-  const FloatBox& box(std::uint32_t node) const { return nodes_[node].box; }
+  const OuterBox& box(std::uint32_t node) const { return nodes_[node].box; }
 
   /// Calls f(item) for the leaves for which reaches(box) holds, as it does for all boxes above. The order is
   /// unspecified.
@@ -72,7 +72,7 @@ class BoxTree {
 
  private:
   struct Node {
-    FloatBox box;
+    OuterBox box;
     std::uint32_t left, right;  // children; for a leaf: the item, none
   };
 

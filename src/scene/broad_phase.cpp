@@ -30,7 +30,7 @@ bool overlap(const Box& a, const Box& b) {
   return true;
 }
 
-FloatBox enlarged(const Box& box, const Vec3& move) {
+OuterBox enlarged(const Box& box, const Vec3& move) {
   const Vec3 e = box.extent();
   const double slack = slack_share * std::max({e.x, e.y, e.z});
   Box larger = box;
@@ -41,7 +41,7 @@ FloatBox enlarged(const Box& box, const Vec3& move) {
   return float_box(larger);
 }
 
-double longest_side(const FloatBox& b) {
+double longest_side(const OuterBox& b) {
   double longest = 0;
   for (int axis = 0; axis < 3; ++axis)
     longest = std::max(longest, static_cast<double>(b.upper[axis]) - static_cast<double>(b.lower[axis]));
@@ -92,8 +92,8 @@ struct BroadPhase::State {
 
   void look_around(std::uint32_t number) {
     const Entry& entry = entries[number];
-    const FloatBox larger = tree.box(entry.leaf);
-    tree.visit([&](const FloatBox& box) { return box.overlaps(larger); },
+    const OuterBox larger = tree.box(entry.leaf);
+    tree.visit([&](const OuterBox& box) { return box.overlaps(larger); },
                [&](std::uint32_t other) {
                  if (other == number || (entry.is_static && entries[other].is_static)) return;
                  // If both entries of a pair search, the lower one lists the pair.
@@ -162,7 +162,7 @@ Status BroadPhase::move(std::uint32_t number, const Box& box) {
   const Vec3 way = box.center() - entry.box.center();
   entry.box = box;
   s.flag(number, moved);
-  const FloatBox& larger = s.tree.box(entry.leaf);
+  const OuterBox& larger = s.tree.box(entry.leaf);
   const Vec3 e = box.extent();
   const double longest = std::max({e.x, e.y, e.z});
   // A box that has shrunk is inserted again.
@@ -250,8 +250,8 @@ std::span<const BoxPair> BroadPhase::pairs() const {
 
 void BroadPhase::find(const Box& box, std::vector<std::uint32_t>& found) const {
   const StandardFloats standard;
-  const FloatBox narrow = float_box(box);
-  state_->list([&](const FloatBox& b) { return b.overlaps(narrow); }, found);
+  const OuterBox narrow = float_box(box);
+  state_->list([&](const OuterBox& b) { return b.overlaps(narrow); }, found);
   std::erase_if(found, [&](std::uint32_t number) { return !overlap(state_->entries[number].box, box); });
 }
 
@@ -268,7 +268,7 @@ void BroadPhase::find_behind(const Vec3& direction, double distance, std::vector
   }
   // Tests the corner that is farthest behind; rounding only adds boxes.
   state_->list(
-      [&](const FloatBox& b) {
+      [&](const OuterBox& b) {
         double least = 0, size = 0;
         for (int axis = 0; axis < 3; ++axis) {
           const double corner =
@@ -291,7 +291,7 @@ class Slabs {
       : origin_(origin), half_(half), direction_(direction), t_end_(t_end) {}
 
   // A comparison with NaN keeps the box.
-  bool operator()(const FloatBox& b) const {
+  bool operator()(const OuterBox& b) const {
     double enter = 0, leave = t_end_;
     for (int axis = 0; axis < 3; ++axis) {
       const double lower = static_cast<double>(b.lower[axis]) - half_[axis];

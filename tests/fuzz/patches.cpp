@@ -129,6 +129,8 @@ void run(Bytes& in) {
   // Coordinates are below 10, areas below 500.
   constexpr double slack = 1e-9;
   const double expected = test::clipped_overlap(a.collider, b.collider).volume;
+  // The apexes of the oracle's cones are other ones here. A flat cone makes it wrong.
+  if (std::abs(test::clipped_overlap(b.collider, a.collider).volume - expected) > slack) return;
   require(std::abs(query->volume() - expected) <= slack, "the volume is not that of clipped tetrahedra");
   double sum = 0;
   for (const ContactPatch& patch : query->patches()) {

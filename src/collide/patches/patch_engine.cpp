@@ -118,8 +118,10 @@ Status PatchEngine::measure(const PatchBodies& bodies, std::uint32_t patch, Patc
   const PatchIntegrals sums = integrator_.integrate(regions_, patch, result.sides);
   for (std::uint8_t k = 0; k < 2 && !bodies.is_one; ++k)
     if (sums.wound_area[k] < -sums.rounding[k]) return {Status::Code::inside_out, static_cast<std::uint8_t>(1 - k)};
-  // Winding numbers below 0 that no vertex shows: the body whose winding numbers are lower is inside out.
-  if (!bodies.is_one && sums.volume < -sums.volume_rounding) {
+  // Winding numbers below 0 that no vertex shows: the body whose winding numbers are lower is inside out. The error of
+  // areas times the size of the patch bounds that of the volume by rounding of nodes.
+  const double error = (sums.rounding[0] + sums.rounding[1]) * sums.box.diagonal() + sums.volume_rounding;
+  if (!bodies.is_one && sums.volume < -error) {
     const bool lower_on_a = sums.wound_area[0] * sums.area[1] < sums.wound_area[1] * sums.area[0];
     return {Status::Code::inside_out, static_cast<std::uint8_t>(lower_on_a ? 1 : 0)};
   }
