@@ -89,8 +89,8 @@ class HapticProbe {
   /// Moves the proxy toward the device point, in world coordinates. In the first step, and after reset(), the proxy
   /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it, on its
   /// side. A start on a facet, an edge or a vertex goes to the outer side if this has room, else to any side that has.
-  /// Where none has, HapticStep::jammed is true, and the next step starts at its device point. Such a start costs up to
-  /// 300 ball queries, and allocates.
+  /// Where none has, HapticStep::jammed is true, and the next step starts at its device point. Such a start costs about
+  /// 300 ball queries at most, and allocates.
   ///
   /// body: the same body in every step, or another object of the same mesh, such as a copy of the body in another
   /// snapshot: positions are compared with those of the last step. Rejected, with no change: a body that queries

@@ -54,8 +54,8 @@ struct [[nodiscard]] HapticToolStep {
   Vec3 force{};            ///< force on the device: stiffness × (center of the proxy − center of the device)
   Vec3 torque{};           ///< torque on the device about its center (HapticTool::center)
   bool touches = false;    ///< a facet is within radius + skin of a ball, up to a sixteenth of the skin
-  /// true: no motion nearer to the device pose was found, up to 1/64 of the skin at every ball. false: the next step
-  /// continues.
+  /// true: no motion nearer to the device pose was found, up to 1/64 of the skin at every point of the balls, and to
+  /// 1/64 radian. false: the next step continues.
   bool settled = false;
   /// true: the tool has no proven place. The surface closed around it, or moved too far in one step to be followed; or
   /// it has not started, because a ball reaches the surface at each device pose so far. The proxy stays, or is at the
