@@ -324,6 +324,7 @@ HapticStep HapticProbe::step(const Collider& body, const Vec3& device) {
 
 void HapticProbe::reset() {
   state_->is_started = false;
+  state_->resting.reset();
   state_->path.clear();
 }
 

@@ -304,6 +304,7 @@ HapticToolStep HapticTool::step(const Collider& body, const RigidTransform& devi
 
 void HapticTool::reset() {
   state_->is_started = false;
+  state_->resting.reset();
   state_->path.clear();
 }
 

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <morula/surface/haptic_probe.hpp>
+#include <morula/surface/haptic_tool.hpp>
+#include <span>
 #include <support/meshes.hpp>
 #include <support/numbers.hpp>
 
@@ -96,6 +99,24 @@ TEST(HapticProbe, leaves_facets_without_area_that_it_starts_on) {
       EXPECT_NEAR(step.proxy.z, 1e-5, 2e-6) << k;
     }
   }
+}
+
+TEST(HapticProbe, keeps_no_body_after_a_reset) {
+  const Mesh mesh = test::grid_plate(3);
+  HapticProbe probe;
+  const Sphere ball{{}, 0.05};
+  HapticTool tool(std::span(&ball, 1));
+  std::weak_ptr<const void> state;
+  {
+    const Body body(mesh, build(mesh));
+    const Collider collider(mesh, body);
+    state = body.sphere_state().shared;
+    ASSERT_TRUE(probe.step(collider, {0.5, 0.5, 1}).status);
+    ASSERT_TRUE(tool.step(collider, {.translation = {0.5, 0.5, 1}}).status);
+  }
+  probe.reset();
+  tool.reset();
+  EXPECT_TRUE(state.expired());
 }
 
 TEST(HapticProbe, may_make_any_number_of_moves) {

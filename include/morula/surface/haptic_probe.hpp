@@ -98,7 +98,8 @@ class HapticProbe {
   /// or facets than in the last step (other_bodies); a skin of 2^-24 or less of the body's largest |coordinate|
   /// (bad_option).
   HapticStep step(const Collider& body, const Vec3& device);
-  /// Forgets the proxy: the next step starts at its device point.
+  /// Forgets the proxy, and the body of the last step, which it shares until then: the next step starts at its device
+  /// point.
   void reset();
   /// Centers of the proxy in the last step, in the body's coordinates: at its beginning, after it followed the surface,
   /// and after every move. From the second one on, the proxy moved along the straight lines between them. Valid until

@@ -104,7 +104,8 @@ class HapticTool {
   /// (deviation_from_rigid above largest_float_deviation) or 2^200 or more away (bad_shape); another number of vertices
   /// or facets than in the last step (other_bodies); a skin that is too small (bad_option).
   HapticToolStep step(const Collider& body, const RigidTransform& device);
-  /// Forgets the proxy: the next step starts at its device pose.
+  /// Forgets the proxy, and the body of the last step, which it shares until then: the next step starts at its device
+  /// pose.
   void reset();
   /// Center of mass of the balls, with their volumes as masses, in the tool's coordinates; with equal masses if all
   /// radii are 0.
