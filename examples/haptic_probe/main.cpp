@@ -12,6 +12,7 @@
 #include <morula/morula.hpp>
 #include <numbers>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 using morula::Vec3;
@@ -96,7 +97,9 @@ class Solver {
 // One state of the organ for the haptic thread: it owns all that queries read.
 struct Organ {
   Organ(const morula::Mesh& surface, const morula::Body& first)
-      : positions(surface.positions), body(first), collider(surface, body) {}
+      : positions(surface.positions), body(first), collider(surface, body) {
+    if (!body.update(positions)) throw std::runtime_error("bad positions");  // until here it reads those of `first`
+  }
   int frame = 0;
   std::vector<Vec3> positions;
   morula::Body body;

@@ -18,6 +18,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
+constexpr std::size_t reserved_probe_moves = 256;  // moves whose places are reserved before the first step
+
 void require_haptic_number(double value, const char* name) {
   if (!(value >= 0) || !std::isfinite(value))
     throw std::invalid_argument(std::string("HapticOptions::") + name + " must be finite and at least 0, not " +
@@ -118,7 +120,7 @@ Status HapticProbe::State::start(const Collider& body, const Vec3& goal, const S
   }
   surface.start(body);
   if (options.smooth_normals) normals.start(body);
-  path.reserve(options.max_moves + 3);
+  path.reserve(std::min(options.max_moves, reserved_probe_moves) + 3);
   skin = wanted_skin, center = goal, is_started = true, is_off_surface = false;
   return {};
 }
@@ -322,6 +324,7 @@ HapticStep HapticProbe::step(const Collider& body, const Vec3& device) {
 
 void HapticProbe::reset() {
   state_->is_started = false;
+  state_->resting.reset();
   state_->path.clear();
 }
 

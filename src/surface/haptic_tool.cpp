@@ -15,6 +15,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
+constexpr std::size_t reserved_tool_moves = 256;  // moves whose places are reserved before the first step
+
 void require_tool_number(double value, const char* name) {
   if (!(value >= 0) || !std::isfinite(value))
     throw std::invalid_argument(std::string("HapticToolOptions::") + name + " must be finite and at least 0, not " +
@@ -75,10 +77,11 @@ struct HapticTool::State {
 
   HapticToolOptions options;
   ToolShape shape;
-  bool is_started = false;  // there is a body and a skin
-  bool has_place = false;   // the pose is off the surface, on a side that is kept
-  bool was_placed = false;  // the pose is that of a proxy, though it may be jammed
-  ToolPose pose;            // in the body's coordinates
+  std::optional<Collider> resting;  // the body of the present step, without its transform
+  bool is_started = false;          // there is a body and a skin
+  bool has_place = false;           // the pose is off the surface, on a side that is kept
+  bool was_placed = false;          // the pose is that of a proxy, though it may be jammed
+  ToolPose pose;                    // in the body's coordinates
   double skin = 0;
   ToolFollower surface;
   ToolNeighbors neighbors;
@@ -104,7 +107,7 @@ Status HapticTool::State::start(const Collider& body) {
   if (is_started) return {};
   surface.motion.start(body);
   neighbors.clear();
-  path.reserve(options.max_moves + 2);
+  path.reserve(std::min(options.max_moves, reserved_tool_moves) + 2);
   skin = wanted_skin, is_started = true, has_place = was_placed = false;
   return {};
 }
@@ -218,7 +221,8 @@ void HapticTool::State::approach(const Collider& body, const ToolPose& goal, Hap
     const std::optional<RigidMotion> far = far_motion(body, direct);
     const std::optional<RigidMotion> move = far ? far : near_motion(body, direct);
     if (!move) return;
-    result.settled = shape.displacement(*move) <= skin / 64;
+    // mutant haptic-tool-loose-turn: `std::max(shape.reach(), skin)` -> `0.0`
+    result.settled = length(move->shift) + std::max(shape.reach(), skin) * length(move->turn) <= skin / 64;
     if (result.settled || result.moves == options.max_moves) return;
     if (!far && !advance(body, *move)) return;
     if (far) pose = far->shift == direct.shift ? goal : pose.moved(*far);
@@ -256,7 +260,12 @@ HapticToolStep HapticTool::State::step(const Collider& placed, const RigidTransf
     result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
   // In its own coordinates a body that moves rigidly rests, and the device moves instead.
-  Collider body = placed;
+  if (resting) {
+    *resting = placed;  // a copy would allocate
+  } else {
+    resting.emplace(placed);
+  }
+  Collider& body = *resting;
   body.set_transform({});
   const ToolPose goal = pose_of(relative_to(placed.transform(), device));
   result.status = start(body);
@@ -295,6 +304,7 @@ HapticToolStep HapticTool::step(const Collider& body, const RigidTransform& devi
 
 void HapticTool::reset() {
   state_->is_started = false;
+  state_->resting.reset();
   state_->path.clear();
 }
 

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <morula/surface/haptic_probe.hpp>
+#include <morula/surface/haptic_tool.hpp>
+#include <span>
 #include <support/meshes.hpp>
 #include <support/numbers.hpp>
 
@@ -78,6 +81,51 @@ TEST(HapticProbe, stays_on_the_side_on_which_it_starts_hardly_off_a_facet) {
     }
   HapticProbe probe({.skin = 1e-5});
   EXPECT_GT(settle(probe, plate.collider, {0.31, 0.42, 1}).proxy.z, 1) << "the outer side of its facet";
+}
+
+TEST(HapticProbe, leaves_facets_without_area_that_it_starts_on) {
+  Mesh mesh = test::grid_plate(4);
+  const std::size_t flat = mesh.facets.size();
+  for (const Facet& f : {Facet{6, 7, 8}, Facet{6, 6, 7}, Facet{7, 12, 12}, Facet{11, 11, 11}}) mesh.facets.push_back(f);
+  PlacedBody body(mesh);
+  for (std::size_t k = flat; k < mesh.facets.size(); ++k) {
+    const Facet& f = mesh.facets[k];
+    const Vec3 a = mesh.positions[f[0]], b = mesh.positions[f[2]];
+    for (const Vec3& device : {a, b, 0.5 * (a + b)}) {
+      HapticProbe probe({.skin = 1e-5});
+      const HapticStep step = settle(probe, body.collider, device);
+      EXPECT_FALSE(step.jammed) << k;
+      EXPECT_TRUE(step.settled) << k;
+      EXPECT_NEAR(step.proxy.z, 1e-5, 2e-6) << k;
+    }
+  }
+}
+
+TEST(HapticProbe, keeps_no_body_after_a_reset) {
+  const Mesh mesh = test::grid_plate(3);
+  HapticProbe probe;
+  const Sphere ball{{}, 0.05};
+  HapticTool tool(std::span(&ball, 1));
+  std::weak_ptr<const void> state;
+  {
+    const Body body(mesh, build(mesh));
+    const Collider collider(mesh, body);
+    state = body.sphere_state().shared;
+    ASSERT_TRUE(probe.step(collider, {0.5, 0.5, 1}).status);
+    ASSERT_TRUE(tool.step(collider, {.translation = {0.5, 0.5, 1}}).status);
+  }
+  probe.reset();
+  tool.reset();
+  EXPECT_TRUE(state.expired());
+}
+
+TEST(HapticProbe, may_make_any_number_of_moves) {
+  PlacedBody plate(test::grid_plate(7));
+  for (const std::size_t most : {std::size_t{1} << 40, std::size_t{1} << 62, ~std::size_t{0}}) {
+    HapticProbe probe({.max_moves = most});
+    ASSERT_TRUE(probe.step(plate.collider, {0.5, 0.5, 1}).status);
+    EXPECT_TRUE(probe.step(plate.collider, {0.4, 0.3, -1}).settled);
+  }
 }
 
 TEST(HapticProbe, starts_again_until_it_has_room) {

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/surface/haptic_tool.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <support/allocations.hpp>
 #include <support/error_text.hpp>
@@ -335,6 +337,46 @@ TEST(HapticTool, follows_the_device_where_it_is_free_from_near_and_from_far) {
     // The device is far beyond the body.
     const HapticToolStep held = settle(tool, body.collider, {.translation = {-far, 0, 0}}, 3);
     for (const Sphere& ball : balls) EXPECT_GT(length(held.proxy(ball.center)), 1.05) << far;
+  }
+}
+
+TEST(HapticTool, follows_a_turn_in_place_though_no_center_of_a_ball_moves) {
+  PlacedBody plate(test::translated(test::grid_plate(8, 2, 2), {-1, -1, 0}));
+  for (const double radius : {0.1, 1e-170, 0.0})
+    for (const double height : {0.5, 50.0})
+      for (const std::optional<double>& rotation_stiffness : {std::optional<double>{}, std::optional(3.0)}) {
+        const Sphere ball{{}, radius};
+        HapticTool tool(std::span(&ball, 1), {.rotation_stiffness = rotation_stiffness});
+        ASSERT_FALSE(tool.step(plate.collider, {.translation = {0, 0, height}}).jammed);
+        const RigidTransform device = RigidTransform::from_axis({1, 2, 0}, 2.0, {0, 0, height});
+        const HapticToolStep step = settle(tool, plate.collider, device);
+        EXPECT_TRUE(step.settled);
+        EXPECT_LT(length(step.torque), 1e-12) << radius << " " << height;
+        for (std::size_t row = 0; row < 3; ++row) EXPECT_LT(distance(step.proxy.rows[row], device.rows[row]), 1e-12);
+      }
+}
+
+TEST(HapticTool, of_one_ball_slides_whatever_its_radius) {
+  PlacedBody plate(test::translated(test::grid_plate(8, 2, 2), {-1, -1, 0}));
+  for (const double radius : {0.1, 1e-150, 1e-170, 1e-300, 0.0}) {
+    const Sphere ball{{}, radius};
+    HapticTool tool(std::span(&ball, 1));
+    ASSERT_FALSE(tool.step(plate.collider, {.translation = {0, 0, 0.5}}).jammed);
+    const HapticToolStep step =
+        settle(tool, plate.collider, RigidTransform::from_axis({0, 1, 0}, 1.0, {0.5, 0.25, -0.5}));
+    EXPECT_TRUE(step.settled && step.touches) << radius;
+    EXPECT_LT(distance(step.proxy.translation, {0.5, 0.25, radius}), 1e-3) << radius;
+    EXPECT_LT(length(step.torque), 0.1) << radius;
+  }
+}
+
+TEST(HapticTool, may_make_any_number_of_moves) {
+  PlacedBody plate(test::translated(test::grid_plate(8, 2, 2), {-1, -1, 0}));
+  const std::vector<Sphere> balls = bar(3, 0.4, 0.03);
+  for (const std::size_t most : {std::size_t{1} << 40, std::size_t{1} << 62, ~std::size_t{0}}) {
+    HapticTool tool(balls, {.max_moves = most});
+    ASSERT_FALSE(tool.step(plate.collider, {.translation = {0, 0, 0.5}}).jammed);
+    EXPECT_TRUE(tool.step(plate.collider, RigidTransform::from_axis({0, 1, 0}, 1.0, {0, 0, -0.5})).settled);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <support/meshes.hpp>
 #include <support/transforms.hpp>
 
 namespace morula {
@@ -28,6 +29,36 @@ TEST(ProxyContacts, are_two_between_facets_that_face_each_other_however_near) {
     EXPECT_EQ(contacts[0].normal, (Vec3{0, 0, 1}));
     EXPECT_EQ(contacts[1].normal, (Vec3{0, 0, -1}));
   }
+}
+
+TEST(ProxyContacts, are_one_for_each_plane_of_many_facets) {
+  // In a box whose faces have thousands of facets, three faces are within reach.
+  const Vec3 center{0.7, 0.65, 0.6};
+  for (const Vec3& offset : {Vec3{}, Vec3{1e6, -3e6, 2e6}})
+    for (const int shifts : {0, 1, 2}) {
+      const auto turned = [&](Vec3 p) {
+        for (int k = 0; k < shifts; ++k) p = {p.y, p.z, p.x};
+        return p + offset;
+      };
+      const Mesh box = test::box_mesh({-1, -1, -1}, {1, 1, 1}, 24);
+      std::vector<NearFacet> near;
+      for (std::uint32_t f = 0; f < box.facets.size(); ++f) {
+        Triangle t;
+        for (std::size_t k = 0; k < 3; ++k) t[k] = turned(box.positions[box.facets[f][k]]);
+        near.push_back({f, t});
+      }
+      std::vector<detail::ProxyContact> contacts;
+      detail::find_contacts(near, turned(center), KeptDistances(0.8, 1e-3), contacts);
+      ASSERT_EQ(contacts.size(), 3u) << offset.x << " " << shifts;
+      Vec3 sum;
+      for (std::size_t k = 0; k < 3; ++k) {
+        sum += contacts[k].normal;
+        EXPECT_NEAR(contacts[k].distance, 1 - dot(-contacts[k].normal, turned(center) - offset), 1e-8);
+        EXPECT_EQ(contacts[k].facet, near[contacts[k].place].facet);
+        EXPECT_LT(k == 0 ? 0 : contacts[k - 1].place, contacts[k].place + (k == 0));
+      }
+      EXPECT_LT(distance(sum, {-1, -1, -1}), 1e-8);
+    }
 }
 
 TEST(ProxyContacts, leave_a_share_of_each_move_however_near_the_facets_are) {

@@ -4,7 +4,9 @@
 //
 //   struct Organ {                                                      // what the reader needs, and nothing shared
 //     explicit Organ(const morula::Mesh& mesh, const morula::Body& first)
-//         : positions(mesh.positions), body(first), collider(mesh, body) {}
+//         : positions(mesh.positions), body(first), collider(mesh, body) {
+//       if (!body.update(positions)) throw std::runtime_error("bad positions");  // before, it reads those of `first`
+//     }
 //     std::vector<morula::Vec3> positions;                              // the body's view is of this array
 //     morula::Body body;                                                // a copy: it shares tree and cover
 //     morula::Collider collider;                                        // of this slot's body

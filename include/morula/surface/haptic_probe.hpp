@@ -89,8 +89,8 @@ class HapticProbe {
   /// Moves the proxy toward the device point, in world coordinates. In the first step, and after reset(), the proxy
   /// starts at the device point; if this is nearer to the surface than radius + skin, it is pushed away from it, on its
   /// side. A start on a facet, an edge or a vertex goes to the outer side if this has room, else to any side that has.
-  /// Where none has, HapticStep::jammed is true, and the next step starts at its device point. Such a start costs up to
-  /// 300 ball queries, and allocates.
+  /// Where none has, HapticStep::jammed is true, and the next step starts at its device point. Such a start costs about
+  /// 300 ball queries at most, and allocates.
   ///
   /// body: the same body in every step, or another object of the same mesh, such as a copy of the body in another
   /// snapshot: positions are compared with those of the last step. Rejected, with no change: a body that queries
@@ -98,7 +98,8 @@ class HapticProbe {
   /// or facets than in the last step (other_bodies); a skin of 2^-24 or less of the body's largest |coordinate|
   /// (bad_option).
   HapticStep step(const Collider& body, const Vec3& device);
-  /// Forgets the proxy: the next step starts at its device point.
+  /// Forgets the proxy, and the body of the last step, which it shares until then: the next step starts at its device
+  /// point.
   void reset();
   /// Centers of the proxy in the last step, in the body's coordinates: at its beginning, after it followed the surface,
   /// and after every move. From the second one on, the proxy moved along the straight lines between them. Valid until

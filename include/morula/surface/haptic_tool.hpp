@@ -54,8 +54,8 @@ struct [[nodiscard]] HapticToolStep {
   Vec3 force{};            ///< force on the device: stiffness × (center of the proxy − center of the device)
   Vec3 torque{};           ///< torque on the device about its center (HapticTool::center)
   bool touches = false;    ///< a facet is within radius + skin of a ball, up to a sixteenth of the skin
-  /// true: no motion nearer to the device pose was found, up to 1/64 of the skin at every ball. false: the next step
-  /// continues.
+  /// true: no motion nearer to the device pose was found, up to 1/64 of the skin at every point of the balls, and to
+  /// 1/64 radian. false: the next step continues.
   bool settled = false;
   /// true: the tool has no proven place. The surface closed around it, or moved too far in one step to be followed; or
   /// it has not started, because a ball reaches the surface at each device pose so far. The proxy stays, or is at the
@@ -104,7 +104,8 @@ class HapticTool {
   /// (deviation_from_rigid above largest_float_deviation) or 2^200 or more away (bad_shape); another number of vertices
   /// or facets than in the last step (other_bodies); a skin that is too small (bad_option).
   HapticToolStep step(const Collider& body, const RigidTransform& device);
-  /// Forgets the proxy: the next step starts at its device pose.
+  /// Forgets the proxy, and the body of the last step, which it shares until then: the next step starts at its device
+  /// pose.
   void reset();
   /// Center of mass of the balls, with their volumes as masses, in the tool's coordinates; with equal masses if all
   /// radii are 0.

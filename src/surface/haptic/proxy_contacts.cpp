@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <morula/geometry/triangle_intersection.hpp>
 
 #include "geometry/exact_predicates.hpp"
@@ -46,18 +47,65 @@ Approach approach(const Triangle& t, const Vec3& p) {
   return made;
 }
 
-/// Whether a nearest point is also on another facet that is nearer to the center, or as near and before it. The normals
-/// of both then make an acute angle; facets that face each other, nearer to each other than the tolerance, do not.
-bool is_hidden(const ProxyContact& contact, const std::vector<ProxyContact>& all, const std::vector<NearFacet>& near,
-               double tolerance) {
-  for (const ProxyContact& nearer : all) {
-    if (nearer.facet == contact.facet || nearer.distance > contact.distance) continue;
-    if (nearer.distance == contact.distance && nearer.facet > contact.facet) continue;
-    // mutant haptic-hides-opposite: `!(dot(nearer.normal, contact.normal) > 0)` -> `false`
-    if (!(dot(nearer.normal, contact.normal) > 0)) continue;
-    if (closest_point(near[nearer.place].corners, contact.point).squared_distance <= tolerance * tolerance) return true;
+/// Whether the nearest point of `contact` is also on the facet of `nearer`, which is nearer to the center, or as near
+/// and before it. The normals of both then make an acute angle; facets that face each other, nearer to each other than
+/// the tolerance, do not.
+bool hides(const ProxyContact& nearer, const ProxyContact& contact, const std::vector<NearFacet>& near,
+           double tolerance) {
+  if (nearer.facet == contact.facet || nearer.distance > contact.distance) return false;
+  if (nearer.distance == contact.distance && nearer.facet > contact.facet) return false;
+  // mutant haptic-hides-opposite: `!(dot(nearer.normal, contact.normal) > 0)` -> `false`
+  if (!(dot(nearer.normal, contact.normal) > 0)) return false;
+  return closest_point(near[nearer.place].corners, contact.point).squared_distance <= tolerance * tolerance;
+}
+
+/// Exact.
+bool are_on_a_line(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::all_of(std::begin(projections), std::end(projections),
+                     [&](Projection p) { return orient2d(a, b, c, p) == 0; });
+}
+
+/// The axis along which the nearest points extend most.
+int longest_axis(const std::vector<ProxyContact>& contacts) {
+  Vec3 low = contacts.front().point, high = low;
+  for (const ProxyContact& contact : contacts)
+    for (int k = 0; k < 3; ++k)
+      low[k] = std::min(low[k], contact.point[k]), high[k] = std::max(high[k], contact.point[k]);
+  const Vec3 extent = high - low;
+  return extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+}
+
+// Only facets whose interval along an axis contains a nearest point, up to the tolerance and rounding, can hide it. So
+// a ball over n small facets tests about √n of them for each, instead of all.
+void mark_hidden(std::vector<ProxyContact>& contacts, const std::vector<NearFacet>& near, double tolerance) {
+  constexpr std::size_t few = 32;
+  if (contacts.size() <= few) {
+    for (ProxyContact& contact : contacts)
+      contact.hidden = std::any_of(contacts.begin(), contacts.end(),
+                                   [&](const ProxyContact& nearer) { return hides(nearer, contact, near, tolerance); });
+    return;
   }
-  return false;
+  const int axis = longest_axis(contacts);
+  for (ProxyContact& contact : contacts) {
+    const Triangle& t = near[contact.place].corners;
+    const double pad = tolerance + 0x1p-44 * std::max({max_norm(t[0]), max_norm(t[1]), max_norm(t[2])});
+    contact.low = std::min({t[0][axis], t[1][axis], t[2][axis]}) - pad;
+    contact.high = std::max({t[0][axis], t[1][axis], t[2][axis]}) + pad;
+  }
+  std::sort(contacts.begin(), contacts.end(), [](const auto& a, const auto& b) { return a.low < b.low; });
+  double highest = contacts.front().high;
+  for (ProxyContact& contact : contacts) contact.highest = highest = std::max(highest, contact.high);
+  for (ProxyContact& contact : contacts) {
+    const double at = contact.point[axis];
+    auto nearer = std::upper_bound(contacts.begin(), contacts.end(), at,
+                                   [](double value, const ProxyContact& c) { return value < c.low; });
+    contact.hidden = false;
+    while (!contact.hidden && nearer != contacts.begin() && std::prev(nearer)->highest >= at) {
+      --nearer;
+      contact.hidden = nearer->high >= at && hides(*nearer, contact, near, tolerance);
+    }
+  }
+  std::sort(contacts.begin(), contacts.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
 }
 
 // The distance of a point that moves on a line to a convex set is a convex function f of the time. While f falls, its
@@ -102,7 +150,7 @@ void find_contacts(const std::vector<NearFacet>& near, const Vec3& center, const
     contacts.push_back(
         {near[k].facet, found.nearest.barycentric, found.nearest.point, found.normal, found.distance, k});
   }
-  for (ProxyContact& contact : contacts) contact.hidden = is_hidden(contact, contacts, near, kept.skin * 0x1p-10);
+  mark_hidden(contacts, near, kept.skin * 0x1p-10);
   std::erase_if(contacts, [](const ProxyContact& contact) { return contact.hidden; });
 }
 
@@ -125,8 +173,11 @@ bool meets_a_facet(const std::vector<NearFacet>& near, const Vec3& from, const V
 bool leaves_facets(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to) {
   return std::all_of(near.begin(), near.end(), [&](const NearFacet& facet) {
     const Triangle& t = facet.corners;
-    if (intersect(t, {from, from, from})) return orient3d(t[0], t[1], t[2], to) != 0;
-    return !intersect(t, {from, to, to});
+    if (!intersect(t, {from, from, from})) return !intersect(t, {from, to, to});
+    if (orient3d(t[0], t[1], t[2], to) != 0) return true;
+    // In one plane. Only a facet without area can be left: a point, or a segment from whose line `to` is away.
+    if (!are_on_a_line(t[0], t[1], t[2])) return false;
+    return (t[0] == t[1] && t[1] == t[2]) || !are_on_a_line(t[0], t[1], to) || !are_on_a_line(t[1], t[2], to);
   });
 }
 

@@ -33,6 +33,9 @@ struct ProxyContact {
   double distance;
   std::size_t place;    ///< of the facet among those near the proxy
   bool hidden = false;  ///< not a contact (find_contacts)
+  /// Interval of the facet along an axis, and the largest `high` up to this one in the order of `low`: for the search
+  /// in find_contacts() alone.
+  double low = 0, high = 0, highest = 0;
 };
 
 /// The contacts of a center with facets at most `touching` away, in the order of the facets.
@@ -47,8 +50,8 @@ double free_share(const std::vector<NearFacet>& near, const Vec3& center, const 
 
 /// Whether the closed segment has a common point with one of the facets. Exact.
 bool meets_a_facet(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to);
-/// Whether the closed segment has no common point with the facets, except its beginning. Exact; facets in one plane
-/// with the segment that contain its beginning count as met.
+/// Whether the closed segment has no common point with the facets, except its beginning. Exact; facets with
+/// an area, in one plane with the segment, that contain its beginning count as met.
 bool leaves_facets(const std::vector<NearFacet>& near, const Vec3& from, const Vec3& to);
 
 /// A vector in the frame of a triangle: along its first side, across it, and along its normal.

@@ -55,7 +55,8 @@ ToolShape::ToolShape(std::span<const Sphere> balls) {
     sum[1] += share * (Vec3{0, own, 0} - a.y * a);
     sum[2] += share * (Vec3{0, 0, own} - a.z * a);
   }
-  const double least = reach_ > 0 ? 1e-4 * reach_ * reach_ : 1;
+  // The square of a smaller reach underflows. Such a tool is a point, whose rotation is free.
+  const double least = reach_ > 0x1p-480 ? 1e-4 * reach_ * reach_ : 1;
   sum[0].x += least, sum[1].y += least, sum[2].z += least;
   lower_ = cholesky(sum);
 }
