@@ -56,7 +56,7 @@ Status PatchRegions::find(const Collider& a, const ClosedSurface& surface_a, con
   assign_patches(loops);
   join_cavities();
   number_patches();
-  for (SurfaceRegion& s : side) split_parts(s);
+  for (SurfaceRegion& s : side) split_parts(s, patch_count);
   return {};
 }
 
@@ -258,8 +258,8 @@ void PatchRegions::number_patches() {
   patch_count = lowest_.size();
 }
 
-void PatchRegions::split_parts(SurfaceRegion& s) {
-  const std::size_t count = patch_count > 1 ? s.parts.size() : 0;
+void PatchRegions::split_parts(SurfaceRegion& s, std::size_t groups) {
+  const std::size_t count = groups > 1 ? s.parts.size() : 0;
   if (count == 0)
     for (FacetPart& part : s.parts) part.patch = 0;
   for (std::size_t k = 0; k < count; ++k) {

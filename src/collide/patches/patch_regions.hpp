@@ -93,7 +93,8 @@ class PatchRegions {
   void join_holes(const SurfaceRegion& s, const FacetPart& part);
   void assign_patches(const ContactLoops& loops);
   void join_cavities();
-  void split_parts(SurfaceRegion& s);
+  /// groups: number of values in patch_of_.
+  void split_parts(SurfaceRegion& s, std::size_t groups);
   void number_patches();
 
   DisjointSets sets_{0};

@@ -304,7 +304,7 @@ void SelfRegions::distribute() {
     if (std::uint32_t& patch = patch_of_[root]; patch != 0xffffffffu)
       patch = 2 * patch + (one_sided[patch] ? 0u : side_of_[root]);
   SurfaceRegion &a = side[0], &b = side[1];
-  split_parts(a);
+  split_parts(a, 2 * patch_count);
   std::size_t kept = 0;
   for (FacetPart part : a.parts) {
     const bool of_b = part.patch % 2 != 0;
