@@ -30,16 +30,25 @@ struct RigidBody {
   Vec3 center() const { return collider.transform().translation; }
   Vec3 velocity_at(const Vec3& p) const { return velocity + cross(spin, p - center()); }
 
-  /// A step of semi-implicit Euler. torque: about the center of mass.
+  /// A step of semi-implicit Euler. torque: about the center of mass. Without one the angular momentum stays the same.
   void advance(double h, const Vec3& force, const Vec3& torque) {
     morula::RigidTransform pose = collider.transform();
     velocity += h / mass * force;
     const Vec3 local = pose.inverse_rotate(spin);
-    const Vec3 momentum{inertia.x * local.x, inertia.y * local.y, inertia.z * local.z};
-    const Vec3 rate = pose.inverse_rotate(torque) - cross(local, momentum);  // Euler's equations
-    spin += h * pose.rotate({rate.x / inertia.x, rate.y / inertia.y, rate.z / inertia.z});
-    const auto turn = morula::RigidTransform::from_axis(spin, length(spin) * h);
-    pose.rows = orthonormalized(relative_to(inverse(turn), {pose.rows, {}})).rows;
+    const Vec3 momentum = pose.rotate({inertia.x * local.x, inertia.y * local.y, inertia.z * local.z}) + h * torque;
+    const auto spin_in_pose = [&] {
+      const Vec3 l = pose.inverse_rotate(momentum);
+      return pose.rotate({l.x / inertia.x, l.y / inertia.y, l.z / inertia.z});
+    };
+    const auto turned = [](const auto& rows, const Vec3& by) {
+      const auto turn = morula::RigidTransform::from_axis(by, length(by));
+      return orthonormalized(relative_to(inverse(turn), {rows, {}})).rows;
+    };
+    // The spin in the middle of the step turns the body: that at its beginning would add energy.
+    const auto rows = pose.rows;
+    pose.rows = turned(rows, h / 2 * spin_in_pose());
+    pose.rows = turned(rows, h * spin_in_pose());
+    spin = spin_in_pose();
     pose.translation += h * velocity;
     collider.set_transform(pose);
   }

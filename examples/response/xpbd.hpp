@@ -67,13 +67,15 @@ struct Site {
 };
 
 /// Solves C = volume of the sector, for each point of a patch, and friction there. a and b: the bodies of the patch.
-/// Returns the sum of pushes on a, which are forces times h².
+/// Points between facets that are all held are left out: nothing can move there. Returns the sum of pushes on a, which
+/// are forces times h².
 inline Vec3 solve_points(const morula::ContactPatch& patch, SoftBody* a, SoftBody* b, double friction) {
   Vec3 total;
   for (const morula::PatchPoint& point : patch.points) {
     if (!(point.volume > 0) || squared_length(point.force) == 0) continue;
     const Site on_a{a, point.on_a}, on_b{b, point.on_b};
     const double w = on_a.inverse_mass() + on_b.inverse_mass();
+    if (w == 0) continue;
     const auto push = [&](const Vec3& by) { on_a.push(by), on_b.push(-by), total += by; };
     // The derivative of the sector's volume by a translation of a is -force.
     const Vec3 normal_push = point.volume / (w * squared_length(point.force)) * point.force;

@@ -44,9 +44,10 @@ struct FacetMasks {
 /// Pairs that `rings` and `rest_distance` skip cost little: a search does not descend below pairs of nodes of which
 /// every pair is skipped, and it tests up to 64 pairs at once. `rings` need a table of at most 512 bytes per facet: the
 /// first query without a budget makes it; a query with a budget makes the rows that it comes to, within its budget in
-/// time. If the table would be larger, the rest of the pairs are tested one by one. `rest_distance` needs the features
-/// at rest in floats: the first query makes them in linear time, about 110 bytes per facet, for all distances. The
-/// surface tree keeps them, and the tables of the last four filters.
+/// time. If the table would be larger, or the rings about any eight adjacent facets have more than 4,096 vertices, the
+/// rest of the pairs are tested one by one, each in the time of a search through its rings. `rest_distance` needs the
+/// features at rest in floats: the first query makes them in linear time, about 110 bytes per facet, for all distances.
+/// The surface tree keeps them, and the tables of the last four filters.
 struct PairFilter {
   /// For one surface with itself: skips pairs of which two vertices are at most this number of edges apart. 0: skips
   /// only pairs that share a vertex.

@@ -93,7 +93,8 @@ struct LayerPatch {
 /// **Exact and convergent.** The integrals along edges have relative errors of about 1e-10; forces and torques of both
 /// sides add up to 0 up to rounding at any error. The edges' areas are a quadrature that is exact where φ is a linear
 /// function on each facet, so volumes and gradients converge to those of the smooth surfaces with the square of the
-/// edge length, if h is below the radii of curvature.
+/// edge length, if h is below the radii of curvature. Facets have to be small against the contact: inside a large one
+/// its surface does not count, and at an edge of one it counts with the area of the whole facet per length of the edge.
 ///
 /// **Sides.** Distances have no sign: surfaces that have passed through each other are pushed apart on the wrong side.
 /// Limit steps by SweptQuery::collision_free_step(), or let the stiffness grow, to keep sides.

@@ -74,8 +74,8 @@ class SurfaceTree {
   std::span<const std::array<std::uint32_t, 2>> edges() const;
   /// Number of vertices of facets whose rest position is that of an earlier one. Not 0 for a mesh in which adjacent
   /// facets do not share vertices, such as a glTF with hard edges or texture coordinates: queries of the surface with
-  /// itself find pairs at distance 0 there. read_mesh() with a weld and weld_vertices() merge them. Cost: linear for the
-  /// first call, none for later ones.
+  /// itself find pairs at distance 0 there. read_mesh() with a weld and weld_vertices() merge them. Cost: linear for
+  /// the first call, none for later ones.
   std::size_t duplicate_vertices() const;
   /// Position of a vertex: at the beginning of a step, at its end, and at rest.
   Vec3 from(std::uint32_t vertex) const;
