@@ -279,6 +279,45 @@ TEST(ContactPatches, of_a_box_pressed_into_a_plate_are_known) {
   }
 }
 
+/// A stem of the half width 0.5 on a head of the half width 1.5, from z = -0.7 to -0.5, about the z axis.
+Mesh mushroom() {
+  Mesh mesh;
+  for (const auto& [half, z] : {std::pair{0.5, 1.0}, std::pair{0.5, -0.5}, std::pair{1.5, -0.5}, std::pair{1.5, -0.7}})
+    for (const auto& [x, y] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})
+      mesh.positions.push_back({x * half, y * half, z});
+  for (std::uint32_t ring = 0; ring < 12; ring += 4)
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t from = ring + i, to = ring + (i + 1) % 4;
+      mesh.facets.push_back({from, from + 4, to});
+      mesh.facets.push_back({to, from + 4, to + 4});
+    }
+  for (const Facet& f : {Facet{0, 1, 2}, Facet{0, 2, 3}, Facet{12, 14, 13}, Facet{12, 15, 14}})
+    mesh.facets.push_back(f);
+  return inspect(mesh).volume > 0 ? mesh : test::inverted(mesh);
+}
+
+// The loop is around the stem, but most lines along the normal pass through the head alone: volume over area exceeds
+// the whole depth, and the mean length of the lines does not.
+TEST(ContactPatches, of_a_head_under_a_surface_have_points_as_deep_as_the_head_is_thick) {
+  PlacedBody head(mushroom()), plate(test::box_mesh({-3, -3, -2}, {3, 3, 0}));
+  ContactPatchQuery query(head.collider, plate.collider), exchanged(plate.collider, head.collider);
+  constexpr double volume = 1 * 0.5 + 9 * 0.2;
+  for (ContactPatchQuery* each : {&query, &exchanged}) {
+    ASSERT_TRUE(each->run());
+    ASSERT_EQ(each->patches().size(), 1u);
+    const ContactPatch& patch = each->patches()[0];
+    EXPECT_NEAR(patch.volume, volume, 1e-13);
+    EXPECT_NEAR(patch.depth, 0.7, 1e-13);
+    EXPECT_NEAR(patch.mean_depth, volume, 1e-13);
+    ASSERT_EQ(patch.points.size(), 4u);
+    for (const PatchPoint& point : patch.points) {
+      EXPECT_NEAR(point.volume, volume / 4, 1e-13);
+      EXPECT_NEAR(length(point.force), 0.25, 1e-13);
+      EXPECT_NEAR(point.depth, volume / 9, 1e-13);
+    }
+  }
+}
+
 /// A prism along x with a groove of a right angle, its lowest line at z = 0.
 Mesh groove() {
   Mesh mesh;

@@ -7,7 +7,7 @@
 //   if (!query.run()) return;
 //   for (const morula::ContactPatch& patch : query.patches())
 //     for (const morula::VertexGradient& g : patch.a.gradients)
-//       force[g.vertex] -= stiffness * patch.volume * g.gradient;   // of the energy stiffness / 2 · volume²
+//       force[g.vertex] -= stiffness * query.volume() * g.gradient;   // energy: stiffness / 2 · volume²
 #pragma once
 
 #include <array>
@@ -62,10 +62,15 @@ struct PatchPoint {
   Vec3 point;        ///< world coordinates
   /// Share of this point in −PatchSide::area_vector of a, mesh units²: the area of the sector across the normal, along
   /// the normal, plus the least correction with which all forces and torques sum up to those of the patch.
+  /// Where facets of a face along the normal, it may be short, or against the normal.
   Vec3 force;
-  double volume = 0;  ///< volume of the sector, mesh units³; the sum over all points is ContactPatch::volume
-  /// Volume of the sector over its area across the normal: its mean depth, mesh units. 0 for a sector without area,
-  /// which has a point only where fewer than three sectors have one.
+  /// Volume of the sector, and an equal share in sectors without a point, mesh units³; the sum over all points is
+  /// ContactPatch::volume.
+  double volume = 0;
+  /// Mean depth of the sector, mesh units: the mean length of the segments in which lines along the normal pass through
+  /// it. That is its volume over the area, across the normal, of the facets of both bodies that face against the
+  /// normal; over the length of `force` only if all of those are a's, and no facet of a faces along it. 0 for a sector
+  /// without area, which has a point only where fewer than three sectors have one.
   double depth = 0;
   /// Points of both surfaces on the line through `point` along the normal; where the line misses the region, the center
   /// of the facet's part that is nearest to it.
@@ -80,8 +85,9 @@ struct PatchPoint {
 /// two sides, as at a fold, where three parts overlap, and around a part inside another, a has the whole region: then
 /// there is volume, centroid and gradients, but b is empty, and there are no normal, depth and points.
 struct ContactPatch {
-  /// Number of the patch, the same in later runs while its centroid moves, with either body, by less than the square
-  /// root of its area from run to run.
+  /// Number of the patch, the same in later runs while its centroid moves, with one of both bodies, by less than the
+  /// square root of its area from run to run. Where several patches are so near, the sum of their moves over these
+  /// roots decides which has which number.
   std::uint32_t id = 0;
   double volume = 0;  ///< mesh units³, positive
   Vec3 centroid;      ///< centroid of the volume, world coordinates
@@ -92,7 +98,9 @@ struct ContactPatch {
   /// normal, from a point of a's region up to a point of b's region. If all facets of a's region face against the
   /// normal and all of b's along it, that parts the overlap. 0 without a normal or without ContactPatchOptions::depths.
   double depth = 0;
-  double mean_depth = 0;           ///< volume over the length of the area vector, mesh units; 0 without a normal
+  /// Volume over the length of the area vector, mesh units; 0 without a normal. Where facets of a's region face along
+  /// the normal, or of b's against it, it may exceed the depth.
+  double mean_depth = 0;
   std::size_t crossing_count = 0;  ///< number of points where an edge of one body passes through a facet of the other
   PatchSide a, b;
   std::span<const PatchPoint> points;

@@ -100,10 +100,11 @@ std::size_t PatchPoints::sector_of(const Vec3& x) const {
 }
 
 // The triangle (c, p, q), all of it in one sector.
-void PatchPoints::add_piece(const Vec3& c, const Vec3& p, const Vec3& q, double weight, bool is_a) {
+void PatchPoints::add_piece(const Vec3& c, const Vec3& p, const Vec3& q, double weight, bool is_a, bool is_below) {
   const Vec3 middle = (c + p + q) / 3.0, area = cross(p - c, q - c) * (0.5 * weight);
   Sector& sector = sectors_[sector_of((p + q) * 0.5)];
   sector.volume += middle.z * area.z;
+  if (is_below) sector.below -= area.z;
   if (!is_a) return;
   sector.area -= area.z;
   sector.weighted -= middle * area.z;
@@ -130,7 +131,7 @@ void PatchPoints::collect(const ProjectedRegion& region, bool is_a) {
       Vec3 p = side.from;
       for (std::size_t k = 1; k < cuts_.size(); ++k) {
         const Vec3 q = k + 1 == cuts_.size() ? side.to : side.from + (side.to - side.from) * cuts_[k];
-        add_piece(c, p, q, side.weight, is_a);
+        add_piece(c, p, q, side.weight, is_a, n.z < 0);
         p = q;
       }
     }
@@ -168,7 +169,7 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
     if (!has_area(sector)) {
       volume += sector.volume;
       if (!fills) continue;
-      sector.area = sector.volume = 0;
+      sector.area = sector.below = sector.volume = 0;
     }
     // Where facets of a face along the normal, too, the mean of positions with areas of both signs may be far away.
     const Vec3 mean = sector.area > 0 ? sector.weighted / sector.area : middle_ray(k) * (0.25 * box.diagonal());
@@ -176,7 +177,7 @@ void PatchPoints::add(const ProjectedRegion& a, const ProjectedRegion& b, const 
     const SurfacePoint on_a = surface_point(a, at, true, frame, *bodies[0], origin);
     const SurfacePoint on_b = surface_point(b, at, false, frame, *bodies[1], origin);
     points.push_back({k, origin + frame.center + world(at), frame.normal * sector.area, sector.volume,
-                      sector.area > 0 ? sector.volume / sector.area : 0.0, on_a, on_b});
+                      sector.below > 0 ? sector.volume / sector.below : 0.0, on_a, on_b});
     arms.push_back(world(at));
     middle += arms.back();
   }

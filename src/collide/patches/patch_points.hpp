@@ -31,9 +31,10 @@ class PatchPoints {
   struct Sector {
     Vec3 weighted;  // sum of positions times areas across the normal
     double area = 0, volume = 0;
+    double below = 0;  // area, across the normal, of the facets of both bodies that face against it
   };
   void collect(const ProjectedRegion& region, bool is_a);
-  void add_piece(const Vec3& c, const Vec3& p, const Vec3& q, double weight, bool is_a);
+  void add_piece(const Vec3& c, const Vec3& p, const Vec3& q, double weight, bool is_a, bool is_below);
   std::size_t sector_of(const Vec3& x) const;
 
   std::vector<Sector> sectors_;
