@@ -267,7 +267,7 @@ void LayerPatchQuery::State::put_facets(std::uint32_t patch) {
 void LayerPatchQuery::State::measure(std::uint32_t patch) {
   check_interrupt();
   samples_begin.push_back(samples.size());
-  integrals.start(mesh(0), mesh(1), options.thickness);
+  integrals.start(mesh(0), mesh(1), options.thickness, 0x1p-46 * query.largest_coordinate());
   for (std::uint32_t i = pieces_begin[patch]; i < pieces_begin[patch + 1]; ++i) {
     const LayerPiece& piece = pieces[pieces_by_patch[i]];
     const auto side = static_cast<std::uint8_t>(piece.end ^ (groups[piece.candidate].swapped ? 1 : 0));

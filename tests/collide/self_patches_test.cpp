@@ -413,6 +413,52 @@ TEST(SelfPatches, refuse_open_and_inverted_surfaces_by_name) {
   const auto refusal = [](const Collider& body) { return test::error_text([&] { ContactPatchQuery{body}; }); };
   EXPECT_NE(refusal(open.collider).find("the body is not closed: 12 of its edges"), std::string::npos);
   EXPECT_NE(refusal(inverted.collider).find("the body is inside out"), std::string::npos);
+  // Two tetrahedra with a common edge, each closed: the edge has four facets.
+  Mesh joined;
+  joined.positions = {{0, 0, 0}, {0, 0, 2}, {1, 0, 1}, {0, 1, 1}, {1, 0.2, 1}, {0.2, 1, 1}};
+  joined.facets = {{0, 2, 3}, {0, 3, 1}, {0, 1, 2}, {1, 3, 2}, {0, 4, 5}, {0, 5, 1}, {0, 1, 4}, {1, 5, 4}};
+  if (signed_volume(joined) < 0) joined = test::inverted(joined);
+  PlacedBody with_edge(joined);
+  EXPECT_NE(refusal(with_edge.collider).find("the body has 1 edges with more than two facets"), std::string::npos);
+  // The same tetrahedra, with vertices of their own, are two parts that overlap.
+  Mesh apart = joined;
+  apart.positions.push_back(joined.positions[0]), apart.positions.push_back(joined.positions[1]);
+  for (std::size_t f = 4; f < 8; ++f)
+    for (std::uint32_t& v : apart.facets[f])
+      if (v < 2) v += 6;
+  PlacedBody parts(apart);
+  ContactPatchQuery query(parts.collider);
+  ASSERT_TRUE(query.run());
+  // Cross sections at z = 1: the triangle (0, 0) (1, 0) (0, 1), and (0, 0) (1, 0.2) (0.2, 1) with the corner cut off by
+  // x + y = 1, which leaves a share of 1 / 1.2 of its two long edges.
+  EXPECT_NEAR(query.volume(), (1 - 0.2 * 0.2) / 1.2 / 1.2 / 3, 1e-15);
+}
+
+// Fans of two parts that have one vertex in common, and nothing else.
+TEST(SelfPatches, of_parts_with_a_common_vertex_are_those_of_the_parts) {
+  Mesh apart = test::icosphere(1), other = test::translated(test::icosphere(1), {0.4, 0.3, 0.2});
+  const auto count = static_cast<std::uint32_t>(apart.positions.size());
+  // The highest vertices of both move to one place.
+  const auto highest = [](const Mesh& m) {
+    std::uint32_t v = 0;
+    for (std::uint32_t i = 0; i < m.positions.size(); ++i)
+      if (m.positions[i].z > m.positions[v].z) v = i;
+    return v;
+  };
+  const std::uint32_t top = highest(apart), other_top = highest(other);
+  other.positions[other_top] = apart.positions[top];
+  apart.positions.insert(apart.positions.end(), other.positions.begin(), other.positions.end());
+  for (const Facet& f : other.facets) apart.facets.push_back({f[0] + count, f[1] + count, f[2] + count});
+  Mesh joined = apart;
+  for (Facet& f : joined.facets)
+    for (std::uint32_t& v : f)
+      if (v == count + other_top) v = top;
+  PlacedBody a(apart), b(joined);
+  ContactPatchQuery of_apart(a.collider), of_joined(b.collider);
+  ASSERT_TRUE(of_apart.run());
+  ASSERT_TRUE(of_joined.run());
+  EXPECT_GT(of_apart.volume(), 0.1);
+  EXPECT_NEAR(of_joined.volume(), of_apart.volume(), 1e-12);
 }
 
 /// Polynomials in e_0, e_1, e_2 (the last point's translation decides nothing), by powers; the first key dominates.

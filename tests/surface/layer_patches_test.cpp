@@ -242,6 +242,23 @@ TEST(LayerPatches, coincident_sheets_have_a_volume_and_no_direction) {
   for (const VertexGradient& g : query.patches()[0].a.gradients) EXPECT_EQ(g.gradient, Vec3{});
 }
 
+// Rounding makes distances of coplanar sheets about 1e-16, with a direction of its own at each edge.
+TEST(LayerPatches, coplanar_sheets_have_no_direction_in_any_place) {
+  for (int round = 0; round < 6; ++round) {
+    const auto place = RigidTransform::from_axis({1, 2, 3}, 0.7 * round, {1.0 * round, 200.0 * round, -0.3});
+    const Mesh mesh = test::placed(sheet(5, 1, 0), place);
+    SurfaceTree a(mesh), b(test::placed(test::translated(sheet(5, 1, 0), {0.07, 0.03, 0}), place));
+    LayerPatchQuery query({.thickness = 0.01});
+    ASSERT_TRUE(query.run(a, b));
+    ASSERT_EQ(query.patches().size(), 1u);
+    EXPECT_EQ(query.patches()[0].depth, 0.01);
+    // Parts of edges beyond the border of the other sheet have a direction, in the plane.
+    const Vec3 normal = place.rotate({0, 0, 1});
+    for (const LayerSide* side : {&query.patches()[0].a, &query.patches()[0].b})
+      for (const VertexGradient& g : side->gradients) EXPECT_LE(std::abs(dot(g.gradient, normal)), 1e-12) << round;
+  }
+}
+
 TEST(LayerPatches, forces_that_cancel_each_other_leave_no_direction) {
   const RigidTransform place = RigidTransform::from_axis({1, 2, 3}, 1, {0.1, 0.2, 0.3});
   SurfaceTree inner(test::placed(icosphere(2, 1), place)), outer(test::placed(icosphere(2, 1.1), place));

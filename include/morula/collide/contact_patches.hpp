@@ -130,8 +130,8 @@ class ContactPatchQuery {
   /// not oriented, and for a body that is inside out (its volume is negative in the present positions). Cost: O(F log
   /// F) for F facets, once.
   ContactPatchQuery(const Collider& a, const Collider& b);
-  /// The patches of a body with itself, where it is closed and oriented. Keeps the side; throws and costs like
-  /// ContactPatchQuery(a, b).
+  /// The patches of a body with itself. Keeps the side; throws and costs like ContactPatchQuery(a, b). Throws
+  /// std::invalid_argument also for edges of more than two facets.
   explicit ContactPatchQuery(const Collider& body);
   ~ContactPatchQuery();
   ContactPatchQuery(ContactPatchQuery&&) noexcept;

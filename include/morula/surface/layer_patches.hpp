@@ -39,7 +39,8 @@ struct LayerSide {
   Vec3 area_vector;  ///< derivative of the volume with respect to a translation of this side, mesh units²; the other
                      ///< side's is its negative, up to rounding
   Vec3 moment;       ///< the same for a rotation about LayerPatch::centroid, mesh units³
-  double area = 0;   ///< rest area of this side nearer to the other than the thickness, mesh units²
+  double area = 0;   ///< rest area of this side nearer to the other than the thickness, as often as it counts, mesh
+                     ///< units²
   std::span<const std::uint32_t> facets;  ///< facets nearer to a facet of the other side than the thickness; ascending
   std::span<const VertexGradient> gradients;  ///< ascending. Their sum is `area_vector`
 };
@@ -66,7 +67,7 @@ struct LayerPatch {
   double depth = 0;   ///< thickness minus the least distance, mesh units
   double mean_depth = 0;  ///< mean of thickness minus distance, weighted by itself, mesh units
   LayerSide a, b;
-  std::span<const LayerPoint> points;  ///< none without a normal
+  std::span<const LayerPoint> points;  ///< none without a normal, and where holes leave no pressure
 };
 
 /// Finds layer patches in every frame, and reuses its memory. Only one thread may use it at a time.
@@ -82,13 +83,19 @@ struct LayerPatch {
 /// vertices: f(x) = Σ over facets, edges and vertices of c φ(distance), with c = 1 for facets, 1 − (facets) for an
 /// edge, and 1 − (facets) + Σ over its edges of (facets − 1) for a vertex. Then f(x) is exactly φ(distance of the whole
 /// surface) if every ball about x with a radius up to h meets the surface in one part without a hole. If it meets
-/// several parts, each counts: both sheets of a fold, both sides of a groove.
+/// several parts, each counts: both sheets of a fold, both sides of a groove, both sides of a seam whose vertices are
+/// not shared. If it meets a part with a hole, the hole is subtracted. So near holes narrower than about 2 h, as in a
+/// net, forces are less, and volumes, areas and forces may have the wrong sign: choose h below the width of holes.
 ///
 /// **Continuity.** The distance of x from a facet, edge or vertex is a continuous function of all positions, and
-/// continuously differentiable where it is not 0; so is φ of it, since φ(h) = φ'(h) = 0. The weights c and the rest
-/// areas are constant. So volumes and gradients (LayerSide::gradients) are continuous functions of all positions,
-/// except gradients where a part of an edge lies in a facet, edge or vertex of the other side: such a part has distance
-/// 0, no direction, and no share in gradients. The volume is still continuous there. Patches that join add up.
+/// continuously differentiable where it is not 0 and the feature is not degenerate; so is φ of it, since φ(h) = φ'(h) =
+/// 0. The weights c and the rest areas are constant. So volumes and gradients (LayerSide::gradients) are continuous
+/// functions of all positions, except gradients
+/// - where a part of an edge lies in a facet, edge or vertex of the other side, up to 2^-46 of the largest coordinate:
+///   such a part has no direction, and no share in gradients;
+/// - where a facet passes through a line, or an edge through a point: the force passes to other vertices of it. A facet
+///   counts as its longest edge from a height of 1e-8 of that edge on.
+/// The volume is still continuous there. Patches that join add up.
 ///
 /// **Exact and convergent.** The integrals along edges have relative errors of about 1e-10; forces and torques of both
 /// sides add up to 0 up to rounding at any error. The edges' areas are a quadrature that is exact where φ is a linear
@@ -122,7 +129,9 @@ class LayerPatchQuery {
 
   /// The patches, in the order of the lowest pair of facets. Valid until the next call. They have the same bits for any
   /// number of workers and interruptions. For one surface with itself a is the side of the lower facets of the lowest
-  /// pair in the first run of an id, and stays; a patch whose sides are connected with each other has both in each.
+  /// pair in the first run of an id, and stays. A patch whose sides are connected with each other, as in a roll, has
+  /// the lower facet of each pair in a: gradients of a and b together are right, but area vectors, normal and points
+  /// depend on the numbers of facets.
   std::span<const LayerPatch> patches() const;
   double volume() const;  ///< sum of the volumes of all patches, mesh units³
   const std::vector<OpenFacets>& open() const;

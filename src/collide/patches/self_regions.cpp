@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 
 #include "parallel/interruption.hpp"
@@ -26,6 +28,13 @@ SelfSurface::SelfSurface(const Collider& body)
       parts(components_by_edges(body.surface(), closed.connectivity)),
       part_edge(parts.count, no_edge),
       tree(body.mesh_facets(), positions_of(body)) {
+  // Around an edge of four facets there are two numbers outside.
+  std::size_t edges = 0;
+  for (std::uint32_t e = 0; e < closed.connectivity.edge_count(); ++e)
+    edges += closed.connectivity.edge_sides(e).size() > 2 ? 1 : 0;
+  if (edges > 0)
+    throw std::invalid_argument("the body has " + std::to_string(edges) +
+                                " edges with more than two facets; contact patches of one body need two at each edge");
   for (std::uint32_t f = 0; f < parts.of_facet.size(); ++f)
     if (std::uint32_t& edge = part_edge[parts.of_facet[f]]; edge == no_edge)
       edge = closed.connectivity.facet_edges[f][0];

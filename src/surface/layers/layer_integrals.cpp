@@ -26,9 +26,9 @@ constexpr std::array<std::array<double, 2>, 8> eight_points{{{-0.960289856497536
 
 }  // namespace
 
-void LayerIntegrals::start(const LayerMesh& a, const LayerMesh& b, double thickness) {
+void LayerIntegrals::start(const LayerMesh& a, const LayerMesh& b, double thickness, double coincident) {
   ++patch_;
-  thickness_ = thickness;
+  thickness_ = thickness, coincident_ = coincident;
   sums_ = {};
   for (std::size_t k = 0; k < 2; ++k) {
     Gradients& of = gradients_[k];
@@ -124,7 +124,8 @@ void LayerIntegrals::add_point(double t, double share) {
   const double distance = length(offset), depth = std::max(0.0, thickness_ - distance);
   const double area = 0.5 * weight_ * share * (depth / thickness_), volume = 0.5 * area * depth;
   // The unit vector along which the nearest point sees x; none for points that coincide.
-  const Vec3 away = distance > 0 ? offset / distance : Vec3{};
+  // mutant layers-coincident: `distance > coincident_` -> `distance > 0`
+  const Vec3 away = distance > coincident_ ? offset / distance : Vec3{};
   const Vec3 push = away * area, middle = p_ + u_ * t - offset * 0.5;
   sums_.volume += volume;
   sums_.pressed_area += area;

@@ -34,8 +34,9 @@ struct LayerSums {
 
 class LayerIntegrals {
  public:
-  /// Starts a patch. mesh: of sides a and b, which may be one.
-  void start(const LayerMesh& a, const LayerMesh& b, double thickness);
+  /// Starts a patch. mesh: of sides a and b, which may be one. coincident: distance up to which points coincide, so
+  /// that the vector between them is rounding and has no direction.
+  void start(const LayerMesh& a, const LayerMesh& b, double thickness, double coincident);
   /// Adds a piece of an edge of a side. samples: appended to, unless null.
   void add(const LayerPiece& piece, std::uint8_t side, std::vector<LayerSample>* samples);
   const LayerSums& sums() const { return sums_; }
@@ -66,7 +67,7 @@ class LayerIntegrals {
   };
   std::array<Gradients, 2> gradients_;
   std::uint64_t patch_ = 0;
-  double thickness_ = 0;
+  double thickness_ = 0, coincident_ = 0;
   LayerSums sums_;
   // The piece in work.
   Foot foot_;
