@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <morula/morula.hpp>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -20,7 +21,9 @@ using response::SoftBody;
 /// A state of the organ for the haptic thread: it owns all that the query reads.
 struct OrganState {
   OrganState(const morula::Mesh& surface, const morula::Body& first, const morula::Collider& tool)
-      : positions(surface.positions), body(first), collider(surface, body), query(tool, collider) {}
+      : positions(surface.positions), body(first), collider(surface, body), query(tool, collider) {
+    if (!body.update(positions)) throw std::runtime_error("bad positions");  // until here it reads those of `first`
+  }
   int frame = 0;
   std::vector<Vec3> positions;
   morula::Body body;
