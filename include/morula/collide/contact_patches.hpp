@@ -145,10 +145,12 @@ class ContactPatchQuery {
   /// A budget of pair tests is never exceeded, and gives the same bits on any machine. A budget of time is read before
   /// every block of at most 64 tests of spheres, before the facets of each pair of leaves, before every 64 pairs of
   /// facets that intersect, and before the integrals of each patch and its depth and points. The run ends late by one
-  /// of these steps, by the boundaries of all regions, or by the list of contacts.
+  /// of these steps, by the boundaries of all regions, by the matching of patches with those of the last run, or by the
+  /// list of contacts.
   ///
   /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; for one
-  /// body instead of CrossingQuery about 0.7 µs per facet. Depths and points cost twice as much in addition. For two
+  /// body instead of CrossingQuery about 0.7 µs per facet. Depths and points cost twice as much in addition, and ids
+  /// the square of the number of patches. For two
   /// bodies whose overlap has no cavity, allocates nothing where earlier runs needed as much memory.
   Status run(const ContactPatchOptions& options = {});
 

@@ -54,9 +54,7 @@ struct PatchIntegrals {
   std::array<Vec3, 2> area_vector, moment;  ///< of each side
   std::array<double, 2> area{};
   /// Area of each side times the winding number of the other body around it, and the largest error of this by rounding,
-  /// with
-  /// a factor of 1,000 to spare. Where no winding number
-  /// is below 0, neither is this, up to rounding.
+  /// with a factor of 1,000 to spare. Where no winding number is below 0, neither is this, up to rounding.
   std::array<double, 2> wound_area{}, rounding{};
 };
 

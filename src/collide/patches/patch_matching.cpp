@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 namespace morula::detail {
 namespace {
 constexpr double unreached = -std::numeric_limits<double>::infinity();
+constexpr std::size_t most_candidates = 16;
 constexpr double least_gain = 1e-9;  // less is rounding, which must not lead in a circle
 }  // namespace
 
@@ -22,6 +24,7 @@ std::span<const std::uint32_t> PatchMatching::find(std::span<const KnownPatch> k
       const double size = std::max(patch.size, known[q].size);
       if (move <= size) candidates_.push_back({q, size > 0 ? 1 - move / size : 1});
     }
+    keep_nearest();
     begin_.push_back(candidates_.size());
   }
   known_of_.assign(present.size(), none);
@@ -31,6 +34,18 @@ std::span<const std::uint32_t> PatchMatching::find(std::span<const KnownPatch> k
   from_gain_.assign(known.size(), 0);
   for (std::uint32_t p = 0; p < present.size(); ++p) augment(p);
   return known_of_;
+}
+
+// Of many known patches nearer than their size, all but the nearest are unlikely; the search grows with their number.
+void PatchMatching::keep_nearest() {
+  const auto first = candidates_.begin() + static_cast<std::ptrdiff_t>(begin_.back());
+  if (candidates_.end() - first <= static_cast<std::ptrdiff_t>(most_candidates)) return;
+  const auto last = first + static_cast<std::ptrdiff_t>(most_candidates);
+  std::nth_element(first, last, candidates_.end(), [](const Candidate& c, const Candidate& d) {
+    return std::tie(d.gain, c.known) < std::tie(c.gain, d.known);
+  });
+  std::sort(first, last, [](const Candidate& c, const Candidate& d) { return c.known < d.known; });
+  candidates_.erase(last, candidates_.end());
 }
 
 // The best matching of the patches before this one becomes the best with it along the path of the largest gain: from

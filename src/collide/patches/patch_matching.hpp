@@ -23,7 +23,7 @@ struct KnownPatch {
 /// Matches patches of two runs, each with at most one. Two may match if the centroid moved, with either body, by no
 /// more than the larger of both sizes. Of all matchings it is the one with the least sum of moves over sizes, where a
 /// patch without a match counts 1: so a row of equal patches that slides by its spacing is not mistaken for its
-/// neighbors.
+/// neighbors. A patch may match one of the 16 known ones nearest to it.
 class PatchMatching {
  public:
   /// Returns, for each present patch, the index of the known one, or `none`.
@@ -35,6 +35,7 @@ class PatchMatching {
     std::uint32_t known;
     double gain;  // 1 minus the move over the size
   };
+  void keep_nearest();
   void augment(std::uint32_t patch);
 
   std::vector<Candidate> candidates_;
