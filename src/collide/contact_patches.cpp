@@ -16,18 +16,27 @@ namespace morula {
 using namespace detail;
 
 struct ContactPatchQuery::State {
-  State(const Collider& a, const Collider& b) : body{hold(a), hold(b)} {
+  State(const Collider& a, const Collider& b) : body{hold(a), hold(b)}, poses{&a.sphere_state(), &b.sphere_state()} {
     surface.reserve(2);
     surface.emplace_back(a, "first");
     surface.emplace_back(b, "second");
   }
 
-  explicit State(const Collider& one) : body{hold(one), hold(one)}, self(one) {}
+  explicit State(const Collider& one)
+      : body{hold(one), hold(one)}, poses{&one.sphere_state(), &one.sphere_state()}, self(one) {}
+
+  /// ok, or the first body whose collider another one was assigned to: its facets may be others.
+  Status unassigned() const {
+    for (std::uint8_t k = 0; k < 2; ++k)
+      if (&body[k]->sphere_state() != poses[k]) return {Status::Code::body_replaced, k};
+    return {};
+  }
 
   CallState call;
   std::array<std::shared_ptr<const Collider>, 2> body;
-  std::vector<ClosedSurface> surface;  // of two bodies
-  std::optional<SelfSurface> self;     // of one body
+  std::array<const SphereState*, 2> poses;  // whose facets the surfaces are of
+  std::vector<ClosedSurface> surface;       // of two bodies
+  std::optional<SelfSurface> self;          // of one body
   std::unique_ptr<PatchEngine> engine;
   std::unique_ptr<ContactQuery> search;  // of runs with a budget
   std::vector<NodePair> leaves;
@@ -119,6 +128,7 @@ ContactPatchQuery& ContactPatchQuery::operator=(ContactPatchQuery&&) noexcept = 
 Status ContactPatchQuery::run(const ContactPatchOptions& options) {
   const StandardFloats standard;
   State& s = *state_;
+  if (const Status status = s.unassigned(); !status) return status;
   if (const Status status = status_of_pair(*s.body[0], *s.body[1], {.positions = true}); !status) return status;
   if (options.max_points > 16 || options.budget.tests() < 0 || (s.self && !options.budget.is_unlimited()))
     return {Status::Code::bad_option};

@@ -34,7 +34,7 @@ void require_masks(std::uint32_t category) {
 
 BodyStamp detail::stamp_of(const Collider& collider) {
   const SphereState& pose = collider.sphere_state();
-  return {pose.cover_id, pose.frame, pose.origin, collider.transform()};
+  return {&pose, pose.cover_id, pose.frame, pose.origin, collider.transform()};
 }
 
 // A pair test counts r_a as (1 + 2^-20) r_a, r_b as (1 + 2^-19) r_b, and adds 2^-20 (|c_b|_1 + U) + 2^-46 A + 2^-60 and
@@ -135,12 +135,8 @@ void Scene::replace(BodyId id, const Collider& collider) {
   if (s.options.patches) body.surface = s.examined(collider);
   body.collider = hold(collider);
   body.is_to_be_read = true;
-  for (NearPair& pair : s.near.pairs)
-    if (pair.front != nullptr && (pair.a == id.place || pair.b == id.place)) {
-      pair.front->unbind();
-      pair.generation_a = 0;
-    }
-  s.fronts.unbind(id);
+  body.stamp = stamp_of(collider);
+  s.unbind(id.place);
 }
 
 void Scene::sleep(BodyId id) {

@@ -84,7 +84,8 @@ void SceneState::add_patches(std::chrono::nanoseconds deadline, Workers& workers
     const auto rank = [&](const PairFront* front) {
       const bool had = !front->patches->patches().empty();
       const double weight = bodies[front->id_a().place].options.weight * bodies[front->id_b().place].options.weight;
-      return std::pair(had, weight * front->overlap_share() * (had ? 1.0 : 1.0 + front->patches->updates_left_out));
+      return std::pair(had, weight * std::max(least_share, front->overlap_share()) *
+                                (had ? 1.0 : 1.0 + front->patches->updates_left_out));
     };
     std::sort(patches_due_.begin(), patches_due_.end(), [&](const PairFront* x, const PairFront* y) {
       const auto of_x = rank(x), of_y = rank(y);

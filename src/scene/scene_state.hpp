@@ -18,8 +18,13 @@
 
 namespace morula::detail {
 
-/// The stamp by which a scene sees that a body has moved.
+/// The least share of two roots: roots that only just overlap have a share of 0, or by rounding less, and would wait
+/// forever.
+inline constexpr double least_share = 0x1p-10;
+
+/// The stamp by which a scene sees that a body has moved, or that another collider was assigned to its own.
 struct BodyStamp {
+  const SphereState* pose = nullptr;
   std::uint64_t cover_id = 0, frame = 0;
   Vec3 origin{};
   RigidTransform transform{};
@@ -114,6 +119,12 @@ class PublishedPairs {
   void reserve(std::size_t pairs) {
     pairs_.reserve(pairs), ended_.reserve(pairs), reported_.reserve(pairs), next_reported_.reserve(pairs);
   }
+  /// Sets the lists of a published pair, which have moved to other memory.
+  void follow(std::size_t pair, std::span<const Contact> contacts, std::span<const ContactSurface> surfaces) noexcept {
+    if (pair >= pairs_.size()) return;
+    pairs_[pair].contacts = contacts;
+    if (!pairs_[pair].surfaces.empty()) pairs_[pair].surfaces = surfaces;
+  }
   void start();
   /// Adds a pair with contacts; pairs come in the order of their bodies. Sets ScenePair::touches, id and began, from
   /// `confirmed` and from the touches before: a touch stays until the pair is not added.
@@ -201,10 +212,14 @@ struct SceneState {
   /// in bodies.
   BodySurface examined(const Collider& collider) const;
 
+  /// Unbinds all fronts of a body, which has another collider.
+  void unbind(std::uint32_t place);
+
   SceneStatus update(Workers& workers);
   void reserve(const SceneReserve& sizes);
 
  private:
+  void follow_lists() noexcept;
   SceneStatus read_bodies(Workers& workers);
   /// Whether an update may call functions of the caller. The check for bodies that they might move takes as long as the
   /// search for bodies that have moved.

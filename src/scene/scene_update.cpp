@@ -14,10 +14,6 @@ namespace {
 
 using Stage = NearPair::Stage;
 
-// The least share of two roots: roots that only just overlap have a share of 0, or by rounding less, and would wait
-// forever.
-constexpr double least_share = 0x1p-10;
-
 }  // namespace
 
 std::chrono::nanoseconds SceneState::now() const {
@@ -56,11 +52,25 @@ SceneStatus SceneState::read_bodies(Workers& workers) {
       // mutant scene-read-once-for-all: `body.is_falling_asleep = false` -> `false`
       body.is_to_be_read = body.is_falling_asleep = false;
     if (!read.has_moved) continue;
+    // Another collider was assigned to that of the body: as after replace().
+    if (read.stamp.pose != body.stamp.pose) {
+      body.surface = {};
+      unbind(place);
+    }
     body.stamp = read.stamp;
     body.around = read.around;
     static_cast<void>(broad.move(place, box_around(body.around)));  // ok: the box is finite where usable() says ok
   }
   return {};
+}
+
+void SceneState::unbind(std::uint32_t place) {
+  for (NearPair& pair : near.pairs)
+    if (pair.front != nullptr && (pair.a == place || pair.b == place)) {
+      pair.front->unbind();
+      pair.generation_a = 0;
+    }
+  fronts.unbind(id_of(place));
 }
 
 bool SceneState::has_callbacks(const Workers& workers) const {
@@ -85,7 +95,21 @@ void SceneState::reserve(const SceneReserve& sizes) {
   refinement_.reserve(sizes.near_pairs);
   extras_.due.reserve(sizes.near_pairs);
   published.reserve(sizes.near_pairs);
-  fronts.reserve(sizes.near_pairs, sizes.contacts, options.surfaces ? sizes.contacts : 0);
+  try {
+    fronts.reserve(sizes.near_pairs, sizes.contacts, options.surfaces ? sizes.contacts : 0);
+  } catch (...) {
+    follow_lists();
+    throw;
+  }
+  follow_lists();
+}
+
+// Published pairs are those with contacts, in the order of near pairs.
+void SceneState::follow_lists() noexcept {
+  std::size_t next = 0;
+  for (const NearPair& pair : near.pairs)
+    if (pair.front != nullptr && !pair.front->contacts().empty())
+      published.follow(next++, pair.front->contacts(), pair.front->surfaces());
 }
 
 void SceneState::end(const NearPair& pair) {

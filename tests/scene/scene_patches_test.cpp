@@ -283,5 +283,64 @@ TEST(ScenePatches, come_again_after_a_clock_that_throws) {
   }
 }
 
+// Another body of the same tree in the same frame, then one with other facets.
+TEST(ScenePatches, follow_an_assignment_to_a_collider) {
+  const Vec3 half{0.5, 0.5, 0.5}, small{0.4, 0.4, 0.4};
+  Thing still(test::box_mesh(-half, half, 2)), moving(test::box_mesh(-half, half, 2)),
+      finer(test::box_mesh(-small, small, 6));
+  Body narrow(moving.mesh, moving.model);
+  ASSERT_TRUE(moving.body.update(moving.mesh.positions));
+  std::vector<Vec3> thin = moving.mesh.positions;
+  for (Vec3& p : thin) p.x *= 0.5;
+  ASSERT_TRUE(narrow.update(thin));
+  Scene scene({.patches = true});
+  const RigidTransform beside{.translation = {0.7, 0.1, 0.2}};
+  moving.collider.set_transform(beside);
+  const BodyId a = scene.add(still.collider), b = scene.add(moving.collider);
+  const auto volume = [&] {
+    EXPECT_TRUE(scene.update());
+    const ScenePair* pair = scene.find(a, b);
+    return pair != nullptr && pair->has_patches && pair->patches.size() == 1 ? pair->patches[0].volume : -1;
+  };
+  EXPECT_NEAR(volume(), 0.3 * 0.9 * 0.8, 1e-6);
+  const auto assign = [&](Collider other) {
+    other.set_transform(beside);
+    moving.collider = other;
+  };
+  assign(Collider(moving.mesh, narrow));
+  EXPECT_NEAR(volume(), 0.05 * 0.9 * 0.8, 1e-6);
+  assign(finer.collider);
+  EXPECT_NEAR(volume(), 0.2 * 0.8 * 0.7, 1e-6);
+}
+
+TEST(ScenePatches, a_query_refuses_a_collider_that_another_was_assigned_to) {
+  Thing still(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2)), other(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 5));
+  Collider moving = still.collider;
+  moving.set_transform({.translation = {0.5, 0.3, 0.2}});
+  ContactPatchQuery query(still.collider, moving);
+  ASSERT_TRUE(query.run());
+  moving = other.collider;
+  EXPECT_EQ(query.run().code, Status::Code::body_replaced);
+}
+
+TEST(ScenePatches, lists_of_pairs_follow_reserve) {
+  Thing still(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2)), moving(test::box_mesh({-1, -1, -1}, {1, 1, 1}, 2));
+  moving.collider.set_transform({.translation = {1.5, 0.3, 0.2}});
+  Scene scene({.surfaces = true});
+  scene.add(still.collider), scene.add(moving.collider);
+  ASSERT_TRUE(scene.update());
+  ASSERT_EQ(scene.pairs().size(), 1u);
+  const std::vector<Contact> contacts(scene.pairs()[0].contacts.begin(), scene.pairs()[0].contacts.end());
+  const std::size_t surfaces = scene.pairs()[0].surfaces.size();
+  ASSERT_GT(surfaces, 0u);
+  const Contact* before = scene.pairs()[0].contacts.data();
+  scene.reserve({.bodies = 10, .near_pairs = 20, .contacts = 100000});
+  const ScenePair& pair = scene.pairs()[0];
+  EXPECT_NE(pair.contacts.data(), before) << "the list has not moved, so the test is none";
+  ASSERT_EQ(pair.contacts.size(), contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) EXPECT_EQ(pair.contacts[i].point, contacts[i].point);
+  EXPECT_EQ(pair.surfaces.size(), surfaces);
+}
+
 }  // namespace
 }  // namespace morula

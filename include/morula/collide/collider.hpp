@@ -48,9 +48,12 @@ struct ChangeCount {
 /// cover: a rebuilding body needs another collider when its tree_version() changes.
 ///
 /// Queries and scenes that keep a collider share its state: they follow set_transform(), an assignment to the collider,
-/// and its move, such as that of a growing vector, and they may keep a temporary one. A copy is another side over the
-/// same body: it shares the body and all tables, and has its own transform and positions. Cost of a copy: constant, one
-/// allocation; an assignment allocates nothing. A collider that was moved from may only be assigned to or destroyed.
+/// and the move that makes a new collider of it, such as in a growing vector, and they may keep a temporary one. A move
+/// assignment is an assignment to its left side: after erase() from a vector, they follow the collider that is now at
+/// the same place. ContactPatchQuery rejects a collider to which that of another body was assigned, with body_replaced.
+/// A copy is another side over the same body: it shares the body and all tables, and has its own transform and
+/// positions. Cost of a copy: constant, one allocation; an assignment allocates nothing, unless the left side was moved
+/// from. A collider that was moved from may only be assigned to or destroyed.
 class Collider {
  public:
   /// A body with its surface. The body must have been made from mesh. Throws std::invalid_argument if their sizes

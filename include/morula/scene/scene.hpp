@@ -82,8 +82,8 @@ struct SceneReserve {
   std::size_t contacts = 0;    ///< number of contacts of a pair
 };
 
-/// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update() or
-/// remove().
+/// Two bodies that touch or may touch: a pair with at least one contact. The lists are valid until the next update(),
+/// remove() or reserve().
 ///
 /// Two bodies touch if collide() with the level and margin of the scene has a contact: a pair of final nodes that, with
 /// all pairs above it, overlaps or is within the margin. `touches` is false while this is not confirmed. A touch begins
