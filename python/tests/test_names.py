@@ -24,6 +24,7 @@ ELSEWHERE = {
     "ProximityOptions": "ProximityQuery", "ProximityPair": "ProximityPairs", "SweptOptions": "SweptQuery",
     "SweptPair": "SweptPairs", "SurfaceCrossingOptions": "SurfaceCrossingQuery", "PairFilter": "ProximityQuery",
     "FacetMasks": "ProximityQuery", "OpenFacets": "ProximityQuery", "FeaturePair": "FeaturePairs",
+    "LayerPatchOptions": "LayerPatchQuery", "LayerPatch": "LayerPatches", "LayerSide": "LayerRegions", "LayerPoint": "LayerPoints",
     "ObstacleOptions": "ObstacleQuery", "ObstacleFeatures": "ObstacleQuery", "ObstacleContact": "ObstacleContacts",
     "ObstacleImpact": "ObstacleImpacts", "PenetrationOptions": "PenetrationQuery",
     "ModalCertificateOptions": "ModalCertificate", "ClumpOptions": "fit_clump", "ClumpKind": "fit_clump",
