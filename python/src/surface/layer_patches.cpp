@@ -3,6 +3,7 @@
 // Layer patches as columns: of patches, of both sides, and of points.
 #include "layer_patches.hpp"
 
+#include "contacts.hpp"
 #include "module.hpp"
 #include "records.hpp"
 

@@ -49,8 +49,9 @@ PatchReport layers_of_frames(MovingSurface& a, MovingSurface* b, double thicknes
 }  // namespace
 
 int collide_layers(const LayerRun& run) {
-  if (!(run.thickness > 0) || !std::isfinite(rest_thicknesses * run.thickness))
-    throw UsageError(fmt::format("--thickness {} is not a length above 0", run.thickness));
+  if (!(run.thickness > 0)) throw UsageError(fmt::format("--thickness {} is not a length above 0", run.thickness));
+  if (!std::isfinite(rest_thicknesses * run.thickness))
+    throw UsageError(fmt::format("--thickness {} is too large", run.thickness));
   if (!run.output.empty()) {
     if (extension(run.output) != ".csv")
       throw UsageError(fmt::format("-o {}: patches are written as .csv", run.output));

@@ -5,13 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
-#include <toolbox/csv.hpp>
 #include <toolbox/stopwatch.hpp>
 
 #include "commands/collide/patch_report.hpp"
@@ -23,7 +21,6 @@
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
-#include "shared/table.hpp"
 
 namespace morula::cli {
 namespace {
