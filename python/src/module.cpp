@@ -99,6 +99,7 @@ NB_MODULE(_morula, m) {
   bind_broad_phase(m);
   bind_surface_tree(m);
   bind_pair_records(m);
+  bind_layer_patch_records(m);
   bind_pair_queries(m);
   bind_pairs(m);
   bind_obstacles(m);

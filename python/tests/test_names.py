@@ -24,6 +24,7 @@ ELSEWHERE = {
     "ProximityOptions": "ProximityQuery", "ProximityPair": "ProximityPairs", "SweptOptions": "SweptQuery",
     "SweptPair": "SweptPairs", "SurfaceCrossingOptions": "SurfaceCrossingQuery", "PairFilter": "ProximityQuery",
     "FacetMasks": "ProximityQuery", "OpenFacets": "ProximityQuery", "FeaturePair": "FeaturePairs",
+    "LayerPatchOptions": "LayerPatchQuery", "LayerPatch": "LayerPatches", "LayerSide": "LayerRegions", "LayerPoint": "LayerPoints",
     "ObstacleOptions": "ObstacleQuery", "ObstacleFeatures": "ObstacleQuery", "ObstacleContact": "ObstacleContacts",
     "ObstacleImpact": "ObstacleImpacts", "PenetrationOptions": "PenetrationQuery",
     "ModalCertificateOptions": "ModalCertificate", "ClumpOptions": "fit_clump", "ClumpKind": "fit_clump",
@@ -62,7 +63,7 @@ LEFT_OUT = {
 LEFT_OUT_NAMES = {
     "FileError": "an OSError", "SystemFileError": "an OSError of the kind of its errno", "rigid_or_throw": "set_transform() does it", "is_rule": "rules are text", "require_usable": "every function that takes a mesh checks it",
     "describe": "a deformation prints itself", "corner_position": "a line of NumPy with Cover.cut_vertices and cut_weights",
-    "add_marks": "CollidePage.add does it", "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
+    "add_marks": "CollidePage.add does it", "PagePatchFacet": "CollidePage.add makes them of ContactPatches", "PagePatches": "CollidePage.add makes them of ContactPatches", "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",
     "at_barycentric": "a line of NumPy", "largest_coordinate": "a line of NumPy", "is_finite": "numpy.isfinite",
 }

@@ -63,7 +63,7 @@ def instances(folder):
         morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.HapticProbe(), morula.HapticTool(spheres[:2]), morula.InsideQuery(body),
         morula.PenetrationQuery(body, body), morula.ContactPatchQuery(body, body), morula.ProximityQuery(distance=0.1),
         morula.SweptQuery(),
-        morula.SurfaceCrossingQuery(), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
+        morula.SurfaceCrossingQuery(), morula.LayerPatchQuery(thickness=0.1), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),
         morula.BroadPhase(), morula.BodyId(0, 0), morula.SignedDistance(mesh), morula.TriangleBvh(mesh),
         morula.KDopTree(mesh, model, 14), morula.RebuiltBody(mesh, model, thread="none"), morula.PosedSpheres(model.tree),
         morula.RigidTransform(), morula.ConvexHull.box((0, 0, 0), (1, 1, 1)), morula.LoosenessEstimator(mesh),

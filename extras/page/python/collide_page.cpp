@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "contact_patches.hpp"
 #include "contacts.hpp"
 #include "held_query.hpp"
 #include "holders.hpp"
@@ -39,11 +40,50 @@ std::vector<PageContact> marks_of(nb::handle given) {
       add_marks(row.contacts.contacts, row.surfaces.rows, marks);
     }
   } else if (!nb::try_cast(given, marks)) {
-    throw nb::type_error(
-        ("contacts: " + describe(given) + ", but None, Contacts, ScenePairs or a list of PageContact is needed")
-            .c_str());
+    throw nb::type_error(("contacts: " + describe(given) +
+                          ", but None, Contacts, ContactPatches, ScenePairs or a list of PageContact is needed")
+                             .c_str());
   }
   return marks;
+}
+
+/// Contact patches with the facets and points of a copy, which must stay.
+struct WholePatches {
+  std::vector<ContactPatch> patches;
+  std::vector<PatchPoint> points;
+
+  explicit WholePatches(const ContactPatches& found) : patches(found.patches) {
+    for (const auto& row : found.points.rows) points.push_back(row.point);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+      const auto facets = [&](const PatchRegions& r) {
+        return std::span(r.facets).subspan(r.facets_begin[i], r.facets_begin[i + 1] - r.facets_begin[i]);
+      };
+      patches[i].a.facets = facets(found.a);
+      patches[i].b.facets = facets(found.b);
+      std::size_t end = first;
+      while (end < points.size() && found.points.rows[end].patch == i) ++end;
+      patches[i].points = std::span(points).subspan(first, end - first);
+      first = end;
+    }
+  }
+};
+
+void require_facets(const PatchRegions& regions, const Collider& body) {
+  for (const PatchFacet& facet : regions.facets)
+    if (facet.facet >= body.mesh_facets().size())
+      throw std::invalid_argument("contacts: patches of another body, with facet " + std::to_string(facet.facet));
+}
+
+/// Adds a frame with patches of the first two bodies, or of the only one with itself.
+void add_patches(CollidePage& page, const SeenSides& seen, const std::string& name, const ContactPatches& found) {
+  const Collider& a = seen.sides[0]->current();
+  const Collider& b = seen.sides[seen.sides.size() > 1 ? 1 : 0]->current();
+  require_facets(found.a, a);
+  require_facets(found.b, b);
+  CrossingQuery crossed;
+  if (seen.sides.size() > 1) require(crossed.run(a, b));
+  page.add(name, WholePatches(found).patches, crossed.pairs());
 }
 
 }  // namespace
@@ -80,23 +120,31 @@ void bind_collide_page(nb::module_& m) {
       .def(
           "add",
           [](HeldCollidePage& self, nb::handle contacts, std::string name) {
-            std::vector<PageContact> marks = marks_of(contacts);
+            const bool has_patches = nb::isinstance<ContactPatches>(contacts);
+            std::vector<PageContact> marks = has_patches ? std::vector<PageContact>{} : marks_of(contacts);
+            const ContactPatches* const patches = has_patches ? &nb::cast<const ContactPatches&>(contacts) : nullptr;
             self.call([&](CollidePage& page) {
               for (const auto& side : self.seen.sides)
                 if (!side->current().has_current_positions())
                   throw std::invalid_argument("the positions of a body's present frame are not known: set_positions()");
-              page.add(name, std::move(marks));
+              if (patches) {
+                add_patches(page, self.seen, name, *patches);
+              } else {
+                page.add(name, std::move(marks));
+              }
             });
           },
           nb::arg("contacts") = nb::none(), nb::kw_only(), nb::arg("name") = "",
-          nb::sig(
-              "def add(self, contacts: Contacts | ScenePairs | collections.abc.Sequence[PageContact] | None = None, "
-              "*, name: str = '') -> None"),
-          with_arguments("Adds a frame: the bodies at their present positions, and their contacts.",
-                         {{"contacts",
-                           "contacts of collide(), a ContactQuery or Scene.pairs(), of which the finished ones are "
-                           "marked; or a list of marks"},
-                          {"name", "name of the frame"}})
+          nb::sig("def add(self, contacts: Contacts | ContactPatches | ScenePairs | "
+                  "collections.abc.Sequence[PageContact] | None = None, "
+                  "*, name: str = '') -> None"),
+          with_arguments(
+              "Adds a frame: the bodies at their present positions, and their contacts.",
+              {{"contacts",
+                "contacts of collide(), a ContactQuery or Scene.pairs(), of which the finished ones are "
+                "marked; patches of a ContactPatchQuery of the first two bodies, or of the only one, which are "
+                "shown with their regions and the lines where surfaces cross now; or a list of marks"},
+               {"name", "name of the frame"}})
               .c_str())
       .def(
           "html", [](HeldCollidePage& self) { return self.locked([](CollidePage& page) { return page.text(); }); },

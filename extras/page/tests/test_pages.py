@@ -213,6 +213,30 @@ def test_bodies_that_meet_are_on_one_page(limb, model, motion):
         morula.CollidePage([morula.PosedSpheres(model.tree)])
 
 
+def test_contact_patches_are_on_the_page_as_the_command_writes_them():
+    if not hasattr(morula, "CollidePage"):
+        pytest.skip("this package was built without the command")
+    mesh = morula.sample_body("limb", 8)
+    a, b = (morula.Collider(morula.Body(mesh, morula.build(mesh, method="octree", depth=1))) for _ in range(2))
+    b.set_transform((0, 0.1, 0))
+    page = morula.CollidePage([a, b])
+    page.add()
+    patches = morula.ContactPatchQuery(a, b).run()
+    page.add(patches, name="with")
+    shown = manifest(page.html())["scenes"][0]
+    assert [len(frame["volumes"]) for frame in shown["patches"]] == [0, len(patches)]
+    assert shown["patches"][1]["facets"] == [len(patches.a.facet) + len(patches.b.facet)]
+    assert shown["patches"][1]["curves"] == len(morula.crossings(a, b)) > 0
+    assert shown["contacts"] == [0, len(patches.points)]
+    small = morula.ConvexHull.box((0, 0, 0), (1, 1, 1))
+    box = morula.Mesh(small.vertices, small.facets)
+    with pytest.raises(ValueError, match="another body"):
+        morula.CollidePage([morula.Body(box, morula.build(box, method="octree", depth=1))]).add(patches)
+    alone = morula.CollidePage([a])
+    alone.add(morula.ContactPatchQuery(a).run())
+    assert manifest(alone.html())["scenes"][0]["patches"][0]["volumes"] == []
+
+
 def test_marks_of_pairs_that_a_budget_ended_have_the_surfaces_of_their_own_pair():
     if not hasattr(morula, "CollidePage"):
         pytest.skip("this package was built without the command")

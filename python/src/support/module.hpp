@@ -43,6 +43,7 @@ void bind_scene_class(nanobind::module_& m);
 void bind_scene_results(nanobind::module_& m);
 
 // surface
+void bind_layer_patch_records(nanobind::module_& m);
 void bind_obstacles(nanobind::module_& m);
 void bind_pair_queries(nanobind::module_& m);
 void bind_pair_records(nanobind::module_& m);

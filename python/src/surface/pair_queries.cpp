@@ -10,6 +10,7 @@
 
 #include "held_query.hpp"
 #include "holders.hpp"
+#include "layer_patches.hpp"
 #include "module.hpp"
 #include "pairs.hpp"
 #include "records.hpp"
@@ -46,7 +47,8 @@ using HeldPairQuery = HeldSurfaceQuery<Query, Options, SeenSurfaces>;
 
 template <class Query, class Options>
 nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const char* name, const char* text,
-                                                          const char* run_text) {
+                                                          const char* run_text,
+                                                          const char* resume_text = doc::ProximityQuery_resume) {
   using Held = HeldPairQuery<Query, Options>;
   nb::class_<Held> query(m, name, collected<Held>(), text);
   query.def(
@@ -58,7 +60,7 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
         });
       },
       nb::arg("a"), nb::arg("b") = nb::none(), nb::arg("workers") = nb::none(), run_text);
-  bind_going_on(query, doc::ProximityQuery_resume);
+  bind_going_on(query, resume_text);
   query.def(
       "open",
       [](Held& self) {
@@ -81,8 +83,6 @@ nb::class_<HeldPairQuery<Query, Options>> bind_pair_query(nb::module_& m, const 
 }
 
 constexpr const char* query_arguments = R"(
-
-Args:
     rings: for one surface with itself, skips pairs with two vertices at most this many edges apart.
     rest_distance: skips pairs that are at most this far apart at rest, mesh units.
     same_component: skips pairs of one component.
@@ -92,7 +92,8 @@ Args:
     budget: box tests, or a time.)";
 
 /// __init__() of a pair query: arguments `own` of its own, of types Own, which are the first members of its options;
-/// then those of all. own_text: its own ones, each with a comma after it, as Python writes them.
+/// then those of all. text: ends with a list of arguments (with_arguments), which goes on. own_text: its own ones, each
+/// with a comma after it, as Python writes them.
 template <class... Own, class Query, class Options, class... Args>
 void bind_init(nb::class_<HeldPairQuery<Query, Options>>& query, const char* own_text, const std::string& text,
                const Args&... own) {
@@ -131,7 +132,7 @@ void bind_pair_queries(nb::module_& m) {
   auto near = bind_pair_query<ProximityQuery, ProximityOptions>(m, "ProximityQuery", doc::ProximityQuery,
                                                                 doc::ProximityQuery_run);
   bind_init<double, bool>(near, "distance: float, nearest_features_once: bool = False, ",
-                          doc::ProximityQuery_ProximityQuery, nb::arg("distance"),
+                          with_arguments(doc::ProximityQuery_ProximityQuery, {}), nb::arg("distance"),
                           nb::arg("nearest_features_once") = false);
   near.def(
           "pairs",
@@ -150,8 +151,9 @@ void bind_pair_queries(nb::module_& m) {
           doc::ProximityQuery_safe_distances);
   using Swept = HeldPairQuery<SweptQuery, SweptOptions>;
   auto swept = bind_pair_query<SweptQuery, SweptOptions>(m, "SweptQuery", doc::SweptQuery, doc::SweptQuery_run);
-  bind_init<double, bool>(swept, "distance: float = 0.0, candidates_only: bool = False, ", doc::SweptQuery_SweptQuery,
-                          nb::arg("distance") = 0.0, nb::arg("candidates_only") = false);
+  bind_init<double, bool>(swept, "distance: float = 0.0, candidates_only: bool = False, ",
+                          with_arguments(doc::SweptQuery_SweptQuery, {}), nb::arg("distance") = 0.0,
+                          nb::arg("candidates_only") = false);
   swept
       .def(
           "pairs", [](Swept& self) { return found_by<SweptPairs>(self, [](SweptQuery& q) { return q.pairs(); }); },
@@ -167,11 +169,22 @@ void bind_pair_queries(nb::module_& m) {
   using Crossing = HeldPairQuery<SurfaceCrossingQuery, SurfaceCrossingOptions>;
   auto crossing = bind_pair_query<SurfaceCrossingQuery, SurfaceCrossingOptions>(
       m, "SurfaceCrossingQuery", doc::SurfaceCrossingQuery, doc::ProximityQuery_run);
-  bind_init(crossing, "", "Pairs of facets that intersect, as far as a budget allows.");
+  bind_init(crossing, "", with_arguments("Pairs of facets that intersect, as far as a budget allows.", {}));
   crossing.def(
       "pairs",
       [](Crossing& self) { return found_by<FeaturePairs>(self, [](SurfaceCrossingQuery& q) { return q.pairs(); }); },
       doc::SurfaceCrossingQuery_pairs);
+  using Layers = HeldPairQuery<LayerPatchQuery, LayerPatchOptions>;
+  auto layers = bind_pair_query<LayerPatchQuery, LayerPatchOptions>(
+      m, "LayerPatchQuery", doc::LayerPatchQuery, doc::LayerPatchQuery_run, doc::LayerPatchQuery_resume);
+  bind_init<double, std::uint32_t>(
+      layers, "thickness: float, max_points: int = 4, ",
+      with_arguments(doc::LayerPatchQuery_LayerPatchQuery, {{"thickness", doc::LayerPatchOptions_thickness},
+                                                            {"max_points", doc::LayerPatchOptions_max_points}}),
+      nb::arg("thickness"), nb::arg("max_points") = 4);
+  layers.def(
+      "patches", [](Layers& self) { return self.locked([](const LayerPatchQuery& q) { return LayerPatches(q); }); },
+      "A copy of the patches, in the order of the lowest pair of facets; later runs do not change it.");
 }
 
 }  // namespace morula::python

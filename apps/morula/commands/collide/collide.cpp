@@ -14,6 +14,7 @@
 
 #include "commands/collide/bodies.hpp"
 #include "commands/collide/features.hpp"
+#include "commands/collide/layers.hpp"
 #include "commands/collide/patches.hpp"
 #include "commands/collide/report.hpp"
 #include "commands/collide/scene.hpp"
@@ -34,6 +35,7 @@ struct CollideArguments {
   std::string sph_origin = "none";
   bool find_crossings = false;
   bool find_patches = false;
+  std::optional<double> thickness;
   bool carry = false;
   std::string budget;
   std::string priority = "overlap";
@@ -132,6 +134,7 @@ int run_scene(const CollideArguments& o) {
     throw UsageError(
         fmt::format("--scene {}: --weld is for two bodies; name welded meshes, which morula convert makes", o.scene));
   if (o.find_patches) throw UsageError(fmt::format("--scene {}: --patches is for two bodies; leave it out", o.scene));
+  if (o.thickness) throw UsageError(fmt::format("--scene {}: --thickness is for one or two surfaces", o.scene));
   if (o.with_self || o.within)
     throw UsageError(fmt::format("--scene {}: --self and --within are for one or two bodies", o.scene));
   if (const std::string given = given_of_two(o); !given.empty())
@@ -184,6 +187,18 @@ int run_features(const CollideArguments& o) {
                            .json = o.json});
 }
 
+int run_layers(const CollideArguments& o) {
+  const std::vector<std::pair<const char*, bool>> all{{"--tree-a", !o.a.tree.empty()},
+                                                      {"--tree-b", !o.b.tree.empty()},
+                                                      {"--rule", o.rule != "exact"},
+                                                      {"--sph-origin", o.sph_origin != "none"},
+                                                      {"--page", !o.page.empty()}};
+  for (const auto& [name, given] : all)
+    if (given) throw UsageError(fmt::format("{} is for spheres: leave it out with --thickness", name));
+  return collide_layers(
+      {.a = o.a, .b = o.b, .thickness = *o.thickness, .output = o.output, .threads = o.threads, .json = o.json});
+}
+
 int run_patches(const CollideArguments& o) {
   std::string given = given_of_spheres(o);
   if (o.find_crossings) given = "--crossings";
@@ -193,6 +208,7 @@ int run_patches(const CollideArguments& o) {
   if (o.b.mesh.empty() && !(o.b.tree + o.b.motion + o.b.translate + o.b.rotate).empty())
     throw UsageError("there is no body B: name it, or leave out its options");
   if (!given.empty()) throw UsageError(fmt::format("{} shows no patches: leave it out with --patches", given));
+  if (o.thickness) return run_layers(o);
   return collide_patches({.a = o.a,
                           .b = o.b,
                           .rule = o.rule,
@@ -206,6 +222,7 @@ int run_patches(const CollideArguments& o) {
 int collide_command(const CollideArguments& o) {
   if (!o.scene.empty()) return run_scene(o);
   if (o.a.mesh.empty()) throw UsageError("name two meshes, or give --scene FILE");
+  if (o.thickness && !o.find_patches) throw UsageError("--thickness is for patches: add --patches");
   if ((o.with_self || o.within) && !o.find_patches) return run_features(o);
   if (o.b.mesh.empty() && !o.with_self)
     throw UsageError(fmt::format("{} is one body: name another one, or add --self", o.a.mesh));
@@ -322,6 +339,11 @@ void add_collide(CLI::App& app, Run& run) {
   add_flag(*command, "--crossings", o->find_crossings, "Also list the pairs of facets that intersect");
   add_flag(*command, "--patches", o->find_patches,
            "Connected parts of the overlap of two closed bodies instead of contacts: volume, depth, normal, points");
+  add_option(*command, "--thickness", o->thickness,
+             "With --patches: parts where surfaces, open or closed, are nearer than this; no spheres. With --self, "
+             "facets at most twice this far apart at rest do not count")
+      ->type_name("LENGTH")
+      ->transform(real_number());
   add_option(*command, "--budget", o->budget, "Limit per frame: pair tests, such as 5000, or time, such as 200us")
       ->type_name("N|TIME");
   add_option(*command, "--priority", o->priority, "Order of the search under a budget: overlap (default) or level")
@@ -354,6 +376,7 @@ void add_collide(CLI::App& app, Run& run) {
       "  morula collide liver.obj tool.obj --crossings -o pairs.csv\n"
       "  morula collide liver.obj tool.obj --patches\n"
       "  morula collide liver.obj --motion-a motion/ --self --patches\n"
+      "  morula collide cloth.obj ball.obj --patches --thickness 0.01\n"
       "  morula collide --scene room.json --budget 1ms\n"
       "  morula collide --scene room.json --page room.html");
   on_use(*command, [o, &run] {

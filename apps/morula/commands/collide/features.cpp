@@ -13,6 +13,7 @@
 #include <toolbox/csv.hpp>
 #include <toolbox/stopwatch.hpp>
 
+#include "commands/collide/moving_surface.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
@@ -24,32 +25,6 @@
 
 namespace morula::cli {
 namespace {
-
-/// A surface where it is in a frame: no sphere tree is needed for this.
-class MovingSurface {
- public:
-  explicit MovingSurface(const SideFiles& files)
-      : transform_(parse_transform(files)),
-        loaded_(load_mesh(files.mesh, files.weld)),
-        placed_(loaded_.mesh.positions),
-        tree_(loaded_.mesh) {
-    if (!files.motion.empty()) motion_.emplace(files.motion, loaded_.mesh, MotionOptions{.weld = loaded_.merged()});
-  }
-  std::size_t frame_count() const { return motion_ ? motion_->frame_count() : 1; }
-  void move_to(std::size_t frame, Workers& workers) {
-    placed_ = motion_ ? motion_->frame(std::min(frame, motion_->frame_count() - 1)) : loaded_.mesh.positions;
-    for (Vec3& p : placed_) p = transform_(p);
-    if (const Status status = tree_.update(placed_, workers); !status) throw UsageError(message(status));
-  }
-  const SurfaceTree& tree() const { return tree_; }
-
- private:
-  RigidTransform transform_;
-  LoadedMesh loaded_;
-  std::optional<Motion> motion_;
-  std::vector<Vec3> placed_;
-  SurfaceTree tree_;
-};
 
 struct SurfacePair {
   const MovingSurface *a, *b;  // the same: with itself

@@ -5,16 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/geometry/inspect.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
-#include <toolbox/csv.hpp>
 #include <toolbox/stopwatch.hpp>
 
-#include "commands/collide/report.hpp"
+#include "commands/collide/patch_report.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/extension.hpp"
@@ -23,29 +21,18 @@
 #include "shared/options.hpp"
 #include "shared/progress.hpp"
 #include "shared/report.hpp"
-#include "shared/table.hpp"
 
 namespace morula::cli {
 namespace {
-
-/// Everything that is printed and written, frame by frame: patches are valid until the next run only.
-struct PatchReport {
-  Table table{{"frame of A", "frame of B", "patch", "volume", "depth", "mean depth", "normal", "centroid", "points"},
-              2};
-  std::string rows =
-      "frame_a,frame_b,patch,volume,depth,mean_depth,normal_x,normal_y,normal_z,centroid_x,centroid_y,centroid_z,"
-      "area_a,area_b,force_x,force_y,force_z,points\n";
-  Json frames = Json::array();
-  std::vector<double> microseconds;
-  std::size_t overlapping = 0, uncertified = 0;
-};
 
 void require_closed(const Side& side) {
   const MeshReport report = inspect(side.mesh());
   std::string fault;
   if (!report.closed) {
-    fault =
-        fmt::format("open ({}): morula repair merges equal vertices, and with --cap N closes holes", why_open(report));
+    fault = fmt::format(
+        "open ({}): morula repair merges equal vertices, and with --cap N closes holes; --thickness takes open "
+        "surfaces",
+        why_open(report));
   } else if (!report.oriented) {
     fault = fmt::format("not oriented ({}): morula repair turns its facets",
                         counted(report.misoriented_edges, "misoriented edge"));
@@ -55,64 +42,8 @@ void require_closed(const Side& side) {
   if (!fault.empty()) throw UsageError(fmt::format("--patches needs closed bodies, but {} is {}", side.name(), fault));
 }
 
-std::string patch_vector_text(const Vec3& v) {
-  return fmt::format("{} {} {}", figure(v.x), figure(v.y), figure(v.z));
-}
-
-Json patch_side_json(const PatchSide& side) {
-  return {{"area", side.area},
-          {"area_vector", vec3_json(side.area_vector)},
-          {"moment", vec3_json(side.moment)},
-          {"facets", side.facets.size()}};
-}
-
-Json patch_json(const ContactPatch& p) {
-  Json json{{"id", p.id},
-            {"volume", p.volume},
-            {"depth", p.depth},
-            {"mean_depth", p.mean_depth},
-            {"normal", vec3_json(p.normal)},
-            {"centroid", vec3_json(p.centroid)},
-            {"crossing_count", p.crossing_count},
-            {"a", patch_side_json(p.a)},
-            {"b", patch_side_json(p.b)},
-            {"points", Json::array()}};
-  for (const PatchPoint& point : p.points)
-    json["points"].push_back({{"id", point.id},
-                              {"point", vec3_json(point.point)},
-                              {"force", vec3_json(point.force)},
-                              {"volume", point.volume},
-                              {"depth", point.depth},
-                              {"on_a", surface_point_json(point.on_a)},
-                              {"on_b", surface_point_json(point.on_b)}});
-  return json;
-}
-
-void add_patch_frame(PatchReport& report, const std::string& name_a, const std::string& name_b,
-                     const ContactPatchQuery& query) {
-  Json frame{{"a", name_a},
-             {"b", name_b},
-             {"volume", query.volume()},
-             {"certified", query.certified()},
-             {"microseconds", report.microseconds.back()},
-             {"patches", Json::array()}};
-  for (const ContactPatch& p : query.patches()) {
-    report.table.add({name_a, name_b, std::to_string(p.id), figure(p.volume), figure(p.depth), figure(p.mean_depth),
-                      patch_vector_text(p.normal), patch_vector_text(p.centroid), std::to_string(p.points.size())});
-    fmt::format_to(std::back_inserter(report.rows), "{},{},{},{},{},{},{},{},{},{},{},{}\n", toolbox::csv_cell(name_a),
-                   toolbox::csv_cell(name_b), p.id, exact_digits(p.volume), exact_digits(p.depth),
-                   exact_digits(p.mean_depth), vec3_csv(p.normal), vec3_csv(p.centroid), exact_digits(p.a.area),
-                   exact_digits(p.b.area), vec3_csv(-p.a.area_vector), p.points.size());
-    frame["patches"].push_back(patch_json(p));
-  }
-  if (query.patches().empty()) report.table.add({name_a, name_b, "-", "0", "-", "-", "-", "-", "0"});
-  report.frames.push_back(std::move(frame));
-  report.overlapping += query.patches().empty() ? 0 : 1;
-  report.uncertified += query.certified() ? 0 : 1;
-}
-
-/// b: a itself for patches of one body. view: null without a page.
-PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& workers) {
+/// b: a itself for patches of one body. view: null without a page. uncertified: counts frames.
+PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, std::size_t& uncertified, Workers& workers) {
   PatchReport report;
   CrossingQuery crossed;
   const bool is_one = &a == &b;
@@ -125,7 +56,7 @@ PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& work
     if (!is_one) b.move_to(frame, workers);
     toolbox::Stopwatch watch;
     const Status status = query.run();
-    report.microseconds.push_back(1e6 * watch.lap());
+    const double microseconds = 1e6 * watch.lap();
     if (status.code == Status::Code::inside_out) {
       const Side& side = status.body == 0 ? a : b;
       throw UsageError(
@@ -134,7 +65,8 @@ PatchReport patches_of_frames(Side& a, Side& b, CollideView* view, Workers& work
                       side.frame_name(frame), side.name()));
     }
     if (!status) throw UsageError(message(status));
-    add_patch_frame(report, a.frame_name(frame), b.frame_name(frame), query);
+    report.add(a.frame_name(frame), b.frame_name(frame), query, microseconds, {{"certified", query.certified()}});
+    uncertified += query.certified() ? 0 : 1;
     if (view == nullptr) continue;
     // Of one body, facets that share a vertex would be among the pairs.
     if (is_one) {
@@ -174,7 +106,8 @@ int collide_patches(const PatchRun& run) {
   if (!run.page.empty() && other)
     view = collide_views().make(a.stem() + " and " + b.stem(), {&a.collider(), &b.collider()}, run.rule);
   if (!run.page.empty() && !other) view = collide_views().make(a.stem(), {&a.collider()}, run.rule);
-  const PatchReport report = patches_of_frames(a, b, view.get(), workers);
+  std::size_t uncertified = 0;
+  const PatchReport report = patches_of_frames(a, b, view.get(), uncertified, workers);
   if (!run.output.empty()) {
     write_whole(run.output, report.rows);
     note_written(run.output);
@@ -191,11 +124,10 @@ int collide_patches(const PatchRun& run) {
                 {"frames", report.frames}});
     return exit_done;
   }
-  fmt::print("{}\nsummary   {} of {} have patches; {} µs per frame (median)\n", report.table.text(), report.overlapping,
-             counted(report.microseconds.size(), "frame"), figure(median(report.microseconds)));
-  if (report.uncertified > 0)
+  fmt::print("{}", report.text());
+  if (uncertified > 0)
     fmt::print("note      patches may be missing in {}: spheres of the rule {} do not cover\n",
-               counted(report.uncertified, "frame"), run.rule);
+               counted(uncertified, "frame"), run.rule);
   fmt::print("{}", built_tree_note(a.tree_was_built(), other && b.tree_was_built()));
   for (const std::string& file : {run.output, run.page})
     if (!file.empty()) fmt::print("written   {}\n", file);
