@@ -150,8 +150,8 @@ class ContactPatchQuery {
   ///
   /// Cost: that of CrossingQuery, about 0.5 µs per pair of facets that intersect and 0.1 µs per facet inside; for one
   /// body instead of CrossingQuery about 0.7 µs per facet. Depths and points cost twice as much in addition, and ids
-  /// the square of the number of patches. For two
-  /// bodies whose overlap has no cavity, allocates nothing where earlier runs needed as much memory.
+  /// the square of the number of patches. For two bodies whose overlap has no cavity, allocates nothing where earlier
+  /// runs needed as much memory.
   Status run(const ContactPatchOptions& options = {});
 
   /// The patches of the last run that was not rejected, in the order of the lowest facet of a, then of b. Valid until
