@@ -270,5 +270,23 @@ TEST(Sweep, rejects_what_has_no_place_or_way) {
   EXPECT_THROW(static_cast<void>(sweep(spheres, Sphere{{}, 1}, {1, 0, 0})), std::invalid_argument);
 }
 
+// A point in the plane of a facet that passes along its edge, at a known distance.
+TEST(Sweep, passes_an_edge_in_the_plane_of_its_facet) {
+  const Vec3 a{0.1, 0.2, 0.3}, b{1.1, 0.7, 0.5}, c{0.4, 1.3, 0.9};
+  Mesh mesh;
+  mesh.positions = {a, b, c};
+  mesh.facets = {Facet{0, 1, 2}};
+  const CoveredTree built = build(mesh);
+  const Body body(mesh, built);
+  const Collider collider(mesh, body);
+  Vec3 out = normalized(cross(b - a, cross(b - a, c - a)));
+  if (dot(out, c - a) > 0) out = -out;
+  for (const double away : {1e-8, 1e-9, 1e-10, 1e-11})
+    for (int k = 0; k < 20; ++k)
+      EXPECT_FALSE(
+          sweep(collider, Sphere{a - (b - a) * (0.3 + 0.01 * k) + out * away, 0}, (b - a) * 1.9).first.has_value())
+          << away;
+}
+
 }  // namespace
 }  // namespace morula

@@ -176,6 +176,13 @@ std::optional<SweepPoint> first_touch(const Shape& shape, const Triangle& corner
       if (visit(out) < 0.5 * found.distance) {
         const Vec3 normal = normalized(area_vector(here), Vec3{});
         visit(normal), visit(-normal);
+        // Next to an edge, rounding turns the direction along it.
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Vec3 along = normalized(here[(k + 1) % 3] - here[k], Vec3{});
+          visit(normalized(out - along * dot(out, along), Vec3{}));
+          const Vec3 across = cross(along, normal);
+          visit(across), visit(-across);
+        }
         shape.each_direction(here, found.point, visit);
       }
       if (last > t_end) return {};
