@@ -18,7 +18,7 @@ namespace morula {
 /// The first touch of a moving shape and a surface.
 struct SweepPoint {
   double t = 0;          ///< share of the motion before the touch: 0 to 1; 0 if the shape touches where it starts
-  SurfacePoint point{};  ///< point of the surface that the shape touches; on the lowest facet of equal t
+  SurfacePoint point{};  ///< point of the surface that the shape touches; the lowest one of facets with the same bits of t
   Vec3 normal{};         ///< unit normal out of the shape at the point, when it touches
 };
 
@@ -34,7 +34,7 @@ struct [[nodiscard]] SweepHit {
 /// stays at its present pose; the query is about its surface, as TouchQuery is.
 ///
 /// `t` is the end of a proof: up to it, directions separate the shape from every facet. So it is never later than the
-/// touch, up to rounding. When it ends, the shape is within 2^-40 of the largest |coordinate| of shape, body and motion
+/// touch, up to rounding. When it ends, the shape is within 2^-38 of the largest |coordinate| of shape, body and motion
 /// of the surface. A shape that passes the surface nearer than that may be reported.
 ///
 /// Allocates nothing. Several threads may call it at once. Cost: some 100 ns per sphere, and 1 to 5 us per facet, along

@@ -62,7 +62,7 @@ struct SceneOptions {
   /// and whose positions are current; other pairs keep contacts alone. A budget of pair tests does not limit patches.
   /// Of a budget of time the search gets half, then patches the rest, before surfaces: first pairs that had patches,
   /// then others by importance. add() and replace(), or the next update() after this is set, examine the surface of a
-  /// body, in O(F log F) for F facets, once for all bodies with the same facets.
+  /// body, in O(F log F) for F facets, once for all bodies with the same facets if it is closed.
   bool patches = false;
   std::uint32_t patch_points = 4;  ///< ContactPatchOptions::max_points, from 0 to 16
   bool patch_depths = true;        ///< ContactPatchOptions::depths
@@ -199,7 +199,7 @@ struct SceneTouch {
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
-/// first, and every pair gets its turn. The scene keeps the front of each pair: a pair of resting bodies continues from
+/// first, and every pair of positive weights gets its turn. The scene keeps the front of each pair: a pair of resting bodies continues from
 /// it, and so does a pair of moving bodies if that saves tests.
 ///
 /// Callbacks (SceneOptions::accepts and clock) may throw; update() passes the exception on. The scene then keeps its
@@ -271,7 +271,8 @@ class Scene {
   const ScenePair* find(BodyId a, BodyId b) const;
 
   /// Finds the first surface that a ray hits, among the bodies whose colliders have facets. Rejects a ray that RayQuery
-  /// rejects, and returns other_frame if a body has moved since update(), or if update() has thrown.
+  /// rejects, and returns other_frame if a body that is awake has moved since update(), or if update() has thrown. A body that
+  /// sleeps or is static must stay where update() read it: hits at another place are missed.
   SceneRayHit first_hit(const Ray& ray, const SceneFilter& filter = {}) const;
   /// Finds all facets that a ray hits, as RayQuery::run_all() does for one body. Rejects like first_hit().
   SceneRayHits all_hits(const Ray& ray, const SceneFilter& filter = {});
