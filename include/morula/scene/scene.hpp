@@ -199,8 +199,8 @@ struct SceneTouch {
 ///
 /// All pairs share the budget by importance: the product of the weights of both bodies, of the overlap of their roots
 /// relative to their size, and of one plus the number of updates since the pair last got a share. So deep pairs come
-/// first, and every pair of positive weights gets its turn. The scene keeps the front of each pair: a pair of resting bodies continues from
-/// it, and so does a pair of moving bodies if that saves tests.
+/// first, and every pair of positive weights gets its turn. The scene keeps the front of each pair: a pair of resting
+/// bodies continues from it, and so does a pair of moving bodies if that saves tests.
 ///
 /// Callbacks (SceneOptions::accepts and clock) may throw; update() passes the exception on. The scene then keeps its
 /// bodies, and has no pairs until an update() succeeds. That update computes the pairs of a new scene with these
@@ -271,8 +271,8 @@ class Scene {
   const ScenePair* find(BodyId a, BodyId b) const;
 
   /// Finds the first surface that a ray hits, among the bodies whose colliders have facets. Rejects a ray that RayQuery
-  /// rejects, and returns other_frame if a body that is awake has moved since update(), or if update() has thrown. A body that
-  /// sleeps or is static must stay where update() read it: hits at another place are missed.
+  /// rejects, and returns other_frame if a body that is awake has moved since update(), or if update() has thrown. A
+  /// body that sleeps or is static must stay where update() read it: hits at another place are missed.
   SceneRayHit first_hit(const Ray& ray, const SceneFilter& filter = {}) const;
   /// Finds all facets that a ray hits, as RayQuery::run_all() does for one body. Rejects like first_hit().
   SceneRayHits all_hits(const Ray& ray, const SceneFilter& filter = {});
