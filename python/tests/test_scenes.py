@@ -299,7 +299,7 @@ def test_rays_and_shapes_find_what_each_body_says(crowd):
         alone = {ids[i]: morula.touch(collider, shape) for i, (_, collider) in enumerate(crowd)}
         found = {touch.body: touch.touch.touches for touch in scene.touch(shape)}
         assert {body for body, touches in found.items() if touches} == {body for body, touch in alone.items() if touch.touches}
-    for shape in ((0.5, 0.1, 4.0, 0.2), morula.Capsule((0, 0, 4), (1, 1, 5), 0.2), morula.ConvexHull([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (4.0, 5.0)])):
+    for shape in ((0.5, 0.1, 4.0, 0.2), morula.Capsule((0, 0, 4), (1, 1, 5), 0.2), morula.ConvexHull(numpy.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (4.0, 5.0)], float))):
         motion = (0.1, 0.2, -8.0)
         alone = {ids[i]: morula.sweep(collider, shape, motion) for i, (_, collider) in enumerate(crowd)}
         found = scene.sweep_all(shape, motion)
