@@ -17,9 +17,10 @@ namespace morula {
 
 /// The first touch of a moving shape and a surface.
 struct SweepPoint {
-  double t = 0;          ///< share of the motion before the touch: 0 to 1; 0 if the shape touches where it starts
-  SurfacePoint point{};  ///< point of the surface that the shape touches; the lowest one of facets with the same bits of t
-  Vec3 normal{};         ///< unit normal out of the shape at the point, when it touches
+  double t = 0;  ///< share of the motion before the touch: 0 to 1; 0 if the shape touches where it starts
+  SurfacePoint
+      point{};    ///< point of the surface that the shape touches; the lowest one of facets with the same bits of t
+  Vec3 normal{};  ///< unit normal out of the shape at the point, when it touches
 };
 
 /// The result of a sweep.
