@@ -14,6 +14,7 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <system_error>
+#include <toolbox/numbers.hpp>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"

@@ -16,7 +16,8 @@ namespace {
 /// The position on an edge that is nearest to `along` and in the triangle, both projected along the triangle's normal;
 /// `along` if the edge passes the triangle.
 double within(const Triangle& t, const Vec3& from, const Vec3& to, double along) {
-  const auto [first, second] = TrianglePlane(t).projection();
+  const Projection axes = TrianglePlane(t).projection();
+  const int first = axes.first, second = axes.second;
   const auto turn = [&](const Vec3& p, const Vec3& q, const Vec3& x) {
     return (q[first] - p[first]) * (x[second] - p[second]) - (q[second] - p[second]) * (x[first] - p[first]);
   };

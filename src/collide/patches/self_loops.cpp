@@ -47,7 +47,8 @@ bool surely_separate(const Vec3& v, const std::array<Vec3, 2>& f, const std::arr
 
 /// The middle of the part of segment p q that lies in the triangle, all in one plane, as a share of the segment.
 double middle_in_plane(const Vec3& p, const Vec3& q, const Triangle& t) {
-  const auto [first, second] = projections[largest_axis(area_vector(t))];
+  const Projection axes = projections[largest_axis(area_vector(t))];
+  const int first = axes.first, second = axes.second;
   const auto turn = [&](std::size_t k, const Vec3& x) {
     const Vec3 d = t[(k + 1) % 3] - t[k], e = x - t[k];
     return d[first] * e[second] - d[second] * e[first];

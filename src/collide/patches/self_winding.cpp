@@ -40,7 +40,7 @@ int passage_of_cone(const IndexedPoint& u, const IndexedPoint& x, const Cone& g)
 
 int number_outside(std::span<const Facet> facets, const Connectivity& connectivity, const SelfTree& tree,
                    std::span<const Vec3> world, std::uint32_t edge) {
-  const auto& [first, second] = connectivity.edges[edge];
+  const std::uint32_t first = connectivity.edges[edge][0], second = connectivity.edges[edge][1];
   const IndexedPoint v{world[first], first}, u{world[second], second};
   // The nearest way out of the box.
   const Box& box = tree.bounds();
