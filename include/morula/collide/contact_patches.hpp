@@ -58,7 +58,8 @@ struct PatchSide {
 
 /// A point that stands for a sector of a patch, about its center of pressure.
 struct PatchPoint {
-  std::uint32_t id;  ///< number of the sector; with ContactPatch::id it stays while the patch exists
+  std::uint32_t id;  ///< number of the sector; with ContactPatch::id it stays while the patch exists;
+                     ///< its sector turns when the normal turns far
   Vec3 point;        ///< world coordinates
   /// Share of this point in −PatchSide::area_vector of a, mesh units²: the area of the sector across the normal, along
   /// the normal, plus the least correction with which all forces and torques sum up to those of the patch.

@@ -47,7 +47,8 @@ struct LayerSide {
 
 /// A point that stands for a sector of a patch, about its center of pressure. Sectors pass into each other smoothly.
 struct LayerPoint {
-  std::uint32_t id;         ///< number of the sector; with LayerPatch::id it stays while the patch exists
+  std::uint32_t id;         ///< number of the sector; with LayerPatch::id it stays
+                            ///< while the patch exists; its sector turns when the normal turns far
   Vec3 point;               ///< center of pressure of the sector, midway between both surfaces, world coordinates
   Vec3 force;               ///< share of this point in −LayerSide::area_vector of a, mesh units²
   double volume = 0;        ///< volume of the sector, mesh units³; the sum over all points is LayerPatch::volume
@@ -97,11 +98,12 @@ struct LayerPatch {
 ///   counts as its longest edge from a height of 1e-8 of that edge on.
 /// The volume is still continuous there. Patches that join add up.
 ///
-/// **Exact and convergent.** The integrals along edges have relative errors of about 1e-10; forces and torques of both
-/// sides add up to 0 up to rounding at any error. The edges' areas are a quadrature that is exact where φ is a linear
-/// function on each facet, so volumes and gradients converge to those of the smooth surfaces with the square of the
-/// edge length, if h is below the radii of curvature. Facets have to be small against the contact: inside a large one
-/// its surface does not count, and at an edge of one it counts with the area of the whole facet per length of the edge.
+/// **Exact and convergent.** The integrals along edges have relative errors of about 1e-10, and up to 1e-8 of its
+/// longest edge at a facet that is nearly a line; forces and torques of both sides add up to 0 up to rounding at any
+/// error. The edges' areas are a quadrature that is exact where φ is a linear function on each facet, so volumes and
+/// gradients converge to those of the smooth surfaces with the square of the edge length, if h is below the radii of
+/// curvature. Facets have to be small against the contact: inside a large one its surface does not count, and at an
+/// edge of one it counts with the area of the whole facet per length of the edge.
 ///
 /// **Sides.** Distances have no sign: surfaces that have passed through each other are pushed apart on the wrong side.
 /// Limit steps by SweptQuery::collision_free_step(), or let the stiffness grow, to keep sides.
@@ -118,7 +120,8 @@ class LayerPatchQuery {
 
   /// Computes the patches of one surface with itself, or of two, from the beginning. Trees are borrowed until the last
   /// resume(). A surface in a step is tested at its beginning. Rejected with bad_option: masks of another number of
-  /// facets. Complete: every pair of facets nearer than the thickness is found, up to 2^-46 of the largest coordinate.
+  /// facets. Complete: every pair of facets nearer than the thickness is found, up to 2^-46 of the largest coordinate,
+  /// where neither has a repeated index; such facets take no part.
   /// Cost: a search, and then about 2 µs per pair of facets with near boxes. The first run with a surface makes
   /// tables of its edges, in linear time.
   SurfaceQueryStatus run(const SurfaceTree& surface, Workers& workers = serial_workers());

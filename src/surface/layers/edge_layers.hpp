@@ -10,8 +10,8 @@
 //   edge     1 − (number of its facets on whose side of the edge x is)
 //   vertex   1 − (its edges that lead towards x) + (its facets of which both edges do)
 // Most indices are 0: of a vertex or edge within a flat part, or one behind a ridge. All conditions are signs of linear
-// functions along the edge. Each changes at one number, which all features that depend on it share. So every point of
-// the edge counts each facet exactly once, for any rounding.
+// functions along the edge. Each changes at one number, which all features that depend on it share. So points of the
+// edge count each facet exactly once, except for parts of rounding length near the borders of its regions.
 #pragma once
 
 #include <cstdint>
