@@ -142,7 +142,8 @@ TEST(Sweep, balls_and_capsules_touch_first_where_distances_at_many_times_say_so)
     Placed placed(std::move(mesh));
     for (int i = 0; i < 40; ++i) {
       placed.collider.set_transform(test::random_transform(random, 0.3));
-      const auto [p, motion] = random_way(random);
+      const auto way = random_way(random);
+      const Vec3 p = way.from, motion = way.motion;
       const Vec3 q = i % 2 == 0 ? p : p + test::random_point(random, 0.8);
       const double radius = i % 5 == 0 ? 0 : random.uniform(0.01, 0.6);
       const SweepHit hit = i % 2 == 0 ? SweepQuery().run(placed.collider, Sphere{p, radius}, motion)

@@ -57,7 +57,9 @@ double plain_layer(const Mesh& rest_a, const std::vector<Vec3>& a, const Mesh& m
   with_x.push_back({});
   const auto x_of = static_cast<std::uint32_t>(b.size());
   double sum = 0;
-  for (const auto& [edge, facets] : edges_of(rest_a)) {
+  for (const auto& entry : edges_of(rest_a)) {
+    const Edge& edge = entry.first;
+    const std::vector<std::uint32_t>& facets = entry.second;
     double weight = 0;
     for (const std::uint32_t i : facets) weight += area_of(rest_a.positions, rest_a.facets[i]) / 3;
     std::vector<std::uint32_t> acting;

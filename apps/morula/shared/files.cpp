@@ -14,10 +14,10 @@
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <system_error>
-#include <toolbox/numbers.hpp>
 
 #include "shared/command.hpp"
 #include "shared/console.hpp"
+#include "shared/figures.hpp"
 
 namespace morula::cli {
 namespace {
