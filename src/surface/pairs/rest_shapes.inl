@@ -39,14 +39,14 @@ inline LanePoint part_of(const PointGroup& group, int part) {
 }
 
 // Rows without a bit are skipped.
-#define MORULA_FOR_ROWS(squared_distance)                                                                        \
-  std::uint64_t near = 0;                                                                                        \
-  const Number zero{}, most = zero + squared;                                                                    \
-  for (int i = 0; i < 8; ++i) {                                                                                  \
-    if ((bits >> (8 * i) & 0xff) == 0) continue;                                                                 \
-    for (int p = 0; p < shape_parts; ++p)                                                                        \
-      near |= static_cast<std::uint64_t>(numbers_at_most(squared_distance, most)) << (8 * i + 4 * p);            \
-  }                                                                                                              \
+#define MORULA_FOR_ROWS(squared_distance)                                                             \
+  std::uint64_t near = 0;                                                                             \
+  const Number zero{}, most = zero + squared;                                                         \
+  for (int i = 0; i < 8; ++i) {                                                                       \
+    if ((bits >> (8 * i) & 0xff) == 0) continue;                                                      \
+    for (int p = 0; p < shape_parts; ++p)                                                             \
+      near |= static_cast<std::uint64_t>(numbers_at_most(squared_distance, most)) << (8 * i + 4 * p); \
+  }                                                                                                   \
   return near & bits
 
 inline Number squared_of_points(const LanePoint& a, const LanePoint& b) {
@@ -57,12 +57,10 @@ std::uint64_t near_corners(const PointGroup* a, const PointGroup* b, std::uint64
   MORULA_FOR_ROWS(squared_of_points(one_point(a[0], i), part_of(b[0], p)));
 }
 std::uint64_t near_edges(const PointGroup* a, const PointGroup* b, std::uint64_t bits, float squared) {
-  MORULA_FOR_ROWS(
-      squared_of_segments(one_point(a[0], i), one_point(a[1], i), part_of(b[0], p), part_of(b[1], p)));
+  MORULA_FOR_ROWS(squared_of_segments(one_point(a[0], i), one_point(a[1], i), part_of(b[0], p), part_of(b[1], p)));
 }
 std::uint64_t near_vertex_facets(const PointGroup* a, const PointGroup* b, std::uint64_t bits, float squared) {
-  MORULA_FOR_ROWS(
-      squared_to_facet(one_point(a[0], i), part_of(b[0], p), part_of(b[1], p), part_of(b[2], p)));
+  MORULA_FOR_ROWS(squared_to_facet(one_point(a[0], i), part_of(b[0], p), part_of(b[1], p), part_of(b[2], p)));
 }
 #undef MORULA_FOR_ROWS
 constexpr NearShapes near_shapes{near_corners, near_edges, near_vertex_facets};
