@@ -80,7 +80,7 @@ std::vector<Result> run_measure(const Input& input, const Settings& settings);
 std::vector<Result> run_query(const Input& input, const Settings& settings);
 std::vector<Result> run_collide(const Input& input, const Settings& settings);
 std::vector<Result> run_volumes(const Input& input, const Settings& settings);
-/// Contacts for a solver: depth, normal and force of several libraries beside known ones.
+/// Bodies pressed together: depths, normals and forces of Morula and Bullet, compared with known values.
 std::vector<Result> run_pressed(const Input& input, const Settings& settings);
 std::vector<Result> run_patches(const Input& input, const Settings& settings);
 std::vector<Result> run_distance(const Input& input, const Settings& settings);

@@ -40,8 +40,8 @@ class LayerPartners {
   std::vector<std::uint32_t> run_of_;  // valid if that run is of the facet
 };
 
-/// The connected groups of near pairs (LayerPatch). Of one surface with itself each pair has two nodes, (a, b) and (b,
-/// a): the groups of both are mirrored, or the same.
+/// The connected groups of near pairs (LayerPatch). For one surface with itself each pair has the
+/// two nodes (a, b) and (b, a); their groups are mirrored, or the same.
 class LayerGroups {
  public:
   static constexpr std::uint32_t none = 0xffffffffu;

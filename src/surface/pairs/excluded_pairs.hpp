@@ -19,7 +19,7 @@ namespace morula::detail {
 
 class ExcludedPairs {
  public:
-  /// The largest memory of a table of neighbors, bytes per facet, but for one row per thread.
+  /// Largest size of a table of neighbors in bytes per facet. One row per thread may exceed it.
   static constexpr std::size_t most_bytes_per_facet = 512;
 
   /// Makes the boxes and shapes at rest if the surface has none yet. rule: a rule that excludes at least one pair.
