@@ -47,7 +47,9 @@ struct MeshObstacle final : Obstacle {
     return (solid ? d : std::abs(d)) <= ball.radius;
   }
   NearestObstacle nearest(const Vec3& p, double within) const override {
-    if (scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{})) > within) return {};
+    // Within the bounds p may be inside, where also a negative `within` leaves something to find.
+    const double outside = scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{}));
+    if (outside > 0 && outside > within) return {};
     const SignedDistance::Result result = distance.at(p);
     const bool inside = solid && result.distance < 0;
     const Vec3 offset = inside ? result.closest.point - p : p - result.closest.point;
