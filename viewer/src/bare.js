@@ -4,11 +4,11 @@
 // page and no drawing in here: tests run it alone.
 
 const distance = (p, q) => Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
-const area = ([a, b, c]) => {
+export const area = ([a, b, c]) => {
   const [u, v] = [b, c].map((p) => p.map((x, k) => x - a[k]));
   return 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
 };
-const most = 400_000; // triangles looked at; the rest counts as bare
+const most = 300_000; // triangles looked at; the rest counts as bare
 
 /**
  * triangles: [[a, b, c], …] of points; spheres: [[x, y, z, r], …]. Every point that is farther than `within` from all
@@ -27,9 +27,10 @@ export function bareSurface(triangles, spheres, within, coarse) {
     const near = around.filter(([x, y, z, r]) => distance(triangle[0], [x, y, z]) <= r + edges[longest] + within);
     if (near.some(([x, y, z, r]) => triangle.every((p) => distance(p, [x, y, z]) <= r + within))) continue;
     const outside = triangle.map((p) => near.reduce((least, s) => Math.min(least, distance(p, s) - s[3]), Infinity));
-    const isBare = Math.max(...outside) > within;
-    if (!isBare && edges[longest] <= within && Math.max(...outside) <= 0) continue;
-    if (edges[longest] <= (isBare ? coarse : within) || near.length === 0 || steps > most) {
+    const isBare = Math.max(...outside) > 0.55 * within;
+    // No point is farther from the spheres than a corner and the way to it.
+    if (!isBare && edges[longest] <= 0.45 * within) continue;
+    if ((isBare && edges[longest] <= coarse) || near.length === 0 || steps > most) {
       found.triangles.push(triangle);
       found.area += area(triangle);
       for (const p of triangle) {

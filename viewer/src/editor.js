@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Editing a robot's spheres: fields, buttons, the cover of the link that the reader works on, and what to save.
-import { bareBalls, bareSurface } from './bare.js';
+import { area, bareBalls, bareSurface } from './bare.js';
 import { byId, element } from './dom.js';
 import { Edits } from './edits.js';
 import { figure, percent } from './numbers.js';
 import { inverse, placed } from './joints.js';
-import { refit } from './refit.js';
+import { refit, sphereAround } from './refit.js';
 import { offer } from './save.js';
 
 const axes = ['x', 'y', 'z', 'r'];
@@ -14,7 +14,8 @@ const sizeOf = (triangles) => {
   const points = triangles.flat();
   return Math.hypot(...[0, 1, 2].map((k) => points.reduce((most, p) => Math.max(most, p[k]), -Infinity) - points.reduce((least, p) => Math.min(least, p[k]), Infinity)));
 };
-const areaOf = (triangles) => bareSurface(triangles, [], 0, Infinity).area;
+const areaOf = (triangles) => triangles.reduce((sum, triangle) => sum + area(triangle), 0);
+const largest = (triangles) => triangles.reduce((a, b) => (area(b) > area(a) ? b : a));
 
 export class Editor {
   /** onbare(triangles, part): called with the uncovered surface of the link, none for part -1. */
@@ -76,10 +77,10 @@ export class Editor {
     const { part, index } = this.picked;
     if (part < 0) return;
     const list = this.edits.spheres[part];
-    // Where the link is bare most, or beside the picked sphere.
+    // In the largest uncovered piece, or where the picked sphere is.
     const bare = this.lastBare?.part === part ? this.lastBare.triangles : [];
     const base = list[Math.max(index, 0)];
-    const at = bare.length > 0 ? [0, 1, 2].map((k) => (bare[0][0][k] + bare[0][1][k] + bare[0][2][k]) / 3) : base.slice(0, 3);
+    const at = bare.length > 0 ? sphereAround(largest(bare)).slice(0, 3) : base.slice(0, 3);
     if (this.edits.add(part, [...at, 0.5 * base[3]])) this.apply(part, list.length);
   }
   copy() {
@@ -189,7 +190,6 @@ export class Editor {
       const facets = this.facetsOf(part);
       const bare = bareSurface(facets, list, this.scene.tolerance, sizeOf(facets) / 150);
       const balls = bareBalls(this.scene.joints.parts[part].balls ?? [], list, this.scene.tolerance);
-      bare.triangles.sort((a, b) => areaOf([b]) - areaOf([a]));
       this.lastJudged = { part, list, bare, balls, share: bare.area / (areaOf(facets) || 1) };
     }
     const { bare, balls, share } = this.lastJudged;

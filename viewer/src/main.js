@@ -24,6 +24,7 @@ const text = (id) => byId(id)?.textContent ?? null;
 const framesPerSecond = 14;
 const levelTints = levelColors.map(rgb);
 const collidingTint = rgb('#e3262e');
+const collidingLinkTint = rgb('#f0948f'); // its spheres that touch no other link
 
 function fail(error) {
   const known = error instanceof PageError;
@@ -45,7 +46,7 @@ function coloring(scene, state) {
   if (scene.joints) {
     const colliding = scene.collidingNodes;
     const own = by === 'branch' ? (node) => kindColor(scene.branchOf[node]) : (node) => levelTints[scene.levelOf[node] % levelTints.length];
-    return (node) => (colliding.has(node) ? collidingTint : own(node));
+    return (node) => (colliding.has(node) ? collidingTint : colliding.has(scene.parent[node]) ? collidingLinkTint : own(node));
   }
   if (by === 'branch') return (node) => kindColor(scene.branchOf[node]);
   if (by === 'growth' || (by === 'empty' && scene.emptyShare)) {
@@ -97,8 +98,9 @@ function start() {
   const sliders = new Sliders(state);
   const pairs = new PairList((parts) => {
     const together = scene.overlapping.find((pair) => pair.parts.join() === parts.join());
-    const nodes = together ? [...together.nodes] : [...scene.levelSets[1]].filter((node) => parts.includes(scene.partOf[node]));
-    stage?.focus(sphereAround(nodes.map((node) => [...scene.frames[0].subarray(4 * node, 4 * node + 4)])));
+    const ballOf = (node) => [...scene.frames[0].subarray(4 * node, 4 * node + 4)];
+    const heads = [...scene.levelSets[1]].filter((node) => parts.includes(scene.partOf[node])).map(ballOf);
+    stage?.focus(sphereAround(together ? [...together.nodes].map(ballOf) : heads), heads);
   });
   const editor = new Editor(state, manifest.title, (triangles, part) => {
     if (!stage) return;

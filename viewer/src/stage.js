@@ -289,10 +289,14 @@ export class Stage {
     }
   }
 
-  /** Brings a ball of the picture near, from the side where the camera is. */
-  focus([x, y, z, r]) {
+  /** Brings a ball of the picture near, seen across the line between two others. */
+  focus([x, y, z, size], [a, b]) {
     const center = new Vector3(x, y, z);
-    const away = this.camera.position.clone().sub(this.controls.target).normalize();
+    const r = Math.max(size, 0.2 * this.frameOfBox()[1]);
+    const away = this.camera.position.clone().sub(this.controls.target);
+    const across = away.clone().projectOnPlane(new Vector3(a[0] - b[0], a[1] - b[1], a[2] - b[2]).normalize());
+    if (across.length() > 0.1 * away.length()) away.copy(across);
+    away.normalize();
     const angle = 0.5 * this.camera.fov * (Math.PI / 180);
     const distance = (1.6 * r) / Math.sin(angle) / Math.min(1, this.camera.aspect);
     this.turned = true;
