@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Queries of planners: many configurations of a robot in one call, in a world of obstacles and against the robot itself.
+// Queries of planners: many configurations of a robot in one call, in a world of obstacles and against the robot
+// itself.
 //
 //   const morula::robot::ConfigurationQuery query(robot, spheres, self_collision);
 //   std::vector<morula::robot::ConfigurationVerdict> verdicts(count);
@@ -16,9 +17,11 @@
 
 namespace morula::robot {
 
-/// The first contact that a check finds: of a link and an obstacle, or of two links.
+/// The first contact of a configuration: of the lowest link that touches an obstacle, with the lowest obstacle that it
+/// touches. If no link touches one: of two links of the robot, the pair with the lowest `link`, then the lowest
+/// `other_link`, where link < other_link.
 struct ConfigurationVerdict {
-  std::uint32_t link = free_link;  ///< index in Robot::links; free_link: there is no contact
+  std::uint32_t link = free_link;        ///< index in Robot::links; free_link: there is no contact
   std::uint32_t other_link = free_link;  ///< second link, for a contact of the robot with itself
   std::uint32_t obstacle = free_link;    ///< number in the world, for a contact with it
   static constexpr std::uint32_t free_link = 0xffffffff;
@@ -32,7 +35,7 @@ struct Clearance {
   /// links, mesh units; negative: the depth of the deepest contact. Limited to ClearanceOptions::limit.
   double distance = 0;
   double lower = 0, upper = 0;  ///< bounds of the exact value for the given numbers, rounding included
-  std::uint32_t link = ConfigurationVerdict::free_link;        ///< the nearest pair, as in ConfigurationVerdict
+  std::uint32_t link = ConfigurationVerdict::free_link;  ///< the nearest pair, as in ConfigurationVerdict
   std::uint32_t other_link = ConfigurationVerdict::free_link;
   std::uint32_t obstacle = ConfigurationVerdict::free_link;
 };
@@ -72,9 +75,10 @@ struct MotionOptions {
 /// A robot's spheres, arranged for many configurations. A configuration is the values of robot.independent_joints, in
 /// that order, radians or mesh units; an array of them has one after the other. Joint limits are not checked.
 ///
-/// The world is in the axes in which `base` places the root link. Two spheres collide as in SphereRobot: if the distance
-/// of their centers, computed in double, is at most the sum of their radii. Faster single-precision tests come first and
-/// leave all doubtful cases to double, so verdicts are the same on every processor and for any number of workers.
+/// The world is in the axes in which `base` places the root link. Two spheres collide as in SphereRobot: if the
+/// distance of their centers, computed in double, is at most the sum of their radii. Faster single-precision tests come
+/// first and leave all doubtful cases to double, so verdicts are the same on every processor and for any number of
+/// workers.
 ///
 /// Queries are const; several threads may use one object at once.
 class ConfigurationQuery {
@@ -92,13 +96,14 @@ class ConfigurationQuery {
   /// Places the root link in the world. Throws std::invalid_argument for a pose that is not finite, or a reflection.
   void set_base(const RigidTransform& base);
   /// Fastens an object to a link, such as a grasped part: its spheres move with it, in the link's axes, and count as
-  /// that link's. They are not tested against that link, nor against those in `touching`. Replaces the object that this
-  /// link held; no spheres: the link holds nothing. Throws std::invalid_argument for a link without spheres or that the
-  /// robot lacks, and for spheres that tree_from_spheres() rejects.
+  /// that link's. They are tested against all other links with spheres except those in `touching`, and against what
+  /// these links hold; ignored pairs of links do not matter for them. The link needs no spheres of its own. Replaces
+  /// the object that this link held; no spheres: the link holds nothing. Throws std::invalid_argument for links that
+  /// the robot lacks, and for spheres that tree_from_spheres() rejects.
   void attach(std::string_view link, std::span<const Sphere> spheres, std::span<const std::string> touching = {});
 
   /// Checks configurations. verdicts: one per configuration, whose count it gives. Throws std::invalid_argument unless
-  /// there are verdicts.size() × coordinates() finite numbers.
+  /// there are verdicts.size() × coordinates() numbers of at most greatest_usable_scale.
   void check(std::span<const double> configurations, const World& world, std::span<ConfigurationVerdict> verdicts,
              WorkersOrAll workers = {}) const;
   /// Checks the robot against itself alone.
@@ -109,15 +114,17 @@ class ConfigurationQuery {
   /// gradients: empty, or clearances.size() × coordinates() numbers, mesh units per coordinate: those of the nearest
   /// pair, hence one of several where pairs are equally near.
   void clearance(std::span<const double> configurations, const World& world, std::span<Clearance> clearances,
-                 std::span<double> gradients = {}, const ClearanceOptions& options = {}, WorkersOrAll workers = {}) const;
+                 std::span<double> gradients = {}, const ClearanceOptions& options = {},
+                 WorkersOrAll workers = {}) const;
 
   /// Checks edges: from[i] to to[i], each coordinate in proportion. from, to: verdicts.size() × coordinates() numbers.
   void check_motions(std::span<const double> from, std::span<const double> to, const World& world,
                      std::span<MotionVerdict> verdicts, const MotionOptions& options = {},
                      WorkersOrAll workers = {}) const;
 
+  struct Model;  // for the queries of this library
+
  private:
-  struct Model;
   std::shared_ptr<const Model> model_;
 };
 

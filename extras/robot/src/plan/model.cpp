@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "plan/model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <morula/tree/sphere_tree.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "read/xml.hpp"
+
+namespace morula::robot {
+namespace {
+
+JointStep step_of(const Robot& robot, std::size_t joint_index) {
+  const Joint& joint = robot.joints[joint_index];
+  JointStep step{
+      .parent = joint.parent, .child = joint.child, .origin = joint.origin, .kind = joint.kind, .axis = joint.axis};
+  if (!joint.moves()) return step;
+  std::size_t leader = joint_index;
+  for (; robot.joints[leader].mimic; leader = robot.joints[leader].mimic->joint) {
+    step.offset += step.factor * robot.joints[leader].mimic->offset;
+    step.factor *= robot.joints[leader].mimic->multiplier;
+  }
+  const auto& independent = robot.independent_joints;
+  const auto found = std::find(independent.begin(), independent.end(), leader);
+  // A joint that follows one without a value stays at its offset.
+  if (found == independent.end()) step.factor = 0;
+  step.coordinate = found == independent.end() ? none : static_cast<std::size_t>(found - independent.begin());
+  return step;
+}
+
+// Much more than the rounding of the numbers that are compared.
+double rounding_allowance(const Sphere& s) {
+  return 1e-12 * (max_norm(s.center) + s.radius);
+}
+
+bool are_apart(const Sphere& a, const Sphere& b) {
+  const double reach = a.radius + b.radius + rounding_allowance(a) + rounding_allowance(b);
+  return squared_distance(a.center, b.center) > reach * reach;
+}
+
+bool is_beyond(const Box& box, const Sphere& s) {
+  const Vec3 outside = max(max(box.lower - s.center, s.center - box.upper), Vec3{});
+  const double reach = s.radius + rounding_allowance(s);
+  return squared_length(outside) > reach * reach;
+}
+
+}  // namespace
+
+bool groups_touch(const MovingSpheres& a, const RigidTransform& at_a, const MovingSpheres& b,
+                  const RigidTransform& at_b) {
+  const Sphere bound_b = sphere_at(at_b, b.bound);
+  if (are_apart(sphere_at(at_a, a.bound), bound_b)) return false;
+  for (const Sphere& s : a.spheres) {
+    const Sphere p = sphere_at(at_a, s);
+    if (are_apart(p, bound_b)) continue;
+    for (const Sphere& t : b.spheres) {
+      if (spheres_touch(p, sphere_at(at_b, t))) return true;
+    }
+  }
+  return false;
+}
+
+bool touches_obstacle(const MovingSpheres& group, const RigidTransform& at, const Obstacle& obstacle) {
+  const Sphere bound = sphere_at(at, group.bound);
+  if (is_beyond(obstacle.bounds, bound) || obstacle.is_clear_of(bound)) return false;
+  return std::any_of(group.spheres.begin(), group.spheres.end(), [&](const Sphere& s) {
+    const Sphere ball = sphere_at(at, s);
+    return !is_beyond(obstacle.bounds, ball) && obstacle.touches(ball);
+  });
+}
+
+ConfigurationQuery::Model::Model(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision)
+    : root(robot.root), coordinates(robot.independent_joints.size()), step_of_link(robot.links.size(), none) {
+  const std::size_t links = robot.links.size();
+  for (const Link& link : robot.links) link_names.push_back(link.name);
+  for (const std::size_t joint : robot.order) {
+    step_of_link[robot.joints[joint].child] = steps.size();
+    steps.push_back(step_of(robot, joint));
+  }
+  ignored.assign(links * links, false);
+  for (const IgnoredPair& pair : self_collision.ignored) {
+    if (pair.a >= links || pair.b >= links)
+      throw std::invalid_argument("ConfigurationQuery: an ignored pair names a link that the robot lacks");
+    ignored[pair.a * links + pair.b] = ignored[pair.b * links + pair.a] = true;
+  }
+  for (const LinkSpheres& link : spheres.links) {
+    if (link.link >= links || link.spheres.empty())
+      throw std::invalid_argument("ConfigurationQuery: a link of RobotSpheres has no spheres, or the robot lacks it");
+    own.push_back({.link = link.link, .spheres = link.spheres, .bound = tree_from_spheres(link.spheres).spheres[0]});
+  }
+  std::stable_sort(own.begin(), own.end(), [](const auto& a, const auto& b) { return a.link < b.link; });
+  arrange();
+}
+
+void ConfigurationQuery::Model::arrange() {
+  groups = own;
+  groups.insert(groups.end(), held.begin(), held.end());
+  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.link < b.link; });
+  const auto may_touch = [](const MovingSpheres& a, const MovingSpheres& b) {
+    return std::find(a.touching.begin(), a.touching.end(), b.link) != a.touching.end();
+  };
+  pairs.clear();
+  for (std::size_t a = 0; a < groups.size(); ++a) {
+    for (std::size_t b = a + 1; b < groups.size(); ++b) {
+      const MovingSpheres &p = groups[a], &q = groups[b];
+      if (p.link == q.link || may_touch(p, q) || may_touch(q, p)) continue;
+      if (!p.is_held && !q.is_held && ignored[p.link * link_names.size() + q.link]) continue;
+      pairs.push_back({a, b});
+    }
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [&](const GroupPair& x, const GroupPair& y) {
+    return std::pair{groups[x.a].link, groups[x.b].link} < std::pair{groups[y.a].link, groups[y.b].link};
+  });
+}
+
+void ConfigurationQuery::Model::place(std::span<const double> values, std::span<RigidTransform> poses) const {
+  poses[root] = base;
+  for (const JointStep& step : steps) {
+    const RigidTransform at = composed(poses[step.parent], step.origin);
+    const bool moves = step.kind == Joint::Kind::revolute || step.kind == Joint::Kind::continuous ||
+                       step.kind == Joint::Kind::prismatic;
+    if (!moves) {
+      poses[step.child] = at;
+      continue;
+    }
+    const double value = (step.coordinate == none ? 0 : step.factor * values[step.coordinate]) + step.offset;
+    const RigidTransform motion = step.kind == Joint::Kind::prismatic ? RigidTransform{.translation = value * step.axis}
+                                                                      : RigidTransform::from_axis(step.axis, value);
+    poses[step.child] = composed(at, motion);
+  }
+}
+
+ConfigurationVerdict ConfigurationQuery::Model::first_contact(std::span<const RigidTransform> poses,
+                                                              const World::Data* world, bool self) const {
+  ConfigurationVerdict verdict;
+  const std::size_t obstacles = world != nullptr ? world->obstacles.size() : 0;
+  for (const MovingSpheres& group : groups) {
+    if (!verdict.is_free() && verdict.link != group.link) return verdict;
+    const std::size_t end = verdict.is_free() ? obstacles : verdict.obstacle;
+    for (std::size_t i = 0; i < end; ++i) {
+      if (!touches_obstacle(group, poses[group.link], *world->obstacles[i])) continue;
+      verdict.link = static_cast<std::uint32_t>(group.link);
+      verdict.obstacle = static_cast<std::uint32_t>(i);
+      break;
+    }
+  }
+  if (!verdict.is_free() || !self) return verdict;
+  for (const GroupPair& pair : pairs) {
+    const MovingSpheres &a = groups[pair.a], &b = groups[pair.b];
+    if (!groups_touch(a, poses[a.link], b, poses[b.link])) continue;
+    verdict.link = static_cast<std::uint32_t>(a.link);
+    verdict.other_link = static_cast<std::uint32_t>(b.link);
+    return verdict;
+  }
+  return verdict;
+}
+
+void ConfigurationQuery::Model::require_configurations(std::span<const double> configurations, std::size_t count,
+                                                       const char* function) const {
+  const std::string name = std::string("ConfigurationQuery::") + function;
+  if (configurations.size() != count * coordinates) {
+    throw std::invalid_argument(name + ": " + std::to_string(configurations.size()) + " numbers for " +
+                                std::to_string(count) + " configurations of " + std::to_string(coordinates) +
+                                " coordinates");
+  }
+  for (std::size_t i = 0; i < configurations.size(); ++i) {
+    if (!(std::abs(configurations[i]) <= greatest_usable_scale)) {
+      throw std::invalid_argument(name + ": coordinate " + std::to_string(i % coordinates) + " of configuration " +
+                                  std::to_string(i / coordinates) + " is not a finite number of usable size");
+    }
+  }
+}
+
+}  // namespace morula::robot

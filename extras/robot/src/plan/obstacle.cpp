@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Spheres, boxes, capsules and meshes as obstacles.
+#include "plan/obstacle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <morula/query/signed_distance.hpp>
+
+namespace morula::robot {
+namespace {
+
+constexpr Vec3 up{0, 0, 1};
+
+struct CapsuleObstacle final : Obstacle {
+  explicit CapsuleObstacle(const Capsule& capsule) : shape(capsule), along(capsule.q - capsule.p) {
+    const Vec3 r{shape.radius, shape.radius, shape.radius};
+    Box box;
+    for (const Vec3& end : {shape.p, shape.q}) box.add(end - r), box.add(end + r);
+    set_bounds(box);
+  }
+  Vec3 on_axis(const Vec3& p) const {
+    const double square = squared_length(along);
+    const double share = square > 0 ? std::clamp(dot(p - shape.p, along) / square, 0.0, 1.0) : 0.0;
+    return share == 1 ? shape.q : shape.p + share * along;
+  }
+  bool touches(const Sphere& ball) const override {
+    const double reach = ball.radius + shape.radius;
+    return squared_distance(ball.center, on_axis(ball.center)) <= reach * reach;
+  }
+  NearestObstacle nearest(const Vec3& p, double within) const override {
+    const Vec3 offset = p - on_axis(p);
+    // On the axis every direction at right angles to it leads out.
+    const Vec3 flat = std::abs(along.x) <= std::abs(along.y) ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    return place_at(length(offset) - shape.radius, normalized(offset, normalized(cross(along, flat), up)), within);
+  }
+  const Capsule shape;
+  const Vec3 along;
+};
+
+struct MeshObstacle final : Obstacle {
+  explicit MeshObstacle(const MeshView& mesh) : distance(mesh), solid(distance.has_volume()) {
+    set_bounds(bounding_box(mesh));
+  }
+  bool touches(const Sphere& ball) const override {
+    const double d = distance(ball.center);
+    return (solid ? d : std::abs(d)) <= ball.radius;
+  }
+  NearestObstacle nearest(const Vec3& p, double within) const override {
+    if (scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{})) > within) return {};
+    const SignedDistance::Result result = distance.at(p);
+    const bool inside = solid && result.distance < 0;
+    const Vec3 offset = inside ? result.closest.point - p : p - result.closest.point;
+    const Vec3 normal = distance.orientation() * area_vector(distance.bvh().triangle(result.closest.facet));
+    return place_at(solid ? result.distance : std::abs(result.distance), normalized(offset, normalized(normal, up)),
+                    within);
+  }
+  const SignedDistance distance;
+  const bool solid;
+};
+
+}  // namespace
+
+void Obstacle::set_bounds(const Box& box) {
+  // Positions on the obstacle are products of a few numbers of at most this size.
+  const double more = 1e-12 * largest_coordinate(box);
+  const Vec3 all{more, more, more};
+  bounds = {box.lower - all, box.upper + all};
+}
+
+SphereObstacle::SphereObstacle(const Sphere& sphere) : Obstacle(ObstacleKind::sphere), shape(sphere) {
+  const Vec3 r{shape.radius, shape.radius, shape.radius};
+  set_bounds({shape.center - r, shape.center + r});
+}
+
+bool SphereObstacle::touches(const Sphere& ball) const {
+  const double reach = ball.radius + shape.radius;
+  return squared_distance(ball.center, shape.center) <= reach * reach;
+}
+
+NearestObstacle SphereObstacle::nearest(const Vec3& p, double within) const {
+  const Vec3 offset = p - shape.center;
+  return place_at(length(offset) - shape.radius, normalized(offset, up), within);
+}
+
+BoxObstacle::BoxObstacle(const ObstacleBox& box) : Obstacle(ObstacleKind::box), shape(box) {
+  Box corners;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3& h = shape.half;
+    corners.add(shape.pose(Vec3{(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z}));
+  }
+  set_bounds(corners);
+}
+
+bool BoxObstacle::touches(const Sphere& ball) const {
+  const Vec3 p = shape.pose.inverse_rotate(ball.center - shape.pose.translation);
+  double squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double beyond = std::max(0.0, std::abs(p[k]) - shape.half[k]);
+    squared += beyond * beyond;
+  }
+  return squared <= ball.radius * ball.radius;
+}
+
+NearestObstacle BoxObstacle::nearest(const Vec3& p, double within) const {
+  const Vec3 local = shape.pose.inverse_rotate(p - shape.pose.translation);
+  const Vec3 beyond{std::abs(local.x) - shape.half.x, std::abs(local.y) - shape.half.y,
+                    std::abs(local.z) - shape.half.z};
+  Vec3 direction{};
+  double distance = 0;
+  if (beyond.x > 0 || beyond.y > 0 || beyond.z > 0) {
+    const Vec3 out = max(beyond, Vec3{});
+    distance = scaled_length(out);
+    for (int k = 0; k < 3; ++k) direction[k] = std::copysign(out[k] / distance, local[k]);
+  } else {
+    // The nearest face; the first axis of equals.
+    const int k = beyond.x >= beyond.y && beyond.x >= beyond.z ? 0 : beyond.y >= beyond.z ? 1 : 2;
+    distance = beyond[k];
+    direction[k] = std::copysign(1.0, local[k]);
+  }
+  return place_at(distance, shape.pose.rotate(direction), within);
+}
+
+ObstaclePointer capsule_obstacle(const Capsule& capsule) {
+  return std::make_shared<CapsuleObstacle>(capsule);
+}
+
+ObstaclePointer mesh_obstacle(const MeshView& mesh) {
+  return std::make_shared<MeshObstacle>(mesh);
+}
+
+}  // namespace morula::robot
