@@ -61,6 +61,7 @@ struct MotionVerdict {
   /// that could not be decided. free: 1.
   double time = 1;
   ConfigurationVerdict contact{};  ///< of the configuration at `time`, for `touches`
+  bool operator==(const MotionVerdict&) const = default;
 };
 
 struct MotionOptions {
@@ -122,8 +123,9 @@ class ConfigurationQuery {
                      std::span<MotionVerdict> verdicts, const MotionOptions& options = {},
                      WorkersOrAll workers = {}) const;
 
+  struct Model;  // for the queries of this library
+
  private:
-  struct Model;
   std::shared_ptr<const Model> model_;
 };
 
