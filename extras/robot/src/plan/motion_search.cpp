@@ -3,6 +3,7 @@
 #include "plan/motion_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace morula::robot {
@@ -200,22 +201,42 @@ MotionVerdict MotionSearch::discrete(std::span<const double> from, std::span<con
   double longest = 0;
   for (std::size_t i = 0; i < from.size(); ++i) longest = std::max(longest, std::abs(to[i] - from[i]));
   const auto steps = static_cast<std::uint64_t>(std::max(1.0, std::ceil(longest / options_.resolution)));
+  if (!batch_) batch_.emplace(model_, world_, options_.self);
+  times_.clear();
   MotionVerdict verdict;
-  const auto touches = [&](std::uint64_t step) {
-    const double time = static_cast<double>(step) / static_cast<double>(steps);
-    const ConfigurationVerdict contact = contact_at(time);
-    if (!contact.is_free()) verdict = {.result = MotionResult::touches, .time = time, .contact = contact};
-    return !contact.is_free();
+  // Returns true when a configuration touches.
+  const auto add = [&](std::uint64_t step) {
+    times_.push_back(static_cast<double>(step) / static_cast<double>(steps));
+    return times_.size() == filter_block && touches_in_block(verdict);
   };
-  if (touches(0) || (longest > 0 && touches(steps))) return verdict;
+  add(0);
+  if (longest > 0) add(steps);
   std::uint64_t stride = 1;
-  while (stride < steps) stride *= 2;
+  while (longest > 0 && stride < steps) stride *= 2;
   for (; stride >= 2; stride /= 2) {
     for (std::uint64_t step = stride / 2; step < steps; step += stride) {
-      if (touches(step)) return verdict;
+      if (add(step)) return verdict;
     }
   }
+  touches_in_block(verdict);
   return verdict;
+}
+
+/// Tests the configurations at times_, and clears this list; true: the first of them that touches becomes the verdict.
+bool MotionSearch::touches_in_block(MotionVerdict& verdict) {
+  const std::size_t n = model_.coordinates;
+  block_.resize(filter_block * n);
+  std::array<ConfigurationVerdict, filter_block> contacts;
+  const std::span<double> all(block_);
+  for (std::size_t i = 0; i < times_.size(); ++i) interpolate(from_, to_, times_[i], all.subspan(i * n, n));
+  batch_->run(all.first(times_.size() * n), std::span(contacts).first(times_.size()));
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    if (contacts[i].is_free()) continue;
+    verdict = {.result = MotionResult::touches, .time = times_[i], .contact = contacts[i]};
+    return true;
+  }
+  times_.clear();
+  return false;
 }
 
 }  // namespace morula::robot

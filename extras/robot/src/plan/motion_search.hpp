@@ -4,8 +4,10 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "plan/batch.hpp"
 #include "plan/motion_bounds.hpp"
 
 namespace morula::robot {
@@ -17,7 +19,7 @@ class MotionSearch {
 
   /// Certified: halves the edge from its start to its end until every part is free, undecided, or after a contact.
   MotionVerdict certified(std::span<const double> from, std::span<const double> to);
-  /// Tests configurations at a resolution: the ends, then the middles of longer and longer lists of parts.
+  /// Tests configurations at a resolution: the ends, then the middles between tested ones, repeatedly.
   MotionVerdict discrete(std::span<const double> from, std::span<const double> to);
 
  private:
@@ -46,6 +48,7 @@ class MotionSearch {
   void give_up(double start, double middle, double end);
   bool is_contact(double time);
   ConfigurationVerdict contact_at(double time);
+  bool touches_in_block(MotionVerdict& verdict);
 
   const ConfigurationQuery::Model& model_;
   const MotionBodies& bodies_;
@@ -60,6 +63,9 @@ class MotionSearch {
   static constexpr double never = std::numeric_limits<double>::infinity();
   double contact_ = never, undecided_ = never;  // earliest times so far
   bool end_undecided_ = false;
+  // discrete
+  std::optional<BatchCheck> batch_;
+  std::vector<double> times_, block_;
 };
 
 }  // namespace morula::robot
