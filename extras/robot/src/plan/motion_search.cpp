@@ -142,7 +142,7 @@ MotionSearch::Gap MotionSearch::gap_to_obstacle(const Item& item) {
   if (is_convex(obstacle) && nearest.distance > 0 && nearest.distance < never) {
     // The plane across the direction separates the center from the obstacle, so motion along the plane does not count.
     const double size = length(motion.velocity);
-    // mutant robot-motion-plane: `motion.bend + size` -> `size`
+    // mutant robot-motion-plane: `motion.bend` -> `0`
     const double across = std::abs(dot(motion.velocity, nearest.direction)) + motion.bend +
                           size * (1e-12 + result.allowance / nearest.distance);
     result.motion = std::min(result.motion, across);
