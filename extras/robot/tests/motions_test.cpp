@@ -94,6 +94,15 @@ TEST(Motions, whole_turns_and_chords_hide_nothing) {
   EXPECT_EQ(check(bar(), inside, {0}, {6}).result, MotionResult::free);
 }
 
+TEST(Motions, numbers_beyond_all_sense_are_undecided) {
+  // No sine of such an angle is known, so nothing is proven, and the search ends.
+  World world;
+  world.add(Sphere{{0, 1.3, 0}, 0.1});
+  EXPECT_NE(check(bar(), world, {0}, {1e25}).result, MotionResult::free);
+  EXPECT_EQ(check(bar(), world, {0}, {0.5}, {.tolerance = 1e-300}).result, MotionResult::free);
+  EXPECT_EQ(check(slider(), wall_at(1), {0}, {2}, {.tolerance = 1e-300}).result, MotionResult::touches);
+}
+
 TEST(Motions, two_links_fold_onto_the_first) {
   // The second arm turns back over the first one; the middle link carries the ball that it meets.
   MovingRobot moving;

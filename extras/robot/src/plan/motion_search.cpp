@@ -107,7 +107,9 @@ bool MotionSearch::visit(double start, double middle, double end) {
       continue;
     }
     // A part in which nothing moves farther than the tolerance has no gap of that size if it cannot be proven free.
-    const bool is_short = !is_inner && (gap.motion <= options_.tolerance || middle - start < least_half);
+    // Less than the rounding proves no more.
+    const double enough = std::max(options_.tolerance, gap.allowance);
+    const bool is_short = !is_inner && (gap.motion <= enough || middle - start < least_half);
     if (!is_short) items_.push_back(item);
     const bool touches = !is_inner && gap.gap <= gap.allowance && (gap.gap < -gap.allowance || is_contact(middle));
     if (is_short) give_up(start, middle, end);
@@ -170,7 +172,7 @@ MotionSearch::Gap MotionSearch::gap_of_pair(const Item& item) {
 bool MotionSearch::is_worth_descent(const Item& item, const Gap& gap) const {
   double size = bodies_.nodes[item.node].sphere.radius;
   if (item.pair != of_world) size += bodies_.nodes[item.other].sphere.radius;
-  return gap.motion <= options_.tolerance || gap.gap + size > gap.motion;
+  return gap.motion <= std::max(options_.tolerance, gap.allowance) || gap.gap + size > gap.motion;
 }
 
 void MotionSearch::descend(const Item& item) {
