@@ -63,7 +63,8 @@ struct MeshObstacle final : Obstacle {
 
 void Obstacle::set_bounds(const Box& box) {
   // Positions on the obstacle are products of a few numbers of at most this size.
-  const double more = 1e-12 * largest_coordinate(box);
+  magnitude = largest_coordinate(box);
+  const double more = 1e-12 * magnitude;
   const Vec3 all{more, more, more};
   bounds = {box.lower - all, box.upper + all};
 }
@@ -90,6 +91,7 @@ BoxObstacle::BoxObstacle(const ObstacleBox& box) : Obstacle(ObstacleKind::box), 
     corners.add(shape.pose(Vec3{(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z}));
   }
   set_bounds(corners);
+  deviation = deviation_from_rigid(shape.pose);
 }
 
 bool BoxObstacle::touches(const Sphere& ball) const {

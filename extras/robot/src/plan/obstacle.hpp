@@ -32,6 +32,9 @@ class Obstacle {
   const ObstacleKind kind;
   /// Contains the obstacle, also as computed in double. Infinite where the obstacle has no end.
   Box bounds{};
+  /// For bounds of rounding: at least the largest |coordinate| of what the obstacle computes with, and how far its pose
+  /// is from a rotation.
+  double magnitude = 0, deviation = 0;
 
  protected:
   /// Sets the bounds, enlarged for rounding.
