@@ -38,7 +38,8 @@ set(uses_grains "")
 set(uses_page "")
 set(uses_robot toolbox)
 set(uses_study page toolbox)
-set(private_for_extras geometry io parallel)
+# simd: kernels that are compiled for each kind of processor.
+set(private_for_extras geometry io parallel simd)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
@@ -177,7 +178,7 @@ foreach(extra IN LISTS extras)
             check_wings("${file}" "${include}" "${from}" "${extra}/${path}")
           endif()
         elseif(NOT path MATCHES "^([a-z_]+)/" OR NOT CMAKE_MATCH_1 IN_LIST private_for_extras)
-          fault("${file}" "${include}" "extras include private headers of geometry, io and parallel alone")
+          fault("${file}" "${include}" "extras include private headers of geometry, io, parallel and simd alone")
         endif()
       endif()
     endforeach()

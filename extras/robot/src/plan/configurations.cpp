@@ -8,7 +8,7 @@
 
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
-#include "plan/model.hpp"
+#include "plan/batch.hpp"
 
 namespace morula::robot {
 
@@ -16,16 +16,18 @@ using detail::StandardFloats;
 
 namespace {
 
-constexpr std::size_t grain = 64;  // configurations of a chunk
+constexpr std::size_t grain = 16 * filter_block;  // configurations of a chunk
 
-template <class Verdict>
-void check_each(const Verdict& verdict_of, std::size_t links, std::span<ConfigurationVerdict> verdicts,
-                Workers& workers) {
+void check_all(const ConfigurationQuery::Model& model, const World::Data* world, std::span<const double> configurations,
+               std::span<ConfigurationVerdict> verdicts, Workers& workers) {
   parallel_for(workers, verdicts.size(), grain, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
-    detail::check_interrupt();
-    std::vector<RigidTransform> poses(links);
-    for (std::size_t i = begin; i < end; ++i) verdicts[i] = verdict_of(i, poses);
+    BatchCheck batch(model, world, true);
+    for (std::size_t i = begin; i < end; i += filter_block) {
+      detail::check_interrupt();
+      const std::size_t count = std::min(filter_block, end - i);
+      batch.run(configurations.subspan(i * model.coordinates, count * model.coordinates), verdicts.subspan(i, count));
+    }
   });
 }
 
@@ -85,25 +87,13 @@ void ConfigurationQuery::attach(std::string_view link, std::span<const Sphere> s
 void ConfigurationQuery::check(std::span<const double> configurations, const World& world,
                                std::span<ConfigurationVerdict> verdicts, WorkersOrAll workers) const {
   model_->require_configurations(configurations, verdicts.size(), "check");
-  const Model& model = *model_;
-  check_each(
-      [&](std::size_t i, std::vector<RigidTransform>& poses) {
-        model.place(configurations.subspan(i * model.coordinates, model.coordinates), poses);
-        return model.first_contact(poses, &world.data(), true);
-      },
-      model.link_names.size(), verdicts, workers);
+  check_all(*model_, &world.data(), configurations, verdicts, workers);
 }
 
 void ConfigurationQuery::check_self(std::span<const double> configurations, std::span<ConfigurationVerdict> verdicts,
                                     WorkersOrAll workers) const {
   model_->require_configurations(configurations, verdicts.size(), "check_self");
-  const Model& model = *model_;
-  check_each(
-      [&](std::size_t i, std::vector<RigidTransform>& poses) {
-        model.place(configurations.subspan(i * model.coordinates, model.coordinates), poses);
-        return model.first_contact(poses, nullptr, true);
-      },
-      model.link_names.size(), verdicts, workers);
+  check_all(*model_, nullptr, configurations, verdicts, workers);
 }
 
 }  // namespace morula::robot

@@ -47,6 +47,8 @@ bool is_beyond(const Box& box, const Sphere& s) {
   return squared_length(outside) > reach * reach;
 }
 
+}  // namespace
+
 bool groups_touch(const MovingSpheres& a, const RigidTransform& at_a, const MovingSpheres& b,
                   const RigidTransform& at_b) {
   const Sphere bound_b = sphere_at(at_b, b.bound);
@@ -62,14 +64,13 @@ bool groups_touch(const MovingSpheres& a, const RigidTransform& at_a, const Movi
 }
 
 bool touches_obstacle(const MovingSpheres& group, const RigidTransform& at, const Obstacle& obstacle) {
-  if (is_beyond(obstacle.bounds, sphere_at(at, group.bound))) return false;
+  const Sphere bound = sphere_at(at, group.bound);
+  if (is_beyond(obstacle.bounds, bound) || obstacle.is_clear_of(bound)) return false;
   return std::any_of(group.spheres.begin(), group.spheres.end(), [&](const Sphere& s) {
     const Sphere ball = sphere_at(at, s);
     return !is_beyond(obstacle.bounds, ball) && obstacle.touches(ball);
   });
 }
-
-}  // namespace
 
 ConfigurationQuery::Model::Model(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision)
     : root(robot.root), coordinates(robot.independent_joints.size()), step_of_link(robot.links.size(), none) {

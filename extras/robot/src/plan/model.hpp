@@ -77,4 +77,10 @@ inline bool spheres_touch(const Sphere& a, const Sphere& b) {
   return squared_distance(a.center, b.center) <= reach * reach;
 }
 
+/// True if spheres of the two groups touch at these poses of their links.
+bool groups_touch(const MovingSpheres& a, const RigidTransform& at_a, const MovingSpheres& b,
+                  const RigidTransform& at_b);
+/// True if a sphere of the group touches the obstacle at this pose of the link.
+bool touches_obstacle(const MovingSpheres& group, const RigidTransform& at, const Obstacle& obstacle);
+
 }  // namespace morula::robot

@@ -23,6 +23,8 @@ class Obstacle {
 
   /// True if the ball touches the obstacle. This test, computed in double, is the definition of a contact.
   virtual bool touches(const Sphere& ball) const = 0;
+  /// True only if no ball inside this one touches. It is fast, and false where that is not plain.
+  virtual bool is_clear_of(const Sphere& /*ball*/) const { return false; }
   /// The signed distance of p and its direction; an infinite distance if it exceeds `within`. Leaves `obstacle` unset.
   /// Its rounding may differ from that of touches().
   virtual NearestObstacle nearest(const Vec3& p, double within) const = 0;

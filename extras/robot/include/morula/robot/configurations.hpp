@@ -122,8 +122,9 @@ class ConfigurationQuery {
                      std::span<MotionVerdict> verdicts, const MotionOptions& options = {},
                      WorkersOrAll workers = {}) const;
 
+  struct Model;  // for the queries of this library
+
  private:
-  struct Model;
   std::shared_ptr<const Model> model_;
 };
 
