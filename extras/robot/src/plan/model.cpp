@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "plan/motion_bodies.hpp"
 #include "read/xml.hpp"
 
 namespace morula::robot {
@@ -114,6 +115,7 @@ void ConfigurationQuery::Model::arrange() {
   std::stable_sort(pairs.begin(), pairs.end(), [&](const GroupPair& x, const GroupPair& y) {
     return std::pair{groups[x.a].link, groups[x.b].link} < std::pair{groups[y.a].link, groups[y.b].link};
   });
+  motions = std::make_shared<const MotionBodies>(*this);
 }
 
 void ConfigurationQuery::Model::place(std::span<const double> values, std::span<RigidTransform> poses) const {

@@ -37,6 +37,8 @@ struct GroupPair {
   std::size_t a = 0, b = 0;
 };
 
+struct MotionBodies;
+
 struct ConfigurationQuery::Model {
   Model(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision);
 
@@ -65,6 +67,8 @@ struct ConfigurationQuery::Model {
   std::vector<MovingSpheres> held;        // groups of objects, ascending by link
   std::vector<MovingSpheres> groups;      // all, ascending by link, a link's own before its object
   std::vector<GroupPair> pairs;           // ascending by the link of a, then of b
+
+  std::shared_ptr<const MotionBodies> motions;  // trees over the groups, for edges
 };
 
 inline Sphere sphere_at(const RigidTransform& at, const Sphere& s) {

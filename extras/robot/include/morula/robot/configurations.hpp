@@ -61,6 +61,7 @@ struct MotionVerdict {
   /// that could not be decided. free: 1.
   double time = 1;
   ConfigurationVerdict contact{};  ///< of the configuration at `time`, for `touches`
+  bool operator==(const MotionVerdict&) const = default;
 };
 
 struct MotionOptions {
