@@ -44,16 +44,11 @@ class Planner {
     return std::nullopt;
   }
 
-  /// All configurations of an edge, `resolution` apart, in one call.
+  /// Proven for the whole edge.
   bool is_free(const Configuration& from, const Configuration& to) const {
-    const auto parts = static_cast<std::size_t>(std::ceil(distance(from, to) / resolution)) + 1;
-    std::vector<double> configurations;
-    for (std::size_t i = 0; i <= parts; ++i)
-      for (std::size_t k = 0; k < from.size(); ++k)
-        configurations.push_back(std::lerp(from[k], to[k], static_cast<double>(i) / static_cast<double>(parts)));
-    std::vector<ConfigurationVerdict> verdicts(parts + 1);
-    query_.check(configurations, world_, verdicts, morula::serial_workers());
-    return std::all_of(verdicts.begin(), verdicts.end(), [](const auto& verdict) { return verdict.is_free(); });
+    MotionVerdict verdict;
+    query_.check_motions(from, to, world_, {&verdict, 1}, {}, morula::serial_workers());
+    return verdict.result == MotionResult::free;
   }
 
  private:
@@ -61,7 +56,7 @@ class Planner {
     Path nodes;
     std::vector<std::size_t> parents;
   };
-  static constexpr double step = 0.5, resolution = 0.01;  // distances of configurations, radians
+  static constexpr double step = 0.5;  // distance of configurations, radians
 
   static double distance(const Configuration& a, const Configuration& b) {
     double sum = 0;
@@ -148,10 +143,12 @@ std::size_t count_contacts(const Robot& robot, const SelfCollision& ignored, con
 
 int main(int count, char** arguments) {
   if (count != 2) return std::puts("usage: plan arm.urdf"), 2;
+  // [query]
   const Robot robot = read_robot(arguments[1]);
   const RobotSpheres spheres = fit_spheres(robot, {.spheres = 16});
   const SelfCollision ignored = find_ignored(robot, spheres);
   const ConfigurationQuery query(robot, spheres, ignored);
+  // [end]
 
   // A wall, a bar above it, and a block as a mesh.
   const std::vector<std::array<Vec3, 2>> boxes = {{{{0.45, 0, 0.25}, {0.25, 0.02, 0.25}}},
