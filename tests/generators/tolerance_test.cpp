@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <generators/driver/union_volume.hpp>
+#include <generators/fit/outside_grid.hpp>
 #include <limits>
 #include <morula/accuracy/looseness.hpp>
 #include <morula/generators/build.hpp>
@@ -118,6 +120,35 @@ TEST(Tolerance, zero_changes_no_bit) {
   const CoveredTree zero = build(mesh, {.spheres = 8, .tolerance = 0, .quality = Quality::fast});
   EXPECT_EQ(plain.tree.spheres, zero.tree.spheres);
   EXPECT_EQ(reduced(plain.tree, 0).spheres, plain.tree.spheres);
+}
+
+// A sphere that is reduced by the tolerance of the lines measures like the smaller sphere.
+TEST(Tolerance, reduced_volume_is_what_fits_measure) {
+  using namespace detail;
+  const Mesh mesh = sample_body("limb");
+  const ObjectShape shape(mesh);
+  const double size = extent(mesh), tolerance = 0.05 * size;
+  const Box box = shape.bounding_box();
+  const ObjectLines exact(mesh, shape, 96, serial_workers());
+  ObjectLines tolerant(mesh, shape, 96, serial_workers());
+  tolerant.set_tolerance(tolerance);
+  const Sphere large{box.center() + Vec3{0.1 * size, 0, 0}, 0.3 * size}, small{large.center, 0.25 * size};
+  const double expected = UnionVolume(exact).outside({&small, 1});
+  ASSERT_GT(expected, 0);
+  EXPECT_NEAR(UnionVolume(tolerant).outside({&large, 1}), expected, 1e-9 * expected);
+  Box room;
+  room.add(large.center - Vec3{size, size, size});
+  room.add(large.center + Vec3{size, size, size});
+  const auto volume = [&](const ObjectLines& lines, const Sphere& s) {
+    OutsideGrid grid(lines, room, 0.05 * size);
+    const Spheref ball{grid.to_grid(s.center), static_cast<float>(s.radius / grid.cell())};
+    grid.prepare(ball.center, ball.radius, 0);
+    const double one = static_cast<double>(grid.new_outside(ball)),
+                 cost = static_cast<double>(grid.cost(ball.center, ball.radius));
+    EXPECT_NEAR(cost, one, 0.05 * one);
+    return one;
+  };
+  EXPECT_NEAR(volume(tolerant, large), volume(exact, small), 1e-3 * volume(exact, small));
 }
 
 TEST(Tolerance, refuses_what_it_cannot_keep) {
