@@ -212,8 +212,9 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--inner", o.inner, "Also at most N spheres inside each link, in files in inner/")
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
-  add_option(command, "--tolerance", o.tolerance,
-             "Cover within LENGTH: spheres may leave surface bare up to this distance, proven, and are thinner for it")
+  add_option(
+      command, "--tolerance", o.tolerance,
+      "Cover within LENGTH: spheres may leave surface uncovered up to this distance, proven, and are thinner for it")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));
   add_option(command, "--tolerances", o.tolerances,

@@ -102,8 +102,8 @@ TEST(FitTolerance, is_said_by_files) {
     const auto text = [&](const robot::RobotSpheres& spheres) {
       return robot::output_format(format)->write({arm, spheres, pairs, output}).at(0).bytes;
     };
-    EXPECT_NE(text(fitted).find("leave surface bare"), std::string::npos) << format;
-    EXPECT_EQ(text(covering).find("leave surface bare"), std::string::npos) << format;
+    EXPECT_NE(text(fitted).find("leave surface uncovered"), std::string::npos) << format;
+    EXPECT_EQ(text(covering).find("leave surface uncovered"), std::string::npos) << format;
   }
 }
 

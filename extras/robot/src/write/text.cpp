@@ -58,7 +58,7 @@ std::string made_note(const Description& d) {
   // mutant robot-files-silent-on-tolerance: `!d.options.inner && !d.spheres.covered()` -> `false`
   const std::string bare =
       !d.options.inner && !d.spheres.covered()
-          ? fmt::format("; they leave surface bare: every point of the links is proven to be within {} of them",
+          ? fmt::format("; they leave surface uncovered: every point of the links is proven to be within {} of them",
                         d.spheres.within())
           : std::string();
   return fmt::format("Spheres by morula {}{}{}", version, what, bare);

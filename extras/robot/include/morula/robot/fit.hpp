@@ -41,8 +41,8 @@ struct FitOptions {
   /// counts.
   std::optional<double> max_protrusion_share{};
   /// Distance within which the spheres have to cover the shapes, 0 or more, mesh units; above 0 only for the method
-  /// `optimized`. Spheres then leave surface bare on purpose and are fitted for less outside volume; every point of the
-  /// shapes is proven to lie within the tolerance of a sphere (LinkFigures::within).
+  /// `optimized`. Spheres then leave surface uncovered on purpose and are fitted for less outside volume; every point
+  /// of the shapes is proven to lie within the tolerance of a sphere (LinkFigures::within).
   double tolerance = 0;
   double padding = 0;     ///< length added to every radius after the fit, 0 or more, mesh units
   double min_radius = 0;  ///< smallest radius, 0 or more, mesh units; smaller radii are increased to it
