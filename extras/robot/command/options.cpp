@@ -87,6 +87,7 @@ std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) 
 
 robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
   robot::FitOptions fit{.max_total = o.max_total,
+                        .tolerance = o.tolerance,
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
@@ -211,6 +212,16 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--inner", o.inner, "Also at most N spheres inside each link, in files in inner/")
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
+  add_option(
+      command, "--tolerance", o.tolerance,
+      "Cover within LENGTH: spheres may leave surface uncovered up to this distance, proven, and are thinner for it")
+      ->type_name("LENGTH")
+      ->transform(real_number(0, 1e9));
+  add_option(command, "--tolerances", o.tolerances,
+             "Also fit for each of these tolerances, for a table of the outside volume: 0,0.002,0.005,0.01")
+      ->type_name("LENGTH,...")
+      ->delimiter(',')
+      ->transform(real_number(0, 1e9));
   add_option(command, "--padding", o.padding, "Length added to every radius")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));

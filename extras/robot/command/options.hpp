@@ -19,7 +19,8 @@ struct RobotArguments {
   std::string max_protrusion;  // a length, or a share as "1%"
   std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips;
   std::string keep, srdf;
-  double padding = 0, min_radius = 0;
+  double padding = 0, min_radius = 0, tolerance = 0;
+  std::vector<double> tolerances;  // of the table
   std::optional<double> max_radius, clip_margin;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report
   std::string geometry = "collision";

@@ -36,6 +36,31 @@ std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& sp
   return table.text();
 }
 
+ToleranceRow tolerance_row(double tolerance, const robot::RobotSpheres& spheres) {
+  ToleranceRow row{tolerance, spheres.within(), spheres.sphere_count(), 0};
+  for (const robot::LinkSpheres& link : spheres.links) row.outside_volume += link.figures.outside_volume.value_or(0);
+  return row;
+}
+
+std::string tolerance_table(std::span<const ToleranceRow> rows) {
+  Table table({"tolerance", "proven within", "spheres", "outside volume"});
+  for (const ToleranceRow& row : rows) {
+    table.add({figure(row.tolerance), figure(row.within), fmt::format("{}", row.spheres), figure(row.outside_volume)});
+  }
+  return table.text();
+}
+
+Json tolerances_json(std::span<const ToleranceRow> rows) {
+  Json json = Json::array();
+  for (const ToleranceRow& row : rows) {
+    json.push_back({{"tolerance", row.tolerance},
+                    {"within", row.within},
+                    {"spheres", row.spheres},
+                    {"outside_volume", row.outside_volume}});
+  }
+  return json;
+}
+
 Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres) {
   Json links = Json::array();
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -50,6 +75,7 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
                {"facets", f.facets},
                {"spheres", link.spheres.size()},
                {"covered", f.covered},
+               {"within", f.within},
                {"uncovered_distance", f.uncovered_distance},
                {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
                {"object_volume", or_null(f.object_volume)},

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <morula/robot/output.hpp>
+#include <span>
 #include <string>
 
 #include "shared/report.hpp"
@@ -16,6 +17,15 @@ std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& sp
 std::vector<std::string> clip_lines(const robot::Robot& robot, const robot::RobotSpheres& spheres);
 /// "120 inner spheres, each proven to be inside its link, fill 0.012 of 0.016, the volume of the links".
 std::string inner_text(const robot::RobotSpheres& spheres);
+/// The outside volume of a robot that was fitted for a tolerance.
+struct ToleranceRow {
+  double tolerance = 0, within = 0;  ///< requested and proven
+  std::size_t spheres = 0;
+  double outside_volume = 0;  ///< of all links whose outside volume is known
+};
+ToleranceRow tolerance_row(double tolerance, const robot::RobotSpheres& spheres);
+std::string tolerance_table(std::span<const ToleranceRow> rows);
+Json tolerances_json(std::span<const ToleranceRow> rows);
 Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres);
 /// "12 of 55 pairs: 10 neighbors, 2 proven apart, …".
 std::string ignored_text(const robot::SelfCollision& self_collision);

@@ -31,6 +31,15 @@ namespace fs = std::filesystem;
 constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply", *inner_folder = "inner",
                      *page_file = "robot.html";
 
+/// proven: the spheres cover within the requested tolerance.
+std::string cover_text(const robot::RobotSpheres& spheres, bool proven) {
+  if (spheres.covered()) return "yes: every point of every link is in a sphere, with the numbers of the files";
+  if (!proven) return "no: a link is uncovered where its uncovered distance is above 0";
+  return fmt::format(
+      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files",
+      figure(spheres.within()));
+}
+
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
   std::string name = robot.links[link].name;
   for (char& c : name) {
@@ -131,6 +140,14 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
                                 left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
                                 o.geometry == "visual" ? "collision" : "visual"));
   }
+  std::vector<ToleranceRow> rows;
+  for (const double tolerance : o.tolerances) {
+    robot::FitOptions other = fit;
+    other.tolerance = tolerance;
+    other.inner = 0;
+    other.progress = {};
+    rows.push_back(tolerance_row(tolerance, robot::fit_spheres(robot, other, workers)));
+  }
   const double fit_seconds = watch.lap();
   const robot::SelfCollision self_collision = [&] {
     Progress progress("testing pairs of links");
@@ -181,14 +198,17 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   notes.insert(notes.end(), self_collision.notes.begin(), self_collision.notes.end());
   if (o.tools.empty())
     notes.push_back(fmt::format("the tool is taken to be {}; --tool LINK says otherwise", robot::guess_tool(robot)));
-  const int exit_code = spheres.covered() ? exit_done : exit_check_failed;
+  const bool proven = spheres.covered() || (o.tolerance > 0 && spheres.within() <= o.tolerance);
+  const int exit_code = proven ? exit_done : exit_check_failed;
   if (o.json) {
     print_json({{"robot", robot.name},
+                {"tolerances", tolerances_json(rows)},
                 {"file", o.robot},
                 {"output", o.output},
                 {"files", written},
                 {"spheres", spheres.sphere_count()},
                 {"covered", spheres.covered()},
+                {"within", spheres.within()},
                 {"inner_spheres", spheres.inner_count()},
                 {"links", robot_links_json(robot, spheres)},
                 {"self_collision", ignored_json(robot, self_collision)},
@@ -201,10 +221,9 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   fmt::print("{}: {}, {}, {} that move by themselves\n\n", robot.name, counted(robot.links.size(), "link"),
              counted(robot.joints.size(), "joint"), robot.independent_joints.size());
   fmt::print("{}\n", robot_table(robot, spheres));
-  fmt::print("covers   {}{}\n",
-             spheres.covered() ? "yes: every point of every link is in a sphere, with the numbers of the files"
-                               : "no: a link is uncovered where its uncovered distance is above 0",
+  fmt::print("covers   {}{}\n", cover_text(spheres, proven),
              o.clips.empty() ? "" : "; what clip planes cut off is left out");
+  if (!rows.empty()) fmt::print("\n{}\n", tolerance_table(rows));
   for (const std::string& line : clip_lines(robot, spheres)) fmt::print("clipped  {}\n", line);
   if (o.inner > 0) fmt::print("inside   {}\n", inner_text(spheres));
   fmt::print("ignored  {}\n", ignored_text(self_collision));

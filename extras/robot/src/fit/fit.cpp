@@ -12,6 +12,7 @@
 #include <morula/geometry/scale.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/robot/fit.hpp>
+#include <morula/tree/cover.hpp>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -53,6 +54,11 @@ void require_sense(const Robot& robot, const FitOptions& o) {
   }
   const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
   const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
+  if (!in_range(o.tolerance)) throw std::invalid_argument("the tolerance is a number not below 0");
+  if (o.tolerance > 0 && o.method != Method::optimized) {
+    throw std::invalid_argument(fmt::format(
+        "method {} does not fit for a tolerance; use optimized, or leave the tolerance out", name(o.method)));
+  }
   if (!in_range(o.padding) || !in_range(o.min_radius)) {
     throw std::invalid_argument("padding and the least radius are numbers not below 0");
   }
@@ -346,6 +352,7 @@ class Fitter {
                            .seed = o_.seed,
                            .quality = quality(o_.quality.value_or(Quality::fast)),
                            .stop = o_.stop};
+      options.tolerance = o_.tolerance;
       options.max_protrusion = o_.max_protrusion;
       if (o_.max_protrusion_share) {
         Box box;
@@ -366,15 +373,25 @@ class Fitter {
         link.notes.push_back(
             fmt::format("link {}: the spheres exceed the largest protrusion; allow more of them", name_of(link)));
       }
-      const std::vector<Sphere> fitted = leaves(*model);
-      link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
+      for (const Sphere& leaf : leaves(*model)) link.spheres.push_back(reduced(leaf, o_.tolerance));
       link.tree = std::move(model);
     }
-    for (Sphere& s : link.spheres) s.radius = final_radius(s);
+    for (Sphere& s : link.spheres) s.radius = padded_radius(s.radius);
     round_outward(link.spheres);
+    remove_repeated(link.spheres);
   }
 
-  double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
+  /// Removes spheres that are equal to an earlier one.
+  static void remove_repeated(std::vector<Sphere>& spheres) {
+    std::vector<Sphere> kept;
+    for (const Sphere& s : spheres)
+      if (std::find(kept.begin(), kept.end(), s) == kept.end()) kept.push_back(s);
+    spheres = std::move(kept);
+  }
+
+  double padded_radius(double radius) const { return std::max(radius + o_.padding, o_.min_radius); }
+  /// The radius that the sphere of a leaf of a fitted tree gets in files.
+  double final_radius(const Sphere& leaf) const { return padded_radius(reduced(leaf, o_.tolerance).radius); }
 
   /// The least distance of a sphere from planes: rounding to decimals moves less than 1e-6 of the size, and rounding to
   /// float even less.
@@ -422,7 +439,9 @@ class Fitter {
       for (const Sphere& s : leaves(tree)) radius = std::max(radius, s.radius);
       return radius;
     };
-    const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= *o_.max_radius; };
+    const auto fits = [&](const CoveredTree& tree) {
+      return largest(tree) - o_.tolerance + o_.padding <= *o_.max_radius;
+    };
     std::size_t spheres = options.spheres.value_or(model.tree.leaf_count());
     while (!fits(model) && spheres < most_spheres_for_radius) {
       options.spheres = spheres *= 2;
@@ -436,6 +455,17 @@ class Fitter {
     if (!fits(model)) {
       link.notes.push_back(fmt::format("link {}: spheres exceed the largest radius; allow larger ones", name_of(link)));
     }
+  }
+
+  /// A distance from the spheres within which every point of the mesh is proven to lie. A bound that exceeds the
+  /// tolerance by less than it is loose by gives way to the proof of larger spheres.
+  double proven_distance(const Mesh& mesh, std::vector<Sphere> spheres, const Coverage& cover) const {
+    if (cover.covered) return 0;
+    const double bound = cover.uncovered_distance_upper + cover.tolerance;
+    if (bound <= o_.tolerance || !(o_.tolerance > 0)) return bound;
+    // mutant robot-tolerance-not-certified: `s.radius += o_.tolerance` -> `s.radius += 2 * o_.tolerance`
+    for (Sphere& s : spheres) s.radius += o_.tolerance;
+    return coverage(mesh, spheres, serial_workers()).covered ? o_.tolerance : bound;
   }
 
   void measure(LinkSpheres& link) const {
@@ -455,6 +485,7 @@ class Fitter {
       for (const Sphere& s : certified) least = std::min(least, distance(s.center, own.center) + own.radius - s.radius);
       if (!(least > 0)) continue;
       figures.covered = false;
+      figures.within = std::max(figures.within, least);
       figures.uncovered_distance = std::max(figures.uncovered_distance, least);
     }
     figures.solid = union_mass(link.spheres);
@@ -481,6 +512,7 @@ class Fitter {
       const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
       figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
+      figures.within = std::max(figures.within, proven_distance(surface.mesh, certified, cover));
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));
@@ -519,6 +551,12 @@ std::size_t RobotSpheres::sphere_count() const {
 
 bool RobotSpheres::covered() const {
   return std::all_of(links.begin(), links.end(), [](const LinkSpheres& link) { return link.figures.covered; });
+}
+
+double RobotSpheres::within() const {
+  double largest = 0;
+  for (const LinkSpheres& link : links) largest = std::max(largest, link.figures.within);
+  return largest;
 }
 
 std::size_t RobotSpheres::inner_count() const {

@@ -54,6 +54,7 @@ Json link_json(const Description& d, const LinkSpheres& link) {
       {"same_shape_as", link.same_shape_as == none ? Json(nullptr) : Json(d.robot.links[link.same_shape_as].name)},
       {"facets", f.facets},
       {"covered", f.covered},
+      {"within", f.within},
       {"uncovered_distance", f.uncovered_distance},
       {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
       {"object_volume", or_null(f.object_volume)},
@@ -144,7 +145,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
   }
   std::string links =
       "link,facets,spheres,covered,uncovered_distance,protrusion_mean,protrusion_p95,protrusion_max,object_volume,"
-      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz\n";
+      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz,within\n";
   for (const LinkSpheres& link : d.spheres.links) {
     const LinkFigures& f = link.figures;
     const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
@@ -157,7 +158,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
                     f.protrusion_p95, f.protrusion_max, cell(f.object_volume), cell(f.outside_volume), f.solid.volume,
                     f.mass, f.solid.center.x, f.solid.center.y, f.solid.center.z);
     for (const double entry : f.solid.inertia) links += fmt::format(",{}", scale * entry);
-    links += "\n";
+    links += fmt::format(",{}\n", f.within);
   }
   return {{"spheres.csv", text}, {"links.csv", links}};
 }
@@ -172,6 +173,7 @@ std::vector<OutputFile> write_json(const Description& d) {
                   {"format_version", 1},
                   {"robot", d.robot.name},
                   {"covered", d.spheres.covered()},
+                  {"within", d.spheres.within()},
                   {"spheres", d.spheres.sphere_count()},
                   {"links", links},
                   {"self_collision",
