@@ -20,9 +20,10 @@ namespace {
 
 constexpr std::array<std::size_t, 9> counts{1, 2, 3, 4, 6, 8, 12, 16, 32};  // of fits of whole links
 constexpr std::array<std::size_t, 4> parts{1, 2, 3, 4};  // of divided pieces; 1: the piece moves inward
-constexpr std::size_t divided_at_once = 4;                            // pieces of a link that each step considers
-constexpr double bound_factor = 1.25;    // of the radius of a link's ball: no piece reaches farther
-constexpr double weight_of_volume = 2;   // of a false overlap in every sample per volume of all links in one sphere each
+constexpr std::size_t divided_at_once = 4;               // pieces of a link that each step considers
+constexpr double bound_factor = 1.25;                    // of the radius of a link's ball: no piece reaches farther
+constexpr double weight_of_volume =
+    0.4;  // of a false overlap in every sample per volume of all links in one sphere each
 
 /// The sphere around points whose protrusion out of an object, bounded by radius + signed distance of the center, is
 /// least, by a search from the given center.
@@ -40,7 +41,8 @@ Sphere least_protruding(const Mesh& region, const SignedDistance& object, Vec3 c
     bool moved = false;
     std::vector<Vec3> ways{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
     const Vec3 from_surface = center - object.at(center).closest.point;
-    if (const double away = length(from_surface); away > 0) ways.insert(ways.end(), {from_surface / away, -from_surface / away});
+    if (const double away = length(from_surface); away > 0)
+      ways.insert(ways.end(), {from_surface / away, -from_surface / away});
     for (const Vec3& way : ways) {
       const Vec3 next = center + step * way;
       const double larger = radius_at(next), out = larger + object(next);
@@ -56,7 +58,7 @@ Sphere least_protruding(const Mesh& region, const SignedDistance& object, Vec3 c
 /// A change that may be the next step.
 struct Candidate {
   Change change{};
-  std::size_t added = 0;   // number of spheres
+  std::size_t added = 0;  // number of spheres
   double score = -1;
 };
 
@@ -69,11 +71,15 @@ class Placer {
     if (o_.samples == 0) throw std::invalid_argument("a fit for self-collision needs at least 1 sampled configuration");
     const RobotSpheres evenly = fitted(fit_, 0, 0.15);
     result_.total = fit_.max_total.value_or(evenly.sphere_count());
+    if (evenly.links.empty()) {
+      result_.spheres = evenly;
+      return std::move(result_);
+    }
     choose_fixed(evenly);
     fit_counts();
     ignored_ = find_ignored(robot_, evenly, {.samples = 0, .given = o_.given, .stop = fit_.stop}, workers_).ignored;
     std::erase_if(ignored_, [](const IgnoredPair& p) { return p.reason == IgnoreReason::apart; });
-    prepare(); lap("prep");
+    prepare();
     walk();
     finish(evenly);
     return std::move(result_);
@@ -125,7 +131,8 @@ class Placer {
 
   Pieces pieces_of(const LinkSpheres& link, bool stays) const {
     Pieces pieces;
-    for (const Sphere& s : link.spheres) pieces.push_back(std::make_shared<Piece>(Piece{.sphere = s, .region = nullptr}));
+    for (const Sphere& s : link.spheres)
+      pieces.push_back(std::make_shared<Piece>(Piece{.sphere = s, .region = nullptr}));
     if (stays || !link.tree) return pieces;
     // The leaves are the last spheres.
     const SphereTree& tree = link.tree->tree;
@@ -167,20 +174,28 @@ class Placer {
     for (const LinkSpheres& link : finest.links) groups.push_back(group_of(link.spheres));
     const std::vector<PlacePair> pairs = tested_pairs(finest, ignored_);
     const auto poses = sampled_poses(robot_, finest, o_.samples, fit_.seed);
-    std::vector<char> free(poses.size(), 0);
+    std::vector<std::vector<std::size_t>> collisions(poses.size());  // per sample: places in pairs
     parallel_for(workers_, poses.size(), 16, [&](std::size_t begin, std::size_t end) {
       std::size_t tests = 0;
       for (std::size_t k = begin; k < end && !fit_.stop.stop_requested(); ++k) {
-        free[k] = std::none_of(pairs.begin(), pairs.end(), [&](const PlacePair& pair) {
-          const RigidTransform& at_a = poses[k][finest.links[pair.first].link];
-          const RigidTransform& at_b = poses[k][finest.links[pair.second].link];
-          return groups_meet(groups[pair.first], at_a, groups[pair.second], at_b, tests) &&
-                 solids.collide(pair.first, at_a, pair.second, at_b);
-        });
+        for (std::size_t p = 0; p < pairs.size(); ++p) {
+          const RigidTransform& at_a = poses[k][finest.links[pairs[p].first].link];
+          const RigidTransform& at_b = poses[k][finest.links[pairs[p].second].link];
+          if (groups_meet(groups[pairs[p].first], at_a, groups[pairs[p].second], at_b, tests) &&
+              solids.collide(pairs[p].first, at_a, pairs[p].second, at_b))
+            collisions[k].push_back(p);
+        }
       }
     });
     stop_on_request();
-    for (const auto& [a, b] : pairs) {
+    const std::vector<bool> counted = counted_pairs(collisions, pairs.size());
+    std::vector<char> free(poses.size(), 1);
+    for (std::size_t k = 0; k < poses.size(); ++k)
+      for (const std::size_t p : collisions[k])
+        if (counted[p]) free[k] = 0;
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      if (!counted[p]) continue;
+      const auto [a, b] = pairs[p];
       std::size_t number = 0;
       for (std::size_t k = 0; k < poses.size(); ++k) {
         if (free[k] == 0) continue;
@@ -203,16 +218,21 @@ class Placer {
     if (count == 1) {
       regions.push_back(piece.region);
     } else {
-      const CoveredTree tree = build(
-          *piece.region, {.spheres = count, .seed = fit_.seed, .quality = Quality::draft, .stop = fit_.stop},
-          serial_workers());
+      const CoveredTree tree = build(*piece.region,
+                                     {.method = Method::grid,
+                                      .branching = static_cast<int>(count),
+                                      .depth = 1,
+                                      .seed = fit_.seed,
+                                      .stop = fit_.stop},
+                                     serial_workers());
       if (tree.tree.leaf_count() < 2) return at->second;
       for (const std::uint32_t leaf : level_set(tree.tree, tree.tree.level_count() - 1))
         regions.push_back(std::make_shared<const Mesh>(region_mesh(*piece.region, tree.cover, leaf)));
     }
     for (const auto& region : regions) {
       // The ball of the link decides how many decimals there are.
-      std::vector<Sphere> rounded{least_protruding(*region, *objects_[link], enclosing_sphere(region->positions).center), bound};
+      std::vector<Sphere> rounded{
+          least_protruding(*region, *objects_[link], enclosing_sphere(region->positions).center), bound};
       rounded[0].radius = std::max(rounded[0].radius + fit_.padding, fit_.min_radius);
       round_outward(rounded);
       const Sphere& s = rounded[0];
@@ -235,8 +255,8 @@ class Placer {
       candidate.added = then.size() - own.size();
       const OverlapTable::Effect effect = table_->effect(candidate.change);
       if (effect.more_false > 0) return;
-      const double gain = effect.gain / static_cast<double>(o_.samples) +
-                          weight_of_volume * (present - volume_of(then)) / volume_;
+      const double gain =
+          effect.gain / static_cast<double>(o_.samples) + weight_of_volume * (present - volume_of(then)) / volume_;
       candidate.score = candidate.added == 0 ? 1e6 * gain : gain / static_cast<double>(candidate.added);
       if (candidate.score > best.score && gain > 0) best = std::move(candidate);
     };
@@ -293,8 +313,7 @@ class Placer {
 
   /// Records a step, and the spheres if the total allows them.
   void keep(std::size_t count) {
-    result_.steps.push_back(
-        {count, static_cast<double>(table_->false_samples()) / static_cast<double>(o_.samples)});
+    result_.steps.push_back({count, static_cast<double>(table_->false_samples()) / static_cast<double>(o_.samples)});
     if (count > result_.total && !chosen_.empty()) return;
     chosen_.clear();
     for (std::size_t i = 0; i < fits_[0].links.size(); ++i) chosen_.push_back(table_->pieces(i));
@@ -311,6 +330,7 @@ class Placer {
     const SelfRateOptions rate{.samples = o_.samples, .seed = fit_.seed, .stop = fit_.stop, .progress = {}};
     result_.evenly = self_collision_rates(robot_, evenly, ignored_, rate, workers_);
     result_.rates = self_collision_rates(robot_, result_.spheres, ignored_, rate, workers_);
+    if (!result_.spheres.links.empty()) tell(1, robot_.links[result_.spheres.links.back().link].name);
   }
 
   const Robot& robot_;
@@ -321,9 +341,9 @@ class Placer {
   std::vector<IgnoredPair> ignored_;
   std::vector<bool> stays_;  // per link
   std::map<std::string, std::vector<Sphere>> fixed_;
-  std::vector<RobotSpheres> fits_;           // per entry of `counts`
-  std::vector<std::vector<Pieces>> pieces_;  // the same as pieces, per link
-  double volume_ = 0;                        // of all links in one sphere each
+  std::vector<RobotSpheres> fits_;                        // per entry of `counts`
+  std::vector<std::vector<Pieces>> pieces_;               // the same as pieces, per link
+  double volume_ = 0;                                     // of all links in one sphere each
   std::vector<std::unique_ptr<SignedDistance>> objects_;  // per link; nullptr: it has no mesh
   std::unique_ptr<OverlapTable> table_;
   std::vector<Pieces> chosen_;

@@ -45,16 +45,23 @@ SelfRates self_collision_rates(const Robot& robot, const RobotSpheres& spheres, 
   rates.samples = o.samples;
   const double share = 1 / static_cast<double>(o.samples);
   std::vector<std::size_t> overlaps(pairs.size(), 0), collisions(pairs.size(), 0);
-  std::size_t by_spheres = 0, by_surfaces = 0;
-  for (const auto& sample : met) {
-    bool some = false;
-    for (const auto& [p, collide] : sample) {
+  std::vector<std::vector<std::size_t>> colliding(o.samples);
+  for (std::size_t k = 0; k < o.samples; ++k) {
+    for (const auto& [p, collide] : met[k]) {
       ++overlaps[p];
       collisions[p] += collide ? 1 : 0;
-      some = some || collide;
+      if (collide) colliding[k].push_back(p);
     }
-    by_spheres += sample.empty() ? 0 : 1;
-    by_surfaces += some ? 1 : 0;
+  }
+  const std::vector<bool> counted = counted_pairs(colliding, pairs.size());
+  std::size_t by_spheres = 0, by_surfaces = 0;
+  for (const auto& sample : met) {
+    by_spheres +=
+        std::any_of(sample.begin(), sample.end(), [&](const auto& pair) { return counted[pair.first]; }) ? 1 : 0;
+    by_surfaces +=
+        std::any_of(sample.begin(), sample.end(), [&](const auto& pair) { return counted[pair.first] && pair.second; })
+            ? 1
+            : 0;
   }
   rates.spheres = share * static_cast<double>(by_spheres);
   rates.surfaces = share * static_cast<double>(by_surfaces);

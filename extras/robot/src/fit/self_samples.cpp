@@ -92,4 +92,15 @@ std::vector<PlacePair> tested_pairs(const RobotSpheres& spheres, std::span<const
   return pairs;
 }
 
+std::vector<bool> counted_pairs(std::span<const std::vector<std::size_t>> collisions, std::size_t pairs) {
+  constexpr double nearly_all = 0.95;
+  std::vector<std::size_t> times(pairs, 0);
+  for (const auto& sample : collisions)
+    for (const std::size_t p : sample) ++times[p];
+  std::vector<bool> counted;
+  for (const std::size_t n : times)
+    counted.push_back(static_cast<double>(n) < nearly_all * static_cast<double>(collisions.size()));
+  return counted;
+}
+
 }  // namespace morula::robot

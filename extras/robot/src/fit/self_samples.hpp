@@ -36,5 +36,7 @@ class LinkSolids {
 using PlacePair = std::pair<std::size_t, std::size_t>;
 /// All pairs that are not ignored, first place first, ascending.
 std::vector<PlacePair> tested_pairs(const RobotSpheres& spheres, std::span<const IgnoredPair> ignored);
+/// Per pair, whether it counts: its shapes collide in less than 95 % of the samples. collisions: per sample the pairs.
+std::vector<bool> counted_pairs(std::span<const std::vector<std::size_t>> collisions, std::size_t pairs);
 
 }  // namespace morula::robot

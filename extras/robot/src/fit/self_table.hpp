@@ -16,15 +16,15 @@ struct Piece {
   std::shared_ptr<const Mesh> region;  // nullptr: the piece cannot be divided
   /// The pieces that replace it, by their largest number; empty: there are none. Filled on demand.
   std::map<std::size_t, std::vector<std::shared_ptr<Piece>>> parts{};
-  bool is_moved = false;               // it protrudes least already
+  bool is_moved = false;  // it protrudes least already
 };
 using Pieces = std::vector<std::shared_ptr<Piece>>;
 
 /// The overlap of two links in a configuration.
 struct Near {
-  std::size_t sample = 0;     // among the free ones
-  RigidTransform to_b{};      // pose of a in the axes of b
-  std::vector<float> a, b;    // per piece of a, of b: how deep it reaches into the other link's spheres; < 0: it is apart
+  std::size_t sample = 0;   // among the free ones
+  RigidTransform to_b{};    // pose of a in the axes of b
+  std::vector<float> a, b;  // per piece of a, of b: how deep it reaches into the other link's spheres; < 0: it is apart
   float deepest = -1;
 };
 
@@ -38,7 +38,8 @@ struct Change {
 class OverlapTable {
  public:
   /// bounds: per link a ball that contains all pieces that it may get.
-  OverlapTable(std::vector<Pieces> pieces, std::vector<Sphere> bounds) : pieces_(std::move(pieces)), bounds_(std::move(bounds)) {}
+  OverlapTable(std::vector<Pieces> pieces, std::vector<Sphere> bounds)
+      : pieces_(std::move(pieces)), bounds_(std::move(bounds)) {}
 
   void add(std::size_t a, std::size_t b, std::size_t sample, const RigidTransform& to_b);
   /// Ends the additions. samples: number of free samples.
@@ -54,7 +55,7 @@ class OverlapTable {
   std::vector<double> blame(std::size_t link) const;
 
   struct Effect {
-    double gain = 0;               // decrease of the cost of all overlaps
+    double gain = 0;                // decrease of the cost of all overlaps
     std::ptrdiff_t more_false = 0;  // increase of false_samples()
   };
   Effect effect(const Change& change) const;

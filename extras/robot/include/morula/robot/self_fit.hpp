@@ -29,7 +29,8 @@ struct SelfPairRate {
   double false_share = 0;          ///< share in which the spheres overlap and the shapes do not collide
 };
 
-/// The result of self_collision_rates().
+/// The result of self_collision_rates(). Pairs whose shapes collide in at least 95 % of the samples are in `pairs`, and
+/// do not count for the three shares: with them, every configuration would collide.
 struct SelfRates {
   std::size_t samples = 0;
   double spheres = 0;      ///< share of the configurations in which the spheres of some tested pair overlap
@@ -66,9 +67,9 @@ struct SelfFitStep {
 /// The result of fit_for_self_collision().
 struct SelfFit {
   RobotSpheres spheres;
-  SelfRates rates;         ///< rates of these spheres
-  SelfRates evenly;        ///< rates of fit_spheres() with the same options
-  std::size_t total = 0;   ///< largest number of spheres: max_total, otherwise the number that fit_spheres() uses
+  SelfRates rates;        ///< rates of these spheres
+  SelfRates evenly;       ///< rates of fit_spheres() with the same options
+  std::size_t total = 0;  ///< largest number of spheres: max_total, otherwise the number that fit_spheres() uses
   /// Rates for fewer and for more spheres, ascending, up to twice the total; false_share does not increase.
   std::vector<SelfFitStep> steps;
 };
