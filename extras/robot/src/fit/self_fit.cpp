@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include "morula/robot/self_fit.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <morula/robot/self_fit.hpp>
 #include <stdexcept>
 
 #include "fit/clip.hpp"
