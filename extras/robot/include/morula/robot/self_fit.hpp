@@ -84,8 +84,8 @@ struct SelfFit {
 ///
 /// fit: as for fit_spheres(). Links of link_spheres, fixed_spheres and, with clip_margin, of clip keep the spheres of
 /// fit_spheres(). The result is covered and measured like that of fit_spheres(), and the same for any number of
-/// workers. Throws like fit_spheres() and self_collision_rates(). Cost: that of a few fits, and about as much for the
-/// steps.
+/// workers. Throws like fit_spheres() and self_collision_rates(). Cost: ten fits, and steps that take
+/// longer than all of these.
 SelfFit fit_for_self_collision(const Robot& robot, const FitOptions& fit = {}, const SelfFitOptions& options = {},
                                WorkersOrAll workers = {});
 
