@@ -154,6 +154,9 @@ void require_sense(const RobotArguments& o) {
   if (o.max_total && !o.max_protrusion.empty()) {
     throw UsageError("--max-total and --max-protrusion contradict each other: leave out one");
   }
+  if (o.self_collision && (!o.max_protrusion.empty() || o.max_radius)) {
+    throw UsageError("--self-collision contradicts --max-protrusion and --max-radius: it divides a number of spheres");
+  }
   if (o.keep.empty() != o.refit.empty()) {
     throw UsageError("--keep and --refit belong together: --keep DIR/spheres.json --refit LINK");
   }
@@ -197,6 +200,8 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--max-total", o.max_total, "Largest number of spheres of the robot, placed where they help most")
       ->type_name("N")
       ->transform(whole_number(1, 1'000'000));
+  add_flag(command, "--self-collision", o.self_collision,
+           "Place the same number of spheres where links would falsely collide, and report how often they do");
   add_option(command, "--max-protrusion", o.max_protrusion,
              "Protrusion of at most LENGTH, or of a share of each link's size (1%), with as few spheres as possible")
       ->type_name("LENGTH");

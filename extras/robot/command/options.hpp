@@ -27,6 +27,7 @@ struct RobotArguments {
   std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: that of FitOptions
   std::size_t samples = robot::SelfCollisionOptions{}.samples;
   std::size_t seed = 1, inner = 0;
+  bool self_collision = false;
   bool page = false, all_formats = false, trees = false, json = false;  // trees: as --tree link
   unsigned threads = 0;
 };

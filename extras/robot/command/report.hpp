@@ -5,6 +5,7 @@
 
 #include <morula/robot/output.hpp>
 #include <span>
+#include <morula/robot/self_fit.hpp>
 #include <string>
 
 #include "shared/report.hpp"
@@ -30,5 +31,8 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
 /// "12 of 55 pairs: 10 neighbors, 2 proven apart, …".
 std::string ignored_text(const robot::SelfCollision& self_collision);
 Json ignored_json(const robot::Robot& robot, const robot::SelfCollision& self_collision);
+/// False self-collisions: the rates, the worst pairs, and the rates of more spheres.
+std::vector<std::string> self_fit_lines(const robot::Robot& robot, const robot::SelfFit& fit);
+Json self_fit_json(const robot::Robot& robot, const robot::SelfFit& fit);
 
 }  // namespace morula::cli

@@ -126,12 +126,15 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const double read_seconds = watch.lap();
 
   fit.stop = interrupt.token();
+  robot::SelfFit placed;
   const robot::RobotSpheres spheres = [&] {
     Progress progress("fitting spheres");
     fit.progress = [&](double share, const std::string& link) {
       progress.update(share, fmt::format("fitted {}", link));
     };
-    return robot::fit_spheres(robot, fit, workers);
+    if (!o.self_collision) return robot::fit_spheres(robot, fit, workers);
+    placed = robot::fit_for_self_collision(robot, fit, {.given = given}, workers);
+    return placed.spheres;
   }();
   if (spheres.links.empty()) {
     std::vector<std::string> left_out = robot.notes;
@@ -201,7 +204,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const bool proven = spheres.covered() || (o.tolerance > 0 && spheres.within() <= o.tolerance);
   const int exit_code = proven ? exit_done : exit_check_failed;
   if (o.json) {
-    print_json({{"robot", robot.name},
+    Json report{{"robot", robot.name},
                 {"tolerances", tolerances_json(rows)},
                 {"file", o.robot},
                 {"output", o.output},
@@ -215,7 +218,9 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
                 {"notes", notes},
                 {"threads", workers.thread_count()},
                 {"seconds",
-                 {{"read", read_seconds}, {"fit", fit_seconds}, {"pairs", pairs_seconds}, {"write", write_seconds}}}});
+                 {{"read", read_seconds}, {"fit", fit_seconds}, {"pairs", pairs_seconds}, {"write", write_seconds}}}};
+    if (o.self_collision) report["false_collisions"] = self_fit_json(robot, placed);
+    print_json(report);
     return exit_code;
   }
   fmt::print("{}: {}, {}, {} that move by themselves\n\n", robot.name, counted(robot.links.size(), "link"),
@@ -227,6 +232,9 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   for (const std::string& line : clip_lines(robot, spheres)) fmt::print("clipped  {}\n", line);
   if (o.inner > 0) fmt::print("inside   {}\n", inner_text(spheres));
   fmt::print("ignored  {}\n", ignored_text(self_collision));
+  if (o.self_collision) {
+    for (const std::string& line : self_fit_lines(robot, placed)) fmt::print("false    {}\n", line);
+  }
   fmt::print("seconds  read {}, fit {}, pairs {}, write {} ({})\n", seconds(read_seconds), seconds(fit_seconds),
              seconds(pairs_seconds), seconds(write_seconds), counted(workers.thread_count(), "thread"));
   for (const std::string& note : notes) fmt::print("note     {}\n", note);
