@@ -59,8 +59,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   const Vec3 normal = numbers.size() == 4 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
   if (!(length(normal) > 0)) {
     throw UsageError(fmt::format(
-        "--clip {}: give LINK=X,Y,Z,D, which keeps what has x X + y Y + z Z >= D, as --clip base=0,0,1,0.02",
-        text));
+        "--clip {}: give LINK=X,Y,Z,D, which keeps what has x X + y Y + z Z >= D, as --clip base=0,0,1,0.02", text));
   }
   check_name("link", text.substr(0, at), links);
   return {text.substr(0, at), {normalized(normal), numbers[3] / length(normal)}};
@@ -154,6 +153,10 @@ void require_sense(const RobotArguments& o) {
     throw UsageError("--total and --max-protrusion contradict each other: leave out one");
   }
   if (o.keep.empty() && !o.refit.empty()) throw UsageError("--refit belongs to --keep DIR/spheres.json: add it");
+  for (const std::string& argument : o.xacro_arguments) {
+    if (argument.find(":=") == std::string::npos || argument.starts_with(":=") || argument.starts_with("-"))
+      throw UsageError(fmt::format("--xacro-arg {}: give NAME:=VALUE, as prefix:=left_", argument));
+  }
   if (o.clip_margin && o.clips.empty()) throw UsageError("--clip-margin belongs to --clip LINK=X,Y,Z,D: add it");
   if (o.max_radius && *o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
   if (o.page) require_robot_page();
@@ -185,7 +188,7 @@ bool writes_tree(const RobotArguments& o, std::string_view kind) {
 }
 
 void add_robot_options(CLI::App& command, RobotArguments& o) {
-  add_option(command, "ROBOT", o.robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
+  add_option(command, "ROBOT", o.robot, "Description: URDF or xacro, MuJoCo's XML or SDF")->required()->type_name("");
   add_option(command, "-o,--output", o.output, "Folder for the files")->type_name("DIR")->required();
   add_option(command, "--spheres", o.spheres,
              "Largest number of spheres of each link; default: by the size of the link, 16 on average")
@@ -224,6 +227,10 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->capture_default_str();
   add_repeatable(command, "--package-path", o.package_paths, "DIR",
                  "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched next");
+  add_option(command, "--xacro", o.xacro, "Program that expands xacro, a name on PATH or a path")
+      ->type_name("PROGRAM")
+      ->capture_default_str();
+  add_repeatable(command, "--xacro-arg", o.xacro_arguments, "NAME:=VALUE", "Argument of a xacro file");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and which the new one extends")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples,
@@ -242,7 +249,8 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   if (has_robot_page())
     add_flag(command, "--page", o.page,
              "Also write robot.html: the robot and its spheres, with a slider for every joint");
-  add_option(command, "--keep", o.keep, "Earlier spheres.json: its links keep their spheres, which are certified again, except those of --refit")
+  add_option(command, "--keep", o.keep,
+             "Earlier spheres.json: its links keep their spheres, which are certified again, except those of --refit")
       ->type_name("FILE");
   add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link again");
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))

@@ -120,9 +120,11 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   toolbox::Stopwatch watch;
-  const robot::Robot robot = robot::read_robot(
-      o.robot,
-      {.package_paths = package_paths(o), .visual = o.geometry == "visual", .skip = {o.skip.begin(), o.skip.end()}});
+  const robot::Robot robot = robot::read_robot(o.robot, {.package_paths = package_paths(o),
+                                                         .visual = o.geometry == "visual",
+                                                         .skip = {o.skip.begin(), o.skip.end()},
+                                                         .xacro = o.xacro,
+                                                         .xacro_arguments = o.xacro_arguments});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given = robot.ignored;

@@ -125,7 +125,7 @@ TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_al
   EXPECT_EQ(before, after);
   // Without --refit all are kept, and judged again.
   bench.require("robot gripper.urdf -o kept --keep one/spheres.json");
-  EXPECT_EQ(bench.read("kept/spheres.json"), bench.read("one/spheres.json"));
+  EXPECT_EQ(spheres("kept"), spheres("one"));
   nlohmann::json less = nlohmann::json::parse(bench.read("one/spheres.json"));
   for (nlohmann::json& sphere : less["links"][0]["spheres"]) sphere["radius"] = 0.001;
   bench.write("less.json", less.dump());
@@ -186,6 +186,46 @@ TEST(RobotCommand, files_of_an_earlier_run_that_stay_are_named) {
   EXPECT_EQ(left("--format csv"),
             "out: of an earlier run, and not written again: robot.html robot.morula robot.ply gripper.1.0.xrdf");
   EXPECT_EQ(bench.read("out/robot.html"), "old");
+}
+
+TEST(RobotCommand, xacro_is_expanded_by_the_program_without_a_shell) {
+  Workbench bench;
+  with_gripper(bench);
+  // A stand-in: it writes down its arguments and prints the gripper.
+  bench.write("fake xacro", "#!/bin/sh\nprintf '%s\\n' \"$@\" > \"${0%/*}/said\"\ncat \"${0%/*}/gripper.urdf\"\n");
+  bench.write("fails", "#!/bin/sh\necho 'name x is not defined' >&2\necho 'when processing it' >&2\nexit 2\n");
+  bench.write("silent", "#!/bin/sh\nexit 0\n");
+  bench.write("loud",
+              "#!/bin/sh\ni=0\nwhile [ $i -lt 20000 ]; do echo 'warning: a long line of words' >&2; "
+              "i=$((i+1)); done\ncat \"${0%/*}/gripper.urdf\"\n");
+  for (const char* name : {"fake xacro", "fails", "silent", "loud"})
+    std::filesystem::permissions(bench / name, std::filesystem::perms::owner_all);
+  bench.write("g.urdf.xacro",
+              "<robot name='g' xmlns:xacro='http://www.ros.org/wiki/xacro'>\n<xacro:gripper/>\n</robot>");
+  bench.require("robot g.urdf.xacro -o out --spheres 2 --xacro './fake xacro' --xacro-arg 'p:=a b;$(touch bad)'");
+  EXPECT_EQ(bench.read("said"), (bench / "g.urdf.xacro").string() + "\np:=a b;$(touch bad)\n");
+  EXPECT_FALSE(std::filesystem::exists(bench / "bad"));
+  bench.require("robot gripper.urdf -o plain --spheres 2 --xacro ./fails");
+  EXPECT_EQ(bench.read("out/spheres.csv"), bench.read("plain/spheres.csv"));
+  EXPECT_EQ(bench.read("out/gripper_spherized.urdf"), bench.read("plain/gripper_spherized.urdf"));
+  EXPECT_NE(bench.read("out/curobo.yml").find("out/gripper_spherized.urdf"), std::string::npos)
+      << "planners cannot read xacro";
+  bench.require("robot g.urdf.xacro -o loud --spheres 2 --format csv --xacro ./loud");
+  bench.expect_refused("robot g.urdf.xacro -o no --xacro ./fails",
+                       "g.urdf.xacro:2: ./fails fails: name x is not defined when processing it");
+  bench.expect_refused("robot g.urdf.xacro -o no --xacro ./silent", "g.urdf.xacro");
+  bench.expect_refused("robot g.urdf.xacro -o no --xacro no-such-program",
+                       "g.urdf.xacro:2: has macros, and the program no-such-program that expands them cannot be run");
+  bench.expect_refused("robot g.urdf.xacro -o no --xacro-arg p=3", "give NAME:=VALUE");
+  // Expressions alone need it too; a declaration alone does not.
+  bench.write("e.xacro",
+              "<robot name='e'><link name='l'><collision><geometry><sphere radius='${r}'/></geometry>"
+              "</collision></link></robot>");
+  bench.require("robot e.xacro -o e --spheres 2 --format csv --xacro './fake xacro'");
+  bench.write("d.urdf",
+              "<robot name='d' xmlns:xacro='x'><link name='l'><collision><geometry><sphere radius='1'/>"
+              "</geometry></collision></link></robot>");
+  bench.require("robot d.urdf -o d --format csv --xacro ./fails");
 }
 
 TEST(RobotCommand, never_replaces_what_it_reads) {

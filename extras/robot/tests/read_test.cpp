@@ -266,7 +266,7 @@ TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
   const std::vector<std::array<std::string, 2>> cases{
       {"<link name='a'>", "is not well-formed XML"},
       {"<link/>", "<link> has no name"},
-      {"<link name='a'/><xacro:arm/>", "run xacro on the file first"},
+      {"<link name='a'/><xacro:arm/>", ":2: has macros: run xacro on the file first"},
       {two + two, "there are two links a"},
       {two, "both carried by no joint"},
       {two + joint("j", "a", "c"), "there is no link c"},
@@ -293,7 +293,8 @@ TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
        "lies outside " + (scratch.path() / "a/b").string() + "; allow its folder with the package path"},
       {collision("<mesh filename='../../../r.obj'/>"), "lies outside"},
       {collision("<mesh filename='empty.obj'/>"), "empty.obj"},
-      {collision("<mesh filename='part.step'/>"), "no mesh format has the extension '.step'; name a file with one of .dae .obj"},
+      {collision("<mesh filename='part.step'/>"),
+       "no mesh format has the extension '.step'; name a file with one of .dae .obj"},
   };
   write(scratch.path() / "r.obj", "");
   write(scratch.path() / "a/b/c/empty.obj", "");
@@ -308,7 +309,7 @@ TEST(ReadRobot, refuses_what_is_broken_with_file_line_and_words) {
   write(file, "<!DOCTYPE r [\n<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;\">]>\n<robot name='&b;'/>");
   EXPECT_NE(refusal(file).find("r.urdf:2: entities are declared"), std::string::npos) << refusal(file);
   write(file, "<xacro:macro/>");
-  EXPECT_NE(refusal(file).find("expand xacro first"), std::string::npos) << refusal(file);
+  EXPECT_NE(refusal(file).find("give the file that begins with <robot>"), std::string::npos) << refusal(file);
   EXPECT_NE(refusal(scratch.path() / "none.urdf").find("there is no such file"), std::string::npos);
 }
 

@@ -13,6 +13,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <utility>
 
 #include "io/whole_file.hpp"
 
@@ -94,7 +95,15 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
-  std::string bytes = bytes_of(file);
+  parse(bytes_of(file));
+}
+
+Xml::Xml(const std::filesystem::path& file, XmlText text) : file_(file) {
+  parse(std::move(text.bytes));
+}
+
+void Xml::parse(std::string bytes) {
+  const std::filesystem::path& file = file_;
   // Programs in C may also write the terminating 0 of their text.
   while (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
