@@ -17,8 +17,8 @@ struct RobotArguments {
   std::string robot, output;
   std::optional<std::size_t> spheres, max_total;
   std::string max_protrusion;  // a length, or a share as "1%"
-  std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips;
-  std::string keep, srdf;
+  std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips, xacro_arguments;
+  std::string keep, srdf, xacro = "xacro";
   double padding = 0, min_radius = 0, tolerance = 0;
   std::vector<double> tolerances;  // of the table
   std::optional<double> max_radius, clip_margin;

@@ -100,6 +100,21 @@ void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
   }
 }
 
+/// Names of files in the output's folder that another run wrote and this one leaves: they may have other spheres.
+std::vector<std::string> files_left(const robot::Description& description, const std::vector<std::string>& written) {
+  std::vector<const robot::OutputFormat*> all;
+  for (const robot::OutputFormat& format : robot::output_formats()) all.push_back(&format);
+  std::vector<std::string> names{page_file, robot_tree_file, robot_mesh_file};
+  for (const robot::OutputFile& file : files_of({description.robot, {}, {}, description.options}, all))
+    names.push_back(file.name);
+  std::erase_if(names, [&](const std::string& name) {
+    std::error_code error;
+    return std::find(written.begin(), written.end(), name) != written.end() ||
+           !fs::is_regular_file(description.options.folder / name, error);
+  });
+  return names;
+}
+
 void write_trees(const fs::path& folder, const robot::Robot& robot, const robot::RobotSpheres& spheres) {
   fs::create_directories(folder / "trees");
   for (const robot::LinkSpheres& link : spheres.links) {
@@ -114,9 +129,11 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   toolbox::Stopwatch watch;
-  const robot::Robot robot = robot::read_robot(
-      o.robot,
-      {.package_paths = package_paths(o), .visual = o.geometry == "visual", .skip = {o.skip.begin(), o.skip.end()}});
+  const robot::Robot robot = robot::read_robot(o.robot, {.package_paths = package_paths(o),
+                                                         .visual = o.geometry == "visual",
+                                                         .skip = {o.skip.begin(), o.skip.end()},
+                                                         .xacro = o.xacro,
+                                                         .xacro_arguments = o.xacro_arguments});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given = robot.ignored;
@@ -199,6 +216,8 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   notes.insert(notes.end(), spheres.notes.begin(), spheres.notes.end());
   for (const robot::LinkSpheres& link : spheres.links) notes.insert(notes.end(), link.notes.begin(), link.notes.end());
   notes.insert(notes.end(), self_collision.notes.begin(), self_collision.notes.end());
+  if (const std::vector<std::string> left = files_left(description, written); !left.empty())
+    notes.push_back(fmt::format("{}: of an earlier run, and not written again: {}", o.output, fmt::join(left, " ")));
   if (o.tools.empty())
     notes.push_back(fmt::format("the tool is taken to be {}; --tool LINK says otherwise", robot::guess_tool(robot)));
   const bool proven = spheres.covered() || (o.tolerance > 0 && spheres.within() <= o.tolerance);

@@ -95,7 +95,7 @@ void bind_robot_fit(nb::module_& m) {
           nb::arg("link"), "The spheres of a link of Robot.links; None if it has none.");
   m.def(
       "fit_spheres",
-      [](const robot::Robot& robot, std::size_t spheres, std::optional<std::size_t> max_total,
+      [](const robot::Robot& robot, std::optional<std::size_t> spheres, std::optional<std::size_t> max_total,
          const std::map<std::string, std::size_t>& link_spheres, std::optional<double> max_protrusion,
          std::optional<double> max_protrusion_share, double tolerance, double padding, double min_radius,
          std::optional<double> max_radius, bool visual, const std::set<std::string>& skip, nb::handle fixed_given,
@@ -129,7 +129,7 @@ void bind_robot_fit(nb::module_& m) {
         options.progress = progress_of(progress);
         return without_gil([&] { return robot::fit_spheres(robot, options, CallWorkers(workers)); });
       },
-      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = 16, nb::arg("max_total") = nb::none(),
+      nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = nb::none(), nb::arg("max_total") = nb::none(),
       nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = nb::none(),
       nb::arg("max_protrusion_share") = nb::none(), nb::arg("tolerance") = 0.0, nb::arg("padding") = 0.0,
       nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(), nb::arg("visual") = false,
@@ -138,7 +138,7 @@ void bind_robot_fit(nb::module_& m) {
       nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig(
-          "def fit_spheres(robot: Robot, *, spheres: int = 16, max_total: int | None = None, link_spheres: dict[str, "
+          "def fit_spheres(robot: Robot, *, spheres: int | None = None, max_total: int | None = None, link_spheres: dict[str, "
           "int] "
           "= {}, "
           "max_protrusion: float | None = None, max_protrusion_share: float | None = None, tolerance: float = 0.0, "

@@ -27,17 +27,17 @@ namespace morula::robot {
 
 namespace {
 
-constexpr std::size_t most_spheres_for_radius = 256;
+constexpr std::size_t most_spheres_for_radius = 256, mean_spheres_of_a_mesh = 16;
 
 void require_sense(const Robot& robot, const FitOptions& o) {
   const auto require_link = [&](const std::string& name, const char* what) {
     if (robot.find_link(name) == none)
       throw std::invalid_argument(fmt::format("{}: the robot has no link {}", what, name));
   };
-  for (const std::string& name : o.skip) require_link(name, "left out");
+  for (const std::string& name : o.skip) require_link(name, "skip");
   for (const auto& [name, count] : o.link_spheres) {
-    require_link(name, "spheres");
-    if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
+    require_link(name, "link_spheres");
+    if (count == 0) throw std::invalid_argument(fmt::format("link_spheres: 0 of link {}; skip the link instead", name));
   }
   for (const auto& [name, spheres] : o.fixed_spheres) {
     require_link(name, "fixed_spheres");
@@ -52,31 +52,37 @@ void require_sense(const Robot& robot, const FitOptions& o) {
       }
     }
   }
-  const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
-  const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
-  if (!in_range(o.tolerance)) throw std::invalid_argument("the tolerance is a number not below 0");
+  const auto require_not_below_0 = [](const char* argument, double value) {
+    if (!(value >= 0 && value < 1e30))
+      throw std::invalid_argument(fmt::format("{}: {} is not a number from 0 on", argument, value));
+  };
+  const auto require_above_0 = [](const char* argument, const std::optional<double>& value) {
+    if (value && !(*value > 0 && *value < 1e30))
+      throw std::invalid_argument(fmt::format("{}: {} is not a number above 0", argument, *value));
+  };
+  require_not_below_0("tolerance", o.tolerance);
   if (o.tolerance > 0 && o.method != Method::optimized) {
     throw std::invalid_argument(fmt::format(
         "method {} does not fit for a tolerance; use optimized, or leave the tolerance out", name(o.method)));
   }
-  if (!in_range(o.padding) || !in_range(o.min_radius)) {
-    throw std::invalid_argument("padding and the least radius are numbers not below 0");
-  }
-  if (!is_length(o.max_radius) || !is_length(o.max_protrusion) || !is_length(o.max_protrusion_share) ||
-      !is_length(o.clip_margin) || !is_length(o.density)) {
-    throw std::invalid_argument("the largest radius, protrusion, margin and density are numbers above 0");
-  }
-  if (o.max_total && *o.max_total == 0) throw std::invalid_argument("a robot has at least 1 sphere in total");
+  require_not_below_0("padding", o.padding);
+  require_not_below_0("min_radius", o.min_radius);
+  require_above_0("max_radius", o.max_radius);
+  require_above_0("max_protrusion", o.max_protrusion);
+  require_above_0("max_protrusion_share", o.max_protrusion_share);
+  require_above_0("clip_margin", o.clip_margin);
+  require_above_0("density", o.density);
+  if (o.max_total && *o.max_total == 0) throw std::invalid_argument("max_total: a robot has at least 1 sphere");
   if (o.max_radius && *o.max_radius < o.min_radius) {
-    throw std::invalid_argument("the largest radius is below the smallest");
+    throw std::invalid_argument(fmt::format("max_radius: {} is below min_radius, {}", *o.max_radius, o.min_radius));
   }
   if (o.method != Method::optimized && o.quality && *o.quality != Quality::standard) {
     throw std::invalid_argument(
         fmt::format("quality {} is for method optimized; method {} has one way only: leave the quality out",
                     name(*o.quality), name(o.method)));
   }
-  if (o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
-    throw std::invalid_argument("say how many spheres, or how far they may stick out");
+  if (o.spheres && *o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
+    throw std::invalid_argument("spheres: 0 requires max_protrusion or max_protrusion_share");
   }
 }
 
@@ -245,8 +251,32 @@ class Fitter {
   }
 
   void set_budgets(const std::vector<std::size_t>& sharing) {
-    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = own_number(i).value_or(o_.spheres);
-    if (o_.max_total) share_total(sharing);
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = own_number(i).value_or(o_.spheres.value_or(0));
+    if (o_.max_total) {
+      share_total(sharing);
+    } else if (!o_.spheres && !o_.max_protrusion && !o_.max_protrusion_share) {
+      share_among_sizes();
+    }
+  }
+
+  /// On average the same number for each mesh without a number of its own.
+  void share_among_sizes() {
+    std::vector<std::size_t> sharing;
+    std::vector<MeshSize> sizes;
+    std::size_t meshes = 0;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const Mesh& mesh = first_of(i).surface.mesh;
+      if (own_number(i) || mesh.facets.empty()) continue;
+      Box box;
+      for (const Vec3& p : mesh.positions) box.add(p);
+      const Vec3 e = box.upper - box.lower;
+      sharing.push_back(i);
+      sizes.push_back({2 * (e.x * e.y + e.y * e.z + e.z * e.x), groups_[i].members.size()});
+      meshes += groups_[i].members.size();
+    }
+    const std::vector<std::size_t> counts = share_by_size(sizes, mean_spheres_of_a_mesh * meshes);
+    for (std::size_t k = 0; k < sharing.size(); ++k)
+      groups_[sharing[k]].budget = first_of(sharing[k]).surface.spheres.size() + counts[k];
   }
 
   /// Divides the part of the total that single links leave.

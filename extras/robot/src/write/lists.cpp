@@ -194,9 +194,10 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
     return FileError(fmt::format("{}: {}; give a spheres.json that morula robot wrote", path.string(), text));
   };
   try {
-    const nlohmann::json json = nlohmann::json::parse(stream);
+    const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+    if (json.is_discarded()) throw fail("is not JSON");
     if (json.at("format") != "morula robot spheres" || json.at("format_version") != 1)
-      throw fail("is of another format");
+      throw fail("has another format");
     std::map<std::string, std::vector<Sphere>> result;
     for (const nlohmann::json& link : json.at("links")) {
       std::vector<Sphere>& spheres = result[link.at("link").get<std::string>()];
@@ -204,13 +205,13 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
         const nlohmann::json& c = sphere.at("center");
         const Sphere s{{c.at(0).get<double>(), c.at(1).get<double>(), c.at(2).get<double>()},
                        sphere.at("radius").get<double>()};
-        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30)) throw fail("holds a sphere that is none");
+        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30)) throw fail("has a sphere with a radius or center out of range");
         spheres.push_back(s);
       }
     }
     return result;
-  } catch (const nlohmann::json::exception& error) {
-    throw fail(fmt::format("is not as expected ({})", error.what()));
+  } catch (const nlohmann::json::exception&) {
+    throw fail("lacks a part of such a file");
   }
 }
 
