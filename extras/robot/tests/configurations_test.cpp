@@ -389,6 +389,35 @@ TEST(Configurations, TouchExactlyUpToTheLastBit) {
   EXPECT_FALSE(touches(World{}, 1.25));
 }
 
+TEST(Configurations, DecideInDoubleWhatIsNearlyTouching) {
+  Random random(70);
+  for (int i = 0; i < 500; ++i) {
+    Slider slider;
+    slider.spheres.links[0].spheres[0] = {random_point(random, 0.3), random.uniform(0.05, 0.3)};
+    const RigidTransform base = random_pose(random, 1);
+    const Sphere& own = slider.spheres.links[0].spheres[0];
+    const double at = random.uniform(-1, 1), gap = (i % 2 == 0 ? 1 : -1) * std::pow(10, random.uniform(-10, -6));
+    const Vec3 center = moved(matrix(base), own.center + Vec3{at, 0, 0});
+    const Vec3 direction = normalized(random_point(random, 1));
+    const double radius = random.uniform(0.05, 0.3);
+    World balls, boxes;
+    balls.add(Sphere{center + (own.radius + radius + gap) * direction, radius});
+    // The face of a box at right angles to the direction.
+    const Vec3 side = normalized(cross(direction, {0.3, 0.5, 0.7})), other = cross(direction, side);
+    ObstacleBox box{{}, {radius, 1, 1}};
+    for (int k = 0; k < 3; ++k) box.pose.rows[static_cast<std::size_t>(k)] = {direction[k], side[k], other[k]};
+    box.pose.translation = center + (own.radius + radius + gap) * direction;
+    boxes.add(box);
+    ConfigurationQuery query(slider.robot, slider.spheres);
+    query.set_base(base);
+    for (const World* world : {&balls, &boxes}) {
+      ConfigurationVerdict verdict;
+      query.check(std::span(&at, 1), *world, std::span(&verdict, 1));
+      EXPECT_EQ(verdict.is_free(), gap > 0) << gap;
+    }
+  }
+}
+
 TEST(Configurations, AgreeWithSphereRobotsAboutThemselves) {
   Random random(60);
   const Sample sample(random, 9, 1);
