@@ -7,6 +7,7 @@
 #include <string>
 
 #include "holders.hpp"
+#include "planning.hpp"
 
 namespace morula::python {
 
@@ -73,6 +74,8 @@ void bind_robot_extra(nb::module_& m) {
   bind_robot_self_collision(robots);
   bind_robot_output(robots);
   bind_sphere_robot(robots);
+  bind_robot_world(robots);
+  bind_robot_configurations(robots);
 #ifdef MORULA_PYTHON_ROBOT_PAGE
   bind_robot_page(robots);
 #endif

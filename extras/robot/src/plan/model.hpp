@@ -21,6 +21,12 @@ struct JointStep {
   // value = factor × values[coordinate] + offset. `none`: the joint is fixed, or floating or planar at value 0.
   std::size_t coordinate = none;
   double factor = 1, offset = 0;
+  Vec3 scaled_axis{};  // times a power of two
+  double axis_length = 1;
+
+  bool moves() const {
+    return kind == Joint::Kind::revolute || kind == Joint::Kind::continuous || kind == Joint::Kind::prismatic;
+  }
 };
 
 /// Spheres that move with one link: the link's own, or those of the object that it holds.
