@@ -72,6 +72,8 @@ Matrix rotation(const Vec3& axis, Real angle) {
   Matrix r;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) r.m[i][j] = a[i] * a[j] * v + (i == j ? c : 0);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
     r.m[i][(i + 1) % 3] -= a[(i + 2) % 3] * s;
     r.m[(i + 1) % 3][i] += a[(i + 2) % 3] * s;
   }

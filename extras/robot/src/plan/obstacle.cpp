@@ -111,7 +111,9 @@ struct MeshObstacle final : Obstacle {
   }
   bool is_clear_of(const Sphere& ball) const override { return grid.at(ball.center).lower > ball.radius * (1 + 1e-12); }
   NearestObstacle nearest(const Vec3& p, double within) const override {
-    if (scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{})) > within) return {};
+    // Within the bounds p may be inside, where also a negative `within` leaves something to find.
+    const double outside = scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{}));
+    if (outside > 0 && outside > within) return {};
     if (grid.at(p).lower > within) return {};
     const SignedDistance::Result result = distance.at(p);
     const bool inside = solid && result.distance < 0;
