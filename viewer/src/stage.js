@@ -55,7 +55,7 @@ export class Stage {
 
     this.onpick = () => {};
     this.onlook = () => {};
-    /** What the reader can drag: {sphere() returns [x, y, z, r] or null, move(sphere), end()}. */
+    /** The sphere that the reader can drag: {sphere() returns [x, y, z, r] or null, move(sphere), end()}. */
     this.grip = null;
     this.steer();
     this.watchPresses(canvas);
