@@ -8,13 +8,13 @@ export const area = ([a, b, c]) => {
   const [u, v] = [b, c].map((p) => p.map((x, k) => x - a[k]));
   return 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
 };
-const most = 300_000; // triangles looked at; the rest counts as bare
+const most = 300_000; // triangles looked at; the rest counts as uncovered
 
 /**
  * triangles: [[a, b, c], …] of points; spheres: [[x, y, z, r], …]. Every point that is farther than `within` from all
  * spheres lies in one of the triangles that are returned; a triangle in one sphere is never among them.
  * Returns {triangles, area, deepest}: deepest is the largest distance of their corners from the spheres. coarse: edges of
- * triangles with a bare corner are not divided below it.
+ * triangles with an uncovered corner are not divided below it.
  */
 export function bareSurface(triangles, spheres, within, coarse) {
   const found = { triangles: [], area: 0, deepest: 0 };
@@ -45,6 +45,6 @@ export function bareSurface(triangles, spheres, within, coarse) {
   return found;
 }
 
-/** Balls of the part's shapes that no single sphere contains up to `within`. A certificate asks for one. */
+/** Balls of the part's shapes that no single sphere contains up to `within`. */
 export const bareBalls = (balls, spheres, within) =>
   balls.filter((ball) => !spheres.some((s) => distance(ball, s) + ball[3] <= s[3] + within));

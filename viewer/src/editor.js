@@ -77,7 +77,7 @@ export class Editor {
     const { part, index } = this.picked;
     if (part < 0) return;
     const list = this.edits.spheres[part];
-    // In the largest uncovered piece, or where the picked sphere is.
+    // In the largest uncovered triangle, or at the picked sphere.
     const bare = this.lastBare?.part === part ? this.lastBare.triangles : [];
     const base = list[Math.max(index, 0)];
     const at = bare.length > 0 ? sphereAround(largest(bare)).slice(0, 3) : base.slice(0, 3);
@@ -155,7 +155,7 @@ export class Editor {
     byId('edit-command-row').hidden = false;
   }
 
-  /** The fields and buttons for what is picked; the cover a moment later. */
+  /** Updates fields and buttons for the picked node; the cover a moment later. */
   follow() {
     if (!this.active) {
       this.onbare([], -1);

@@ -100,7 +100,9 @@ function start() {
     const together = scene.overlapping.find((pair) => pair.parts.join() === parts.join());
     const ballOf = (node) => [...scene.frames[0].subarray(4 * node, 4 * node + 4)];
     const heads = [...scene.levelSets[1]].filter((node) => parts.includes(scene.partOf[node])).map(ballOf);
-    stage?.focus(sphereAround(together ? [...together.nodes].map(ballOf) : heads), heads);
+    const shown = together ? [...together.nodes] : [];
+    const others = [...scene.levelSets[scene.levelCount - 1]].filter((node) => !shown.includes(node)).map(ballOf);
+    stage?.focus(sphereAround(together ? shown.map(ballOf) : heads), others);
   });
   const editor = new Editor(state, manifest.title, (triangles, part) => {
     if (!stage) return;

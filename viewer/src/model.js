@@ -125,7 +125,7 @@ class Scene {
     const head = [...this.levelSets[Math.min(1, this.levelCount - 1)]].find((node) => this.partOf[node] === part);
     return head === undefined ? [] : Array.from({ length: this.entry.child_count[head] }, (_, k) => this.firstChild[head] + k);
   }
-  /** Other spheres: lists[part] has those of a part in its own axes. As many parts as before have some. */
+  /** Other spheres: lists[part] has those of a part in its own axes. The same parts have some. */
   refill(lists) {
     const parts = this.entry.parts;
     const counts = parts.map((part) => lists[part].length);
@@ -139,7 +139,7 @@ class Scene {
       const placedAtRest = lists[part].map(([x, y, z, r]) => [...placed(poses[part], [x, y, z]).map((at, k) => at - this.origin[k]), r]);
       for (const sphere of placedAtRest) this.atRest.set(sphere, 4 * leaf++);
       const around = sphereAround(placedAtRest);
-      // As the picture has it, in float: slightly larger.
+      // Slightly larger, for its rounding to float.
       this.atRest.set([...around.slice(0, 3), around[3] * (1 + 1e-6)], 4 * (1 + head));
     });
     this.frames[0] = this.atRest.slice();
@@ -163,7 +163,7 @@ class Scene {
     }
     return triangles;
   }
-  /** Where the part is, in the axes of the picture. */
+  /** Rows of the part's pose in the axes of the picture. */
   poseOf(part) {
     return product([1, 0, 0, -this.origin[0], 0, 1, 0, -this.origin[1], 0, 0, 1, -this.origin[2]], this.joints.poses(this.values)[part]);
   }

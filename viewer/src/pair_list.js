@@ -57,7 +57,7 @@ export class PairList {
     byId('rate').textContent = rates && rates.done > 0 ? `${percent(rates.share)} of ${rates.done.toLocaleString('en')} collide` : '';
   }
 
-  /** One row for each pair that collides now or in a counted configuration, then the others. */
+  /** One row for each pair that collides in this pose or in a counted configuration, then the others. */
   draw() {
     const { scene, rates } = this;
     if (!scene?.joints) return;

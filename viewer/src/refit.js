@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Another fit of the spheres of one part, as many as before: facets are cut along the spheres' power diagram, and every
-// sphere becomes the smallest around its pieces, in turn. No page and no drawing in here: tests run it alone.
+// Another fit of the spheres of one part, with the same number: facets are cut along the spheres' power diagram, and every
+// sphere becomes the smallest around its parts of facets, in turn. No page and no drawing in here: tests run it alone.
 
 const square = (p, q) => (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2;
 const power = (p, s) => square(p, s) - s[3] * s[3];
@@ -55,7 +55,7 @@ function cut(polygon, s, others) {
 
 const isIn = (polygon, s) => polygon.every((p) => power(p, s) <= 0);
 
-/** Pieces of triangles that lie in none of the given spheres alone: convex polygons, around all that is outside. */
+/** Parts of triangles that lie in none of the given spheres alone: convex polygons, around all that is outside. */
 function outsideOf(triangles, given, depth = 5) {
   if (given.length === 0) return triangles;
   const left = [];
@@ -75,7 +75,7 @@ function outsideOf(triangles, given, depth = 5) {
   return left;
 }
 
-/** For every sphere the corners of its pieces, and the balls that it is to contain. */
+/** For every sphere the corners of its polygons, and the balls that it is to contain. */
 function assign(pieces, balls, spheres) {
   const points = spheres.map(() => []);
   for (const piece of pieces) {
@@ -84,7 +84,7 @@ function assign(pieces, balls, spheres) {
     spheres.forEach((_, k) => {
       if (Math.max(...powers.map((row) => row[k])) < Math.max(...powers.map((row) => row[best]))) best = k;
     });
-    // A sphere whose power is larger than another's at all corners has no part of the piece.
+    // A sphere whose power is larger than another's at all corners has no part of the polygon.
     const owners = spheres.filter((_, k) => k === best || powers.some((row) => row[k] < row[best]));
     for (const s of owners) points[spheres.indexOf(s)].push(...cut(piece, s, owners));
   }
@@ -95,7 +95,7 @@ function assign(pieces, balls, spheres) {
   return points;
 }
 
-/** A sphere without pieces goes to the farthest point of the largest one. */
+/** A sphere without polygons goes to the farthest point of the largest one. */
 function relocate(spheres, points, empty) {
   let largest = -1;
   spheres.forEach((s, k) => {
@@ -121,7 +121,7 @@ function spread(points, count) {
 
 /**
  * spheres: [x, y, z, r]; keep: a flag for each that stays as it is. margin: a length that every radius has beyond what
- * the pieces need, above 0. Yields after each round, with the best spheres so far; the last value covers all triangles
+ * the polygons need, above 0. Yields after each round, with the best spheres so far; the last value covers all triangles
  * and balls. Null where there is nothing to fit. Needs a free sphere.
  */
 export function* refit(triangles, balls, spheres, keep, margin, rounds = 24) {

@@ -55,7 +55,7 @@ export class Stage {
 
     this.onpick = () => {};
     this.onlook = () => {};
-    /** What the reader can drag: {sphere() returns [x, y, z, r] or null, move(sphere), end()}. */
+    /** The sphere that the reader can drag: {sphere() returns [x, y, z, r] or null, move(sphere), end()}. */
     this.grip = null;
     this.steer();
     this.watchPresses(canvas);
@@ -289,14 +289,21 @@ export class Stage {
     }
   }
 
-  /** Brings a ball of the picture near, seen across the line between two others. */
-  focus([x, y, z, size], [a, b]) {
+  /** Brings a ball of the picture near, from where the fewest other balls hide it. */
+  focus([x, y, z, size], others) {
     const center = new Vector3(x, y, z);
     const r = Math.max(size, 0.2 * this.frameOfBox()[1]);
     const away = this.camera.position.clone().sub(this.controls.target);
-    const across = away.clone().projectOnPlane(new Vector3(a[0] - b[0], a[1] - b[1], a[2] - b[2]).normalize());
-    if (across.length() > 0.1 * away.length()) away.copy(across);
     away.normalize();
+    const steps = [-1, 0, 1];
+    const directions = steps.flatMap((i) => steps.flatMap((j) => steps.map((k) => new Vector3(i, j, k)))).filter((d) => d.length() > 0).map((d) => d.normalize());
+    const hides = (direction) => ([p, q, s, radius]) => {
+      const to = new Vector3(p, q, s).sub(center);
+      const along = to.dot(direction);
+      return along > 0 && to.lengthSq() - along * along < radius * radius;
+    };
+    const cost = (direction) => others.filter(hides(direction)).length - 0.5 * direction.dot(away);
+    away.copy([away.clone(), ...directions].reduce((a, b) => (cost(b) < cost(a) ? b : a)));
     const angle = 0.5 * this.camera.fov * (Math.PI / 180);
     const distance = (1.6 * r) / Math.sin(angle) / Math.min(1, this.camera.aspect);
     this.turned = true;

@@ -46,7 +46,8 @@ const char* fault_of(const PageJoints& joints, std::size_t vertices) {
       if (*at->leader >= joints.joints.size() || ++steps > joints.joints.size()) return "joints follow each other";
     }
   }
-  if (!joints.reasons.empty() && joints.reasons.size() != joints.ignored.size()) return "not one reason per ignored pair";
+  if (!joints.reasons.empty() && joints.reasons.size() != joints.ignored.size())
+    return "not one reason per ignored pair";
   for (const std::array<std::size_t, 2>& pair : joints.ignored) {
     if (pair[0] >= pair[1] || pair[1] >= parts) return "a pair of parts is none";
   }
