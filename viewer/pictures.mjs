@@ -65,8 +65,11 @@ await page.screenshot({ path: join(folder, 'page.png') });
 
 const arm = await open(browser, robot, { width: 1200, height: 720 });
 await settled(arm.page);
-for (const [joint, value] of [[0, 0.9], [1, 0.5], [2, 1.2], [3, 0.08]]) await slide(arm.page, `joint-${joint}`, value);
+for (const [joint, value] of [[0, 0.9], [1, 1.5], [2, 2.5], [3, 0.02]]) await slide(arm.page, `joint-${joint}`, value);
 await arm.page.keyboard.press('f');
+await arm.page.click('#rate-run');
+await arm.page.waitForFunction(() => document.getElementById('rate-run').textContent === 'Count');
+await arm.page.locator('#joints-section').evaluate((section) => section.scrollIntoView());
 await settled(arm.page);
 await arm.page.screenshot({ path: join(folder, 'robot_page.png') });
 await browser.close();

@@ -46,15 +46,16 @@ void bind_build(nb::module_& m) {
   m.def(
       "build",
       [](MeshGiven given, MethodName method, int branching, std::optional<int> depth,
-         std::optional<std::size_t> spheres, std::optional<double> max_protrusion, bool nested, std::uint64_t seed,
-         const std::vector<std::string>& reducers, OptimizerName optimizer, double balance_excess, QualityName quality,
-         std::optional<double> time_limit_seconds, nb::object progress, Threads* workers) {
+         std::optional<std::size_t> spheres, std::optional<double> max_protrusion, double tolerance, bool nested,
+         std::uint64_t seed, const std::vector<std::string>& reducers, OptimizerName optimizer, double balance_excess,
+         QualityName quality, std::optional<double> time_limit_seconds, nb::object progress, Threads* workers) {
         BuildOptions options;
         options.method = method_of(method);
         options.branching = branching;
         options.depth = depth;
         options.spheres = spheres;
         options.max_protrusion = max_protrusion;
+        options.tolerance = tolerance;
         options.nested = nested;
         options.seed = seed;
         for (const std::string& reducer : reducers) {
@@ -70,13 +71,14 @@ void bind_build(nb::module_& m) {
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("method") = "optimized", nb::arg("branching") = 8,
       nb::arg("depth") = nb::none(), nb::arg("spheres") = nb::none(), nb::arg("max_protrusion") = nb::none(),
-      nb::arg("nested") = false, nb::arg("seed") = 1, nb::arg("reducers") = std::vector<std::string>{},
-      nb::arg("optimizer") = "none", nb::arg("balance_excess") = 0.0, nb::arg("quality") = "default",
-      nb::arg("time_limit_seconds") = nb::none(), nb::arg("progress").none().sig("None") = nb::none(),
-      nb::arg("workers") = nb::none(),
+      nb::arg("tolerance") = 0.0, nb::arg("nested") = false, nb::arg("seed") = 1,
+      nb::arg("reducers") = std::vector<std::string>{}, nb::arg("optimizer") = "none", nb::arg("balance_excess") = 0.0,
+      nb::arg("quality") = "default", nb::arg("time_limit_seconds") = nb::none(),
+      nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig(
           "def build(mesh: morula.typing.MeshLike, *, method: morula.typing.Method = 'optimized', branching: int = 8, "
-          "depth: int | None = None, spheres: int | None = None, max_protrusion: float | None = None, nested: bool "
+          "depth: int | None = None, spheres: int | None = None, max_protrusion: float | None = None, tolerance: float "
+          "= 0.0, nested: bool "
           "= False, "
           "seed: int = 1, reducers: collections.abc.Sequence[morula.typing.Reduction] = [], optimizer: "
           "morula.typing.Optimizer = 'none', "
@@ -90,6 +92,7 @@ void bind_build(nb::module_& m) {
                        {"depth", doc::BuildOptions_depth},
                        {"spheres", doc::BuildOptions_spheres},
                        {"max_protrusion", doc::BuildOptions_max_protrusion},
+                       {"tolerance", doc::BuildOptions_tolerance},
                        {"nested", doc::BuildOptions_nested},
                        {"seed", doc::BuildOptions_seed},
                        {"reducers", doc::BuildOptions_reducers},

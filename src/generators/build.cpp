@@ -106,6 +106,11 @@ void require_numbers(const BuildOptions& options) {
     throw std::invalid_argument("build: " + std::to_string(*options.spheres) + " spheres are not in 1…100000000");
   if (options.max_protrusion && !(*options.max_protrusion > 0 && std::isfinite(*options.max_protrusion)))
     throw std::invalid_argument("build: the greatest protrusion is not a number above 0");
+  if (!(options.tolerance >= 0 && options.tolerance < 1e30))
+    throw std::invalid_argument("build: the tolerance is not a number of at least 0");
+  if (options.tolerance > 0 && options.method != Method::optimized)
+    throw std::invalid_argument("build: method " + std::string(name(options.method)) +
+                                " does not fit for a tolerance; optimized does");
   if (options.time_limit_seconds && !(*options.time_limit_seconds >= 0 && std::isfinite(*options.time_limit_seconds)))
     throw std::invalid_argument("build: the time limit is not a number of at least 0");
 }

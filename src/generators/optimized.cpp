@@ -23,6 +23,7 @@
 #include "generators/divide/exchange.hpp"
 #include "generators/divide/flat_set.hpp"
 #include "generators/divide/node_fit.hpp"
+#include "generators/driver/union_volume.hpp"
 #include "generators/fit/chord_balls.hpp"
 #include "generators/fit/lattice.hpp"
 #include "generators/fit/medial_seeds.hpp"
@@ -345,10 +346,9 @@ struct OptimizedInput {
 };
 
 // A set sought at once, by splitting and, for efforts that only split, from seeds.
-CoveredTree flat_tree(const OptimizedInput& input, const BuildRun& run) {
+CoveredTree flat_tree(const OptimizedInput& input, const ObjectLines& fine, const BuildRun& run) {
   const FitInput& fit = input.fit;
   const Effort& effort = input.effort;
-  const ObjectLines fine(fit.mesh, fit.shape, flat_set_cells, input.workers);
   const FitInput fine_fit = fit_input(fit.mesh, fit.shape, fine);
   const bool has_other_start = !effort.inscribed && run.spheres >= least_other_start;
   const Effort seeded = from_seeds(effort);
@@ -373,6 +373,30 @@ CoveredTree flat_tree(const OptimizedInput& input, const BuildRun& run) {
     by.improve = [&](std::vector<BuildNode>& nodes) { exchange(fine_fit, nodes, effort.exchanges, input.workers); };
   }
   return flat_set(fit, fine, run, by, input.workers);
+}
+
+// The tighter, reduced by the tolerance, of two sets: one fitted for it, and one fitted to cover. Few spheres that are
+// fitted for a tolerance are not always the better ones.
+CoveredTree tolerant_flat_tree(const OptimizedInput& input, ObjectLines& lines, ObjectLines& fine,
+                               const BuildRun& run) {
+  lines.set_tolerance(0);
+  fine.set_tolerance(0);
+  BuildRun exact_run = run.pass(0, 0.5);
+  exact_run.tolerance = 0;
+  CoveredTree covering = flat_tree(input, fine, exact_run);
+  if (run.out_of_time()) return covering;
+  lines.set_tolerance(run.tolerance);
+  fine.set_tolerance(run.tolerance);
+  CoveredTree fitted = flat_tree(input, fine, run.pass(0.5, 1));
+  UnionVolume outside(fine);
+  const auto outside_of = [&](const CoveredTree& model) {
+    return outside.outside(level_set_spheres(model.tree, model.tree.level_count() - 1));
+  };
+  // mutant tolerance-fitted-for-alone: `outside_of(covering) < outside_of(fitted)` -> `false`
+  if (!(outside_of(covering) < outside_of(fitted))) return fitted;
+  double& bound = *covering.report.protrusion_bound;
+  bound = std::max(0.0, bound - run.tolerance);
+  return covering;
 }
 
 // Worst leaf first, without a limit of depth.
@@ -424,11 +448,15 @@ CoveredTree build_optimized(const MeshView& mesh, const BuildRun& run, Workers& 
   const bool grows = is_worst_first(run) && !is_flat_set(run);
   std::optional<ObjectShape> object;
   effort.medial_samples > 0 || grows ? object.emplace(mesh, workers) : object.emplace(mesh);
-  const ObjectLines lines(mesh, *object, cells_for(run, mesh, *object), workers);
+  ObjectLines lines(mesh, *object, cells_for(run, mesh, *object), workers);
+  lines.set_tolerance(run.tolerance);
   const FitInput fit = fit_input(mesh, *object, lines);
   const std::vector<Sphere> balls = medial_set(mesh, *object, medial_samples(effort, run), run.seed, workers);
   const OptimizedInput input{fit, effort, balls, workers};
-  if (is_flat_set(run)) return flat_tree(input, run);
+  if (is_flat_set(run)) {
+    ObjectLines fine(mesh, *object, flat_set_cells, workers);
+    return run.tolerance > 0 ? tolerant_flat_tree(input, lines, fine, run) : flat_tree(input, fine, run);
+  }
   if (grows) return grown_tree(input, run);
   return level_tree(input, run, [&] { object.reset(); });
 }

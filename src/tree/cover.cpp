@@ -251,6 +251,22 @@ CoveredTree cover(const MeshView& mesh, const SphereTree& tree, const CoverOptio
   return model;
 }
 
+Sphere reduced(const Sphere& sphere, double length) {
+  if (!(length >= 0)) throw std::invalid_argument("the length to reduce a sphere by is not a number of at least 0");
+  if (length == 0) return sphere;
+  const double radius = sphere.radius - length;
+  // The difference is rounded to nearest; the next number up is above the exact one.
+  // mutant reduced-not-rounded: `std::nextafter(radius, std::numeric_limits<double>::infinity())` -> `radius`
+  return {sphere.center, std::max(0.0, std::nextafter(radius, std::numeric_limits<double>::infinity()))};
+}
+
+SphereTree reduced(const SphereTree& tree, double length) {
+  SphereTree result = tree;
+  for (Sphere& s : result.spheres) s = reduced(s, length);
+  if (length > 0) result.nested = false;
+  return result;
+}
+
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers) {
   const StandardFloats standard;

@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { at, run } from './support.mjs';
 
-const urdf = (name) => fileURLToPath(new URL(`../../extras/robot/tests/robots/${name}_description/urdf/${name}.urdf`, import.meta.url));
+export const urdf = (name) => fileURLToPath(new URL(`../../extras/robot/tests/robots/${name}_description/urdf/${name}.urdf`, import.meta.url));
 
 /** NAME/robot.html, and the spheres that it shows, by link: [[x, y, z, r], …] in the link's axes. */
 export function writeRobot(name, options = []) {

@@ -48,7 +48,7 @@ function oklch(lightness, chroma, hue) {
   });
 }
 
-/** The k-th of many kinds: the golden angle keeps neighbors apart, and so does their lightness. Red means uncovered surface alone. */
+/** The k-th of many kinds: the golden angle keeps neighbors apart, and so does their lightness. Red is left for uncovered surface and for links that collide. */
 export function kindColor(k) {
   const hue = 62 + ((k * 191.6) % 310);
   return oklch([0.76, 0.64, 0.7][k % 3], 0.12, hue);

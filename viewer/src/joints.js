@@ -38,7 +38,8 @@ export class Joints {
     }
     this.parts = entry.parts;
     this.joints = entry.joints;
-    this.ignored = new Set(entry.ignored.map(([a, b]) => `${a} ${b}`));
+    /** The reason of every ignored pair, by 'a b' with a < b. */
+    this.ignored = new Map(entry.ignored.map(([a, b], k) => [`${a} ${b}`, entry.reasons?.[k] ?? '']));
     /** The joints that the reader moves: those that follow no other. */
     this.own = entry.joints.flatMap((joint, i) => (joint.kind !== 'fixed' && joint.leader === null ? [i] : []));
     this.rest = this.own.map((i) => entry.joints[i].rest);

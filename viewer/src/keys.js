@@ -17,8 +17,26 @@ const keys = [
   ['f u', 'fit the view, another axis up'],
   ['t', 'light or dark'],
   ['Esc', 'let go of the sphere'],
+  ['a d Del', 'robots: add, copy, remove a sphere'],
+  ['r', 'robots: refit the link'],
+  ['Ctrl+Z Ctrl+Y', 'robots: undo, redo'],
   ['?', 'this list'],
 ];
+
+/** Whether it was a key of the editor of spheres; a field keeps its own. */
+function editing(event, editor) {
+  const at = event.target;
+  if (at instanceof HTMLInputElement && at.type === 'number') return false;
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if ((event.ctrlKey || event.metaKey) && !event.altKey && (key === 'z' || key === 'y')) {
+    if (key === 'y' || event.shiftKey) editor.redo();
+    else editor.undo();
+    return true;
+  }
+  if (event.ctrlKey || event.metaKey || event.altKey || !(key in editor.keys)) return false;
+  editor.keys[key]();
+  return true;
+}
 
 export function bindKeys(state, actions) {
   const help = byId('help');
@@ -63,9 +81,13 @@ export function bindKeys(state, actions) {
     '?': showHelp,
   };
   document.addEventListener('keydown', (event) => {
+    if (actions.editor.active && editing(event, actions.editor)) {
+      event.preventDefault();
+      return;
+    }
     if (event.ctrlKey || event.metaKey || event.altKey || (help.open && event.key !== '?')) return;
     const at = event.target;
-    if (at instanceof HTMLSelectElement) return;
+    if (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && at.type === 'number')) return;
     // A slider keeps its own arrows, a button its own space.
     if (at instanceof HTMLInputElement && at.type === 'range' && /^(Arrow|Home|End)/.test(event.key)) return;
     if (event.key === ' ' && (at instanceof HTMLButtonElement || at instanceof HTMLInputElement && at.type === 'checkbox')) return;

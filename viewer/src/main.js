@@ -8,6 +8,9 @@ import { Stage } from './stage.js';
 import { Panel } from './panel.js';
 import { Sliders } from './sliders.js';
 import { Report } from './report.js';
+import { Editor } from './editor.js';
+import { PairList } from './pair_list.js';
+import { sphereAround } from './refit.js';
 import { drawPicked } from './picked.js';
 import { bindKeys } from './keys.js';
 import { bindTheme } from './theme.js';
@@ -20,6 +23,8 @@ import { canFilm, saveFilm, saveModel, savePicture } from './save.js';
 const text = (id) => byId(id)?.textContent ?? null;
 const framesPerSecond = 14;
 const levelTints = levelColors.map(rgb);
+const collidingTint = rgb('#e3262e');
+const collidingLinkTint = rgb('#f0948f'); // its spheres that touch no other link
 
 function fail(error) {
   const known = error instanceof PageError;
@@ -38,6 +43,11 @@ function coloring(scene, state) {
   const level = state.get('level');
   const frame = state.get('frame');
   const by = state.get('color');
+  if (scene.joints) {
+    const colliding = scene.collidingNodes;
+    const own = by === 'branch' ? (node) => kindColor(scene.branchOf[node]) : (node) => levelTints[scene.levelOf[node] % levelTints.length];
+    return (node) => (colliding.has(node) ? collidingTint : colliding.has(scene.parent[node]) ? collidingLinkTint : own(node));
+  }
   if (by === 'branch') return (node) => kindColor(scene.branchOf[node]);
   if (by === 'growth' || (by === 'empty' && scene.emptyShare)) {
     const [low, high] = scene.range(by, level);
@@ -77,14 +87,29 @@ function start() {
   const state = new State({
     scene: -1, frame: 0, level: -1, color: 'branch', measure: first.entry.measured ? 'looseness' : 'growth',
     body: true, spheres: true, uncovered: true, facets: false, contacts: true, patches: true, opacity: 0.5,
-    sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [],
+    sectionAxis: '', sectionAt: 0.5, sectionFlip: false, picked: -1, playing: false, joints: [], edits: 0,
   });
   let stage = null;
   let scene = null;
   let begun = null; // the values that the page began with
   let report = null;
+  let tellAbout = () => {};
   const panel = new Panel(sceneList, state);
   const sliders = new Sliders(state);
+  const pairs = new PairList((parts) => {
+    const together = scene.overlapping.find((pair) => pair.parts.join() === parts.join());
+    const ballOf = (node) => [...scene.frames[0].subarray(4 * node, 4 * node + 4)];
+    const heads = [...scene.levelSets[1]].filter((node) => parts.includes(scene.partOf[node])).map(ballOf);
+    const shown = together ? [...together.nodes] : [];
+    const others = [...scene.levelSets[scene.levelCount - 1]].filter((node) => !shown.includes(node)).map(ballOf);
+    stage?.focus(sphereAround(together ? shown.map(ballOf) : heads), others);
+  });
+  const editor = new Editor(state, manifest.title, (triangles, part) => {
+    if (!stage) return;
+    stage.bare.show(state.get('uncovered') ? triangles : []);
+    if (part >= 0) stage.bare.pose(scene.poseOf(part));
+    stage.ask();
+  });
   const toggleTheme = bindTheme(() => {
     stage?.theme();
     panel.curves.retheme();
@@ -109,18 +134,26 @@ function start() {
       stage?.show(scene);
       sliders.show(scene.joints);
       panel.show(scene);
+      pairs.show(scene);
+      editor.show(scene);
       const { body } = sceneList.describe(state.get('scene'));
-      byId('about').textContent = [
+      tellAbout = () => (byId('about').textContent = [
         ...(body === manifest.title ? [] : [body]),
         counted(scene.motionEntry.facets, 'facet'),
-        counted(scene.nodeCount, 'sphere'),
+        counted(scene.sphereCount, 'sphere'),
         scene.joints ? counted(scene.joints.own.length, 'joint') : `rule ${scene.entry.rule}`,
-      ].join(' · ');
+      ].join(' · '));
+      tellAbout();
     }
     if (!scene) return;
-    if (scene.joints && has('scene', 'joints')) {
+    if (has('edits')) {
+      pairs.reset();
+      tellAbout();
+    }
+    if (scene.joints && has('scene', 'joints', 'edits')) {
       scene.pose(state.get('joints'));
       changed.add('frame');
+      pairs.draw();
       panel.meeting = scene.meeting();
       sliders.follow(panel.meeting);
       stage?.surround(scene.bounds());
@@ -141,6 +174,7 @@ function start() {
       stage.ask();
     }
     if (has('scene', 'frame', 'picked')) drawPicked(scene, state);
+    if (has('scene', 'joints', 'edits', 'picked', 'uncovered')) editor.follow();
     panel.follow(changed);
     remember();
   });
@@ -176,12 +210,14 @@ function start() {
   if (stage) {
     stage.onpick = (node) => state.set({ picked: node });
     stage.onlook = remember;
+    stage.grip = { sphere: () => editor.grabbed(), move: (sphere) => editor.dragged(sphere), end: () => editor.edits.seal() };
   }
   const play = () => state.set({ playing: !state.get('playing') });
   const ups = { y: 'z', z: 'x', x: 'y' };
   bindKeys(state, {
     play,
     theme: toggleTheme,
+    editor,
     fit: () => stage?.fit(),
     turnUp: () => stage?.fit(ups[stage.up]),
     hasColor: (color) => (color !== 'empty' || scene.emptyShare !== null) && (color !== 'growth' || scene.joints === null),

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The model of the view: the scenes of the page, decoded on first use, and the reader's choices.
 import { PageError, decodeMotion, decodeScene, readBytes } from './decode.js';
-import { Joints, placed } from './joints.js';
+import { Joints, inverse, placed, product } from './joints.js';
+import { overlappingPairs } from './pairs.js';
+import { sphereAround } from './refit.js';
 
 /** Named values with listeners: set() calls every listener with the names of the changed values. */
 export class State {
@@ -31,6 +33,16 @@ class Scene {
     this.origin = motionEntry.origin;
     this.step = motionEntry.step;
     this.frameCount = motionEntry.frames.length;
+    this.arrange();
+    this.ranges = new Map();
+    this.pointsOf = { frame: -1, positions: new Float32Array(motion.frames[0].length) };
+    this.joints = null;
+    if (motionEntry.joints) this.prepareJoints(motionEntry.joints);
+  }
+
+  /** Parents, levels and branches of the nodes, from the numbers of children. */
+  arrange() {
+    const { entry } = this;
     this.nodeCount = entry.child_count.length;
     this.levelCount = entry.level_begin.length - 1;
     this.parent = new Int32Array(this.nodeCount).fill(-1);
@@ -52,35 +64,46 @@ class Scene {
         ),
       ),
     );
-    this.ranges = new Map();
-    this.pointsOf = { frame: -1, positions: new Float32Array(motion.frames[0].length) };
-    this.joints = null;
-    if (motionEntry.joints) this.prepareJoints(motionEntry.joints);
   }
 
   /** A body of parts: `frames[0]` becomes what pose() fills, from the spheres as they were. */
   prepareJoints(entry) {
     this.joints = new Joints(entry);
     const parts = this.joints.parts;
-    this.partOf = new Int32Array(this.nodeCount).fill(-1);
-    for (let node = 1; node < this.nodeCount; ++node) this.partOf[node] = this.entry.parts[this.branchOf[node]] ?? -1;
+    this.assignParts();
     if (parts.length === 0 || this.frameCount !== 1 || this.partOf.subarray(1).some((part) => !(part >= 0 && part < parts.length))) {
       throw new PageError('spheres of a part that is not there');
     }
     this.values = this.joints.rest;
     this.atRest = this.frames[0].slice();
     this.moves = this.joints.moves(this.values);
+    this.overlapping = overlappingPairs(this, this.frames[0]);
+  }
+  assignParts() {
+    this.partOf = new Int32Array(this.nodeCount).fill(-1);
+    for (let node = 1; node < this.nodeCount; ++node) this.partOf[node] = this.entry.parts[this.branchOf[node]] ?? -1;
+  }
+  /** The spheres that a file has: without those around a part's or the robot's for a body of parts. */
+  get sphereCount() {
+    return this.joints ? this.levelSets[this.levelCount - 1].length : this.nodeCount;
   }
   /** values: one per joint that the reader moves. */
   pose(values) {
-    const [spheres] = this.frames;
-    const { atRest, origin } = this;
     this.values = values;
     this.moves = this.joints.moves(values);
-    const center = [0, 0, 0];
+    this.spheresAt(values, this.frames[0], this.moves);
+    this.pointsOf.frame = -1;
+    this.overlapping = overlappingPairs(this, this.frames[0]);
+  }
+  /** Writes all spheres in the pose of these values into `spheres`. */
+  spheresAt(values, spheres, moves = this.joints.moves(values)) {
+    const { atRest, origin } = this;
     for (let node = 1; node < this.nodeCount; ++node) {
-      for (let k = 0; k < 3; ++k) center[k] = atRest[4 * node + k] + origin[k];
-      placed(this.moves[this.partOf[node]], center).forEach((x, k) => (spheres[4 * node + k] = x - origin[k]));
+      const at = 4 * node;
+      const move = moves[this.partOf[node]];
+      const [x, y, z] = [atRest[at] + origin[0], atRest[at + 1] + origin[1], atRest[at + 2] + origin[2]];
+      for (let k = 0; k < 3; ++k) spheres[at + k] = move[4 * k] * x + move[4 * k + 1] * y + move[4 * k + 2] * z + move[4 * k + 3] - origin[k];
+      spheres[at + 3] = atRest[at + 3];
     }
     // The root is around its children wherever they are.
     const children = this.levelSets[Math.min(1, this.levelCount - 1)];
@@ -88,31 +111,61 @@ class Scene {
     for (let k = 0; k < 3; ++k) spheres[k] = 0.5 * (ends(k, 1) - ends(k, -1));
     spheres[3] = children.reduce((most, node) => Math.max(most,
       Math.hypot(...[0, 1, 2].map((k) => spheres[4 * node + k] - spheres[k])) + spheres[4 * node + 3]), 0);
-    this.pointsOf.frame = -1;
   }
   /** Pairs of parts whose spheres overlap in this pose although they must not: [[name, name], …]. */
   meeting() {
-    const [spheres] = this.frames;
-    const heads = [...this.levelSets[Math.min(1, this.levelCount - 1)]];
-    const meet = (a, b) => {
-      const radii = spheres[4 * a + 3] + spheres[4 * b + 3];
-      let square = 0;
-      for (let k = 0; k < 3; ++k) square += (spheres[4 * a + k] - spheres[4 * b + k]) ** 2;
-      return square <= radii * radii;
-    };
-    const below = (node) => Array.from({ length: this.entry.child_count[node] }, (_, i) => this.firstChild[node] + i);
-    const pairs = [];
-    heads.forEach((a, i) => {
-      for (const b of heads.slice(i + 1)) {
-        const [first, second] = [this.partOf[a], this.partOf[b]].sort((x, y) => x - y);
-        if (this.joints.ignored.has(`${first} ${second}`) || !meet(a, b)) continue;
-        const others = below(b).filter((leaf) => meet(a, leaf));
-        if (below(a).some((leaf) => others.some((other) => meet(leaf, other)))) {
-          pairs.push([first, second].map((part) => this.joints.parts[part].name));
-        }
-      }
+    return this.overlapping.map(({ parts }) => parts.map((part) => this.joints.parts[part].name));
+  }
+  /** Whether a node, or a leaf below it, overlaps a sphere of another part although it must not. */
+  get collidingNodes() {
+    return new Set(this.overlapping.flatMap(({ nodes }) => [...nodes].flatMap((node) => [node, this.parent[node]])));
+  }
+  /** Leaves of a part, in the order of the part's spheres. */
+  leavesOf(part) {
+    const head = [...this.levelSets[Math.min(1, this.levelCount - 1)]].find((node) => this.partOf[node] === part);
+    return head === undefined ? [] : Array.from({ length: this.entry.child_count[head] }, (_, k) => this.firstChild[head] + k);
+  }
+  /** Other spheres: lists[part] has those of a part in its own axes. The same parts have some. */
+  refill(lists) {
+    const parts = this.entry.parts;
+    const counts = parts.map((part) => lists[part].length);
+    const nodes = 1 + parts.length + counts.reduce((sum, count) => sum + count, 0);
+    const leaves = Array(nodes - 1 - parts.length).fill(0);
+    this.entry = { ...this.entry, child_count: [parts.length, ...counts, ...leaves], level_begin: [0, 1, 1 + parts.length, nodes] };
+    this.atRest = new Float32Array(4 * nodes);
+    const poses = this.joints.poses(this.joints.rest);
+    let leaf = 1 + parts.length;
+    parts.forEach((part, head) => {
+      const placedAtRest = lists[part].map(([x, y, z, r]) => [...placed(poses[part], [x, y, z]).map((at, k) => at - this.origin[k]), r]);
+      for (const sphere of placedAtRest) this.atRest.set(sphere, 4 * leaf++);
+      const around = sphereAround(placedAtRest);
+      // Slightly larger, for its rounding to float.
+      this.atRest.set([...around.slice(0, 3), around[3] * (1 + 1e-6)], 4 * (1 + head));
     });
-    return pairs;
+    this.frames[0] = this.atRest.slice();
+    this.rest = this.atRest;
+    this.emptyShare = null;
+    this.arrange();
+    this.ranges.clear();
+    this.assignParts();
+    this.pose(this.values);
+  }
+  /** Facets of a part in its own axes, [[a, b, c], …] with points. */
+  facetsOf(part) {
+    const { frames: [places], facets } = this.motion;
+    const [begin, end] = this.joints.parts[part].vertices;
+    const toPart = inverse(this.joints.poses(this.joints.rest)[part]);
+    const point = (vertex) => placed(toPart, [0, 1, 2].map((k) => places[3 * vertex + k] * this.step[k] + this.origin[k]));
+    const points = Array.from({ length: end - begin }, (_, i) => point(begin + i));
+    const triangles = [];
+    for (let i = 0; i < facets.length; i += 3) {
+      if (facets[i] >= begin && facets[i] < end) triangles.push([0, 1, 2].map((k) => points[facets[i + k] - begin]));
+    }
+    return triangles;
+  }
+  /** Rows of the part's pose in the axes of the picture. */
+  poseOf(part) {
+    return product([1, 0, 0, -this.origin[0], 0, 1, 0, -this.origin[1], 0, 0, 1, -this.origin[2]], this.joints.poses(this.values)[part]);
   }
 
   /** x, y, z of every vertex of a frame. The array is reused by the next call. */

@@ -256,14 +256,14 @@ export class Panel {
       byId('frame-name').textContent = `${frame} / ${scene.frameCount - 1}`;
       byId('frame-name').title = scene.motionEntry.frames[frame];
     }
-    if (has('scene', 'level')) {
+    if (has('scene', 'level', 'edits')) {
       const level = state.get('level');
       byId('level-name').textContent = `${level} · ${counted(scene.levelSets[level].length, 'sphere')}`;
       [...byId('level-ticks').children].forEach((tick, l) => tick.setAttribute('aria-pressed', String(l === level)));
     }
     if (has('level', 'measure')) this.drawCurves();
     else if (has('frame')) this.curves.moveTo(state.get('frame'));
-    if (scene.joints ? has('scene') : has('scene', 'level', 'frame')) this.drawFigures();
+    if (scene.joints ? has('scene', 'edits') : has('scene', 'level', 'frame')) this.drawFigures();
     if (has('scene', 'level', 'frame', 'color', 'spheres', 'uncovered', 'body', 'contacts', 'patches')) this.drawLegend();
     if (has('sectionAxis')) byId('section-more').hidden = !state.get('sectionAxis');
     if (has('playing')) {

@@ -41,7 +41,7 @@ export function drawPicked(scene, state) {
       scene.joints ? null : row('Radius at rest', figure(scene.rest[4 * node + 3])),
       scene.joints ? null : row('Growth', `× ${scene.growth(frame, node).toFixed(3)}`, 'picked-growth'),
       scene.emptyShare ? row('Outside the body', percent(scene.empty(frame, node))) : null),
-    scene.frameCount > 1 ? element('div', { class: 'spark-line' }, element('span', { class: 'muted' }, 'radius over the frames'), sparkline(scene, node, frame)) : null,
+    ...(scene.frameCount > 1 ? [element('div', { class: 'spark-line' }, element('span', { class: 'muted' }, 'radius over the frames'), sparkline(scene, node, frame))] : []),
     element('footer', {},
       element('button', { type: 'button', disabled: scene.parent[node] < 0, onclick: () => go(scene.parent[node]) }, scene.parent[node] < 0 ? 'Root' : `Parent ${scene.parent[node]}`),
       element('button', { type: 'button', disabled: children === 0, onclick: () => go(scene.firstChild[node]) },

@@ -6,7 +6,7 @@ import { GLTFExporter } from 'three/examples/jsm/exporters/GLTFExporter.js';
 import { element, styleValue } from './dom.js';
 
 /** Offers a file. */
-function offer(blob, name) {
+export function offer(blob, name) {
   const link = element('a', { href: URL.createObjectURL(blob), download: name });
   document.body.append(link);
   link.click();

@@ -3,6 +3,7 @@
 // A slider for every joint that the reader moves, and which parts meet.
 import { byId, element } from './dom.js';
 import { counted, figure } from './numbers.js';
+import { randomValues } from './pairs.js';
 
 const shown = (joint, value) => (joint.kind === 'turns' ? `${((value * 180) / Math.PI).toFixed(1).replace('-', '\u2212')}°` : figure(value));
 
@@ -13,10 +14,7 @@ export class Sliders {
     byId('joints-play').addEventListener('click', () => state.set({ playing: !state.get('playing') }));
     byId('joints-rest').addEventListener('click', () => this.set(this.joints.rest));
     byId('joints-random').addEventListener('click', () =>
-      this.set(this.joints.own.map((_, k) => {
-        const [lower, upper] = this.joints.limits(k);
-        return lower + Math.random() * (upper - lower);
-      })));
+      this.set(randomValues(this.joints, Math.random)));
   }
 
   set(values) {

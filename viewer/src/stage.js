@@ -8,6 +8,7 @@ import { BodyView } from './body.js';
 import { SpheresView } from './spheres.js';
 import { ContactsView } from './contacts.js';
 import { PatchesView } from './patches.js';
+import { BareView } from './bare_view.js';
 import { styleValue } from './dom.js';
 
 const axes = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
@@ -49,12 +50,16 @@ export class Stage {
     this.spheres = new SpheresView(this.plane);
     this.contacts = new ContactsView();
     this.patches = new PatchesView();
-    this.scene.add(this.body.group, this.spheres.group, this.patches.group, this.contacts.group);
+    this.bare = new BareView();
+    this.scene.add(this.bare.mesh, this.body.group, this.spheres.group, this.patches.group, this.contacts.group);
 
     this.onpick = () => {};
     this.onlook = () => {};
+    /** The sphere that the reader can drag: {sphere() returns [x, y, z, r] or null, move(sphere), end()}. */
+    this.grip = null;
     this.steer();
     this.watchPresses(canvas);
+    this.watchDrags(canvas);
     new ResizeObserver(() => this.resize()).observe(place);
     canvas.addEventListener('webglcontextrestored', () => this.ask());
     this.box = { low: [0, 0, 0], high: [1, 1, 1] };
@@ -116,6 +121,7 @@ export class Stage {
 
   theme() {
     this.body.theme(new Color(styleValue('--body')), new Color(styleValue('--uncovered')), new Color(styleValue('--cut')));
+    this.bare.theme(new Color(styleValue('--uncovered')));
     this.contacts.theme(new Color(styleValue('--ink')));
     this.patches.theme(new Color(styleValue('--ink')));
     // The spheres' shaders write colors as the screen has them.
@@ -221,6 +227,7 @@ export class Stage {
     const planes = axis ? [this.plane] : [];
     this.body.cut(planes, this.box);
     this.spheres.cut(planes);
+    this.bare.cut(planes);
     this.planes = planes;
     this.ask();
   }
@@ -235,12 +242,74 @@ export class Stage {
         this.turned = true;
         return;
       }
-      const rect = canvas.getBoundingClientRect();
-      const x = ((event.clientX - rect.left) / rect.width) * 2 - 1;
-      const y = 1 - ((event.clientY - rect.top) / rect.height) * 2;
-      const caster = new Raycaster();
-      caster.setFromCamera(new Vector2(x, y), this.camera);
-      this.onpick(this.spheres.hit(caster.ray, this.planes));
+      this.onpick(this.spheres.hit(this.rayAt(event), this.planes));
     });
+  }
+  rayAt(event) {
+    const rect = this.renderer.domElement.getBoundingClientRect();
+    const x = ((event.clientX - rect.left) / rect.width) * 2 - 1;
+    const y = 1 - ((event.clientY - rect.top) / rect.height) * 2;
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(x, y), this.camera);
+    return caster.ray;
+  }
+
+  /** A drag of the gripped sphere, before the camera's controls see it: in the plane of the picture, or of its rim. */
+  watchDrags(canvas) {
+    let drag = null;
+    const onPlane = (event, plane) => this.rayAt(event).intersectPlane(plane, new Vector3());
+    this.place.addEventListener('pointerdown', (event) => {
+      const sphere = event.target === canvas && event.isPrimary && event.button === 0 ? this.grip?.sphere() : null;
+      if (!sphere) return;
+      const center = new Vector3(...sphere);
+      const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), center);
+      const from = onPlane(event, plane);
+      if (!from || from.distanceTo(center) > 1.1 * sphere[3]) return;
+      drag = { plane, from, center, radius: sphere[3], isRim: from.distanceTo(center) > 0.75 * sphere[3] };
+      canvas.setPointerCapture(event.pointerId);
+      event.stopPropagation();
+    }, { capture: true });
+    this.place.addEventListener('pointermove', (event) => {
+      const at = drag && onPlane(event, drag.plane);
+      if (!drag) return;
+      event.stopPropagation();
+      if (!at) return;
+      const { center, from, radius, isRim } = drag;
+      const moved = isRim ? center : at.clone().sub(from).add(center);
+      const size = isRim ? Math.max(radius + at.distanceTo(center) - from.distanceTo(center), 0.02 * radius) : radius;
+      this.grip.move([...moved.toArray(), size]);
+    }, { capture: true });
+    for (const name of ['pointerup', 'pointercancel']) {
+      this.place.addEventListener(name, (event) => {
+        if (!drag) return;
+        drag = null;
+        event.stopPropagation();
+        this.grip.end();
+      }, { capture: true });
+    }
+  }
+
+  /** Brings a ball of the picture near, from where the fewest other balls hide it. */
+  focus([x, y, z, size], others) {
+    const center = new Vector3(x, y, z);
+    const r = Math.max(size, 0.2 * this.frameOfBox()[1]);
+    const away = this.camera.position.clone().sub(this.controls.target);
+    away.normalize();
+    const steps = [-1, 0, 1];
+    const directions = steps.flatMap((i) => steps.flatMap((j) => steps.map((k) => new Vector3(i, j, k)))).filter((d) => d.length() > 0).map((d) => d.normalize());
+    const hides = (direction) => ([p, q, s, radius]) => {
+      const to = new Vector3(p, q, s).sub(center);
+      const along = to.dot(direction);
+      return along > 0 && to.lengthSq() - along * along < radius * radius;
+    };
+    const cost = (direction) => others.filter(hides(direction)).length - 0.5 * direction.dot(away);
+    away.copy([away.clone(), ...directions].reduce((a, b) => (cost(b) < cost(a) ? b : a)));
+    const angle = 0.5 * this.camera.fov * (Math.PI / 180);
+    const distance = (1.6 * r) / Math.sin(angle) / Math.min(1, this.camera.aspect);
+    this.turned = true;
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(away, Math.max(distance, this.controls.minDistance));
+    this.controls.update();
+    this.ask();
   }
 }

@@ -37,6 +37,7 @@ struct BuildArguments {
   std::optional<int> depth;  // nothing: automatic
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion;
+  double tolerance = BuildOptions{}.tolerance;
   bool nested = false;
   std::uint64_t seed = BuildOptions{}.seed;
   std::string quality{name(BuildOptions{}.quality)};
@@ -64,6 +65,15 @@ void require_sense(const BuildArguments& o) {
   }
   if (o.max_protrusion && !(*o.max_protrusion > 0)) {
     throw UsageError(fmt::format("--max-protrusion {}: give a length above 0, in mesh units", *o.max_protrusion));
+  }
+  if (o.tolerance > 0 && extension(o.output) == ".morula") {
+    throw UsageError(fmt::format(
+        "{}: .morula holds trees that cover, and --tolerance makes spheres that do not: write a .json, .npz, "
+        ".sph or .ply",
+        o.output));
+  }
+  if (o.tolerance > 0 && (o.nested || parse_method(o.method) != Method::optimized)) {
+    throw UsageError("--tolerance belongs to the method optimized, without --nested");
   }
   if (o.time_limit && !(*o.time_limit > 0)) {
     throw UsageError(fmt::format("--time-limit {}: give seconds above 0", *o.time_limit));
@@ -94,6 +104,7 @@ BuildOptions build_options(const BuildArguments& o) {
           .depth = o.depth,
           .spheres = o.spheres,
           .max_protrusion = o.max_protrusion,
+          .tolerance = o.tolerance,
           .nested = o.nested,
           .seed = o.seed,
           .reducers = parse_reducers(o.reducers),
@@ -125,6 +136,7 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& m
             {"spheres", model.tree.leaf_count()}};
   if (o.nested) json["nested"] = model.tree.nested;
   if (o.spheres) json["spheres_asked"] = *o.spheres;
+  if (o.tolerance > 0) json["within"] = o.tolerance;
   if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
   if (model.report.protrusion_bound) json["protrusion_bound"] = *model.report.protrusion_bound;
   json.update(
@@ -248,12 +260,16 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
     return complain(exit_check_failed, "the tree of {} is broken: {}; nothing was written, please report it", o.mesh,
                     faults.front());
   }
+  // Spheres that cover within the tolerance, which the certificate of the tree proves.
+  const SphereTree written = reduced(model.tree, o.tolerance);
   std::vector<LevelFigures> figures;
-  if (o.report) figures = measure_levels(mesh, model.tree, interrupt.token(), workers);
+  if (o.report) figures = measure_levels(mesh, written, interrupt.token(), workers);
   seconds.report = watch.lap();
   if (interrupt.requested()) throw BuildStopped();
   if (extension(o.output) == ".ply") {
-    write_balls(o.output, level_set_spheres(model.tree, model.tree.level_count() - 1));
+    write_balls(o.output, level_set_spheres(written, written.level_count() - 1));
+  } else if (o.tolerance > 0) {
+    write_tree(o.output, written);
   } else {
     write_tree(o.output, model);
   }
@@ -320,6 +336,12 @@ void add_build(CLI::App& app, Run& run) {
              "Instead of a depth: protrusion of at most LENGTH, mesh units, with as few spheres as possible")
       ->type_name("LENGTH")
       ->transform(real_number());
+  add_option(
+      *command, "--tolerance", o->tolerance,
+      "Cover within LENGTH only, mesh units: every point of the surface is proven to be that near to a sphere of "
+      "each level; not for .morula")
+      ->type_name("LENGTH")
+      ->transform(real_number(0, 1e30));
   add_flag(*command, "--nested", o->nested, "Every sphere contains its children's; levels above the leaves get looser");
   add_option(*command, "--seed", o->seed, "Seed of all random choices; equal seeds give equal trees")
       ->type_name("N")

@@ -170,6 +170,10 @@ void add_rule_details(CLI::App& command, RuleDetailNames& names) {
 }
 
 std::string nearest_name(std::string_view given, const std::vector<std::string>& known) {
+  // A name that was cut short is nearer than any typing mistake.
+  for (const std::string& name : known) {
+    if (given.size() >= 3 && name.starts_with(given)) return name;
+  }
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, given.size() / 3) + 1;
   for (const std::string& name : known) {

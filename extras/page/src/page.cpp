@@ -46,6 +46,8 @@ const char* fault_of(const PageJoints& joints, std::size_t vertices) {
       if (*at->leader >= joints.joints.size() || ++steps > joints.joints.size()) return "joints follow each other";
     }
   }
+  if (!joints.reasons.empty() && joints.reasons.size() != joints.ignored.size())
+    return "not one reason per ignored pair";
   for (const std::array<std::size_t, 2>& pair : joints.ignored) {
     if (pair[0] >= pair[1] || pair[1] >= parts) return "a pair of parts is none";
   }
@@ -183,12 +185,20 @@ Json patches_json(const PageScene& scene) {
   return frames;
 }
 
+Json spheres_json(const std::vector<Sphere>& spheres) {
+  Json list = Json::array();
+  for (const Sphere& s : spheres) list.push_back({s.center.x, s.center.y, s.center.z, s.radius});
+  return list;
+}
+
 Json joints_json(const PageJoints& joints) {
   Json parts = Json::array(), list = Json::array();
   for (const PageJoints::Part& part : joints.parts) {
     parts.push_back({{"name", part.name},
                      {"vertices", {part.vertex_begin, part.vertex_end}},
-                     {"protrusion", part.protrusion ? Json(*part.protrusion) : Json(nullptr)}});
+                     {"protrusion", part.protrusion ? Json(*part.protrusion) : Json(nullptr)},
+                     {"spheres", spheres_json(part.spheres)},
+                     {"balls", spheres_json(part.balls)}});
   }
   for (const PageJoints::Joint& joint : joints.joints) {
     constexpr std::array kinds{"fixed", "turns", "slides"};
@@ -208,7 +218,11 @@ Json joints_json(const PageJoints& joints) {
                     {"factor", joint.factor},
                     {"offset", joint.offset}});
   }
-  return {{"parts", parts}, {"joints", list}, {"ignored", joints.ignored}};
+  return {{"parts", parts},
+          {"joints", list},
+          {"ignored", joints.ignored},
+          {"reasons", joints.reasons},
+          {"command", joints.command}};
 }
 
 struct Packer {

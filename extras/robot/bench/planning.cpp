@@ -1,11 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Planning: collision checks of random configurations of an arm among boxes, as planners ask for them. Trees over each
-// link's spheres against all spheres in a list, and against a list with a sphere around each link.
+// link's spheres against all spheres in a list, and against a list with a sphere around each link. Then many
+// configurations in one call, among boxes and a mesh, against these trees.
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/reproducible.hpp>
+#include <morula/query/signed_distance.hpp>
+#include <morula/robot/configurations.hpp>
 #include <morula/robot/sphere_robot.hpp>
 #include <numbers>
 
@@ -156,6 +159,116 @@ struct Flat {
   }
 };
 
+std::vector<robot::ObstacleBox> boxes_around(Random& random, std::size_t count) {
+  std::vector<robot::ObstacleBox> boxes;
+  while (boxes.size() < count) {
+    const double angle = random.uniform(-3, 3), far = random.uniform(0.45, 0.9), high = random.uniform(0.1, 1.1);
+    const Vec3 half{random.uniform(0.03, 0.15), random.uniform(0.03, 0.15), random.uniform(0.03, 0.15)};
+    boxes.push_back({RigidTransform::from_axis({0, 0, 1}, random.uniform(-3, 3),
+                                               {far * std::cos(angle), far * std::sin(angle), high}),
+                     half});
+  }
+  return boxes;
+}
+
+/// A bumpy ball of about seven thousand facets beside the arm.
+Mesh rock() {
+  constexpr std::uint32_t around = 60, rings = 59;
+  Mesh mesh;
+  const auto add = [&](double turn, double tilt) {
+    const double r = 0.25 + 0.02 * std::sin(5 * turn) * std::sin(7 * tilt) * std::sin(tilt);
+    mesh.positions.push_back(
+        {0.6 + r * std::sin(tilt) * std::cos(turn), r * std::sin(tilt) * std::sin(turn), 0.3 + r * std::cos(tilt)});
+  };
+  constexpr double pi = std::numbers::pi;
+  for (std::uint32_t k = 1; k <= rings; ++k) {
+    for (std::uint32_t i = 0; i < around; ++i) add(2 * pi * i / around, pi * k / (rings + 1));
+  }
+  add(0, 0), add(0, pi);
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t next = (i + 1) % around, last = (rings - 1) * around;
+    mesh.facets.push_back({rings * around, i, next});
+    mesh.facets.push_back({rings * around + 1, last + next, last + i});
+    for (std::uint32_t k = 0; k + 1 < rings; ++k) {
+      const std::uint32_t a = k * around;
+      mesh.facets.push_back({a + i, a + around + i, a + around + next});
+      mesh.facets.push_back({a + i, a + around + next, a + next});
+    }
+  }
+  return mesh;
+}
+
+/// One call against one configuration after the other.
+Result check_in_one_call(std::size_t configurations, const Settings& settings) {
+  const Robot robot = arm();
+  const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = 16}, *settings.workers);
+  const robot::SelfCollision self = robot::find_ignored(robot, spheres, {}, *settings.workers);
+  Random random(8);
+  const std::vector<robot::ObstacleBox> boxes = boxes_around(random, 8);
+  const Mesh mesh = rock();
+  const SignedDistance distance(mesh);
+  robot::World world;
+  for (const robot::ObstacleBox& box : boxes) world.add(box);
+  world.add(mesh);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < configurations; ++i) {
+    for (const std::size_t j : robot.independent_joints)
+      values.push_back(random.uniform(robot.joints[j].lower, robot.joints[j].upper));
+  }
+  const std::size_t coordinates = robot.independent_joints.size();
+  const robot::ConfigurationQuery query(robot, spheres, self);
+  robot::SphereRobot moving(robot, spheres, self);
+  Flat list(spheres, self, false);
+  std::vector<robot::ConfigurationVerdict> verdicts(configurations), own(configurations);
+  Result result{.scenario = "planning", .item = "configurations", .mesh = "arm"};
+  std::vector<double> one_by_one, self_seconds, self_one_by_one, kinematics;
+  const auto pose_of = [&](std::size_t i) { return std::span(values).subspan(i * coordinates, coordinates); };
+  // In turn, so that what disturbs one disturbs the others.
+  for (int repeat = 0; repeat < settings.repeats; ++repeat) {
+    result.seconds.push_back(seconds_of([&] { query.check(values, world, verdicts, serial_workers()); }));
+    self_seconds.push_back(seconds_of([&] { query.check_self(values, own, serial_workers()); }));
+    std::size_t hits = 0;
+    one_by_one.push_back(seconds_of([&] {
+      for (std::size_t i = 0; i < configurations; ++i) {
+        moving.set_joint_values(pose_of(i));
+        hits += std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return moving.collides(b); }) ||
+                moving.self_collision();
+      }
+    }));
+    self_one_by_one.push_back(seconds_of([&] {
+      for (std::size_t i = 0; i < configurations; ++i) {
+        moving.set_joint_values(pose_of(i));
+        hits += moving.self_collision().has_value();
+      }
+    }));
+    kinematics.push_back(seconds_of([&] {
+      for (std::size_t i = 0; i < configurations; ++i) hits += link_poses(robot, pose_of(i)).size();
+    }));
+    result.expect(hits > 0, "nothing was done");
+  }
+  std::size_t wrong = 0, collide = 0, itself = 0;
+  for (std::size_t i = 0; i < configurations; ++i) {
+    const std::vector<RigidTransform> poses = link_poses(robot, pose_of(i));
+    bool hit = list.collides(poses, boxes);
+    for (std::size_t g = 0; g < list.moved.size() && !hit; ++g)
+      hit = std::any_of(list.moved[g].begin(), list.moved[g].end(),
+                        [&](const Sphere& s) { return distance(s.center) <= s.radius; });
+    wrong += hit == verdicts[i].is_free();
+    wrong += list.collides(poses, {}) == own[i].is_free();
+    collide += hit, itself += !own[i].is_free();
+  }
+  const double checks = static_cast<double>(configurations);
+  result.figures = {{"ns a check", 1e9 * median(result.seconds) / checks},
+                    {"ns a check of itself", 1e9 * median(self_seconds) / checks},
+                    {"ns of link_poses", 1e9 * median(kinematics) / checks},
+                    {"SphereRobot with boxes alone / one call", median(one_by_one) / median(result.seconds)},
+                    {"SphereRobot itself / one call", median(self_one_by_one) / median(self_seconds)},
+                    {"share that collides", static_cast<double>(collide) / checks},
+                    {"share that collides with itself", static_cast<double>(itself) / checks}};
+  result.expect(wrong == 0, "one call and the list disagree");
+  return result;
+}
+
 }  // namespace
 
 std::vector<Result> run_planning(std::size_t configurations, const Settings& settings) {
@@ -165,14 +278,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
     const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = count}, *settings.workers);
     const robot::SelfCollision self = robot::find_ignored(robot, spheres, {}, *settings.workers);
     Random random(7);
-    std::vector<robot::ObstacleBox> boxes;
-    while (boxes.size() < box_count) {
-      const double angle = random.uniform(-3, 3), far = random.uniform(0.45, 0.9), high = random.uniform(0.1, 1.1);
-      const Vec3 half{random.uniform(0.03, 0.15), random.uniform(0.03, 0.15), random.uniform(0.03, 0.15)};
-      boxes.push_back({RigidTransform::from_axis({0, 0, 1}, random.uniform(-3, 3),
-                                                 {far * std::cos(angle), far * std::sin(angle), high}),
-                       half});
-    }
+    const std::vector<robot::ObstacleBox> boxes = boxes_around(random, box_count);
     std::vector<std::vector<RigidTransform>> poses;
     for (std::size_t i = 0; i < configurations; ++i) {
       std::vector<double> values;
@@ -215,6 +321,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
     result.expect(spheres.covered(), "a link is uncovered");
     results.push_back(std::move(result));
   }
+  results.push_back(check_in_one_call(configurations, settings));
   return results;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t spheres_of_a_link = 16, most_pair_samples = 100'000'000;
+constexpr std::size_t most_pair_samples = 100'000'000;
 
 std::vector<std::string> output_format_names() {
   std::vector<std::string> names;
@@ -59,8 +59,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   const Vec3 normal = numbers.size() == 4 ? Vec3{numbers[0], numbers[1], numbers[2]} : Vec3{};
   if (!(length(normal) > 0)) {
     throw UsageError(fmt::format(
-        "--clip {}: give a link, the direction of the kept part and its begin along it, as --clip base=0,0,1,0.02",
-        text));
+        "--clip {}: give LINK=X,Y,Z,D, which keeps what has x X + y Y + z Z >= D, as --clip base=0,0,1,0.02", text));
   }
   check_name("link", text.substr(0, at), links);
   return {text.substr(0, at), {normalized(normal), numbers[3] / length(normal)}};
@@ -86,7 +85,9 @@ std::vector<const robot::OutputFormat*> chosen_formats(const RobotArguments& o) 
 }
 
 robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot) {
-  robot::FitOptions fit{.max_total = o.max_total,
+  robot::FitOptions fit{.spheres = o.spheres,
+                        .max_total = o.max_total,
+                        .tolerance = o.tolerance,
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
@@ -106,7 +107,6 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
       fit.max_protrusion = length_or_share("--max-protrusion", text, text);
     }
   }
-  fit.spheres = o.spheres.value_or(o.max_protrusion.empty() ? spheres_of_a_link : 0);
   std::vector<std::string> names;
   for (const robot::Link& link : robot.links) names.push_back(link.name);
   for (const std::string& text : o.links) {
@@ -149,12 +149,17 @@ void require_sense(const RobotArguments& o) {
   check_name("geometry", o.geometry, {"collision", "visual"});
   for (const std::string& kind : o.tree_kinds) check_name("tree", kind, {"link", "robot"});
   if (o.max_total && o.spheres)
-    throw UsageError("--spheres and --max-total contradict each other: leave out one; --link stays");
+    throw UsageError("--spheres and --total contradict each other: leave out one; --link stays");
   if (o.max_total && !o.max_protrusion.empty()) {
-    throw UsageError("--max-total and --max-protrusion contradict each other: leave out one");
+    throw UsageError("--total and --max-protrusion contradict each other: leave out one");
   }
-  if (o.keep.empty() != o.refit.empty()) {
-    throw UsageError("--keep and --refit belong together: --keep DIR/spheres.json --refit LINK");
+  if (o.self_collision && (!o.max_protrusion.empty() || o.max_radius)) {
+    throw UsageError("--self-collision contradicts --max-protrusion and --max-radius: it divides a number of spheres");
+  }
+  if (o.keep.empty() && !o.refit.empty()) throw UsageError("--refit belongs to --keep DIR/spheres.json: add it");
+  for (const std::string& argument : o.xacro_arguments) {
+    if (argument.find(":=") == std::string::npos || argument.starts_with(":=") || argument.starts_with("-"))
+      throw UsageError(fmt::format("--xacro-arg {}: give NAME:=VALUE, as prefix:=left_", argument));
   }
   if (o.clip_margin && o.clips.empty()) throw UsageError("--clip-margin belongs to --clip LINK=X,Y,Z,D: add it");
   if (o.max_radius && *o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
@@ -187,20 +192,23 @@ bool writes_tree(const RobotArguments& o, std::string_view kind) {
 }
 
 void add_robot_options(CLI::App& command, RobotArguments& o) {
-  add_option(command, "ROBOT", o.robot, "Description: URDF, MuJoCo's XML or SDF")->required()->type_name("");
+  add_option(command, "ROBOT", o.robot, "Description: URDF or xacro, MuJoCo's XML or SDF")->required()->type_name("");
   add_option(command, "-o,--output", o.output, "Folder for the files")->type_name("DIR")->required();
   add_option(command, "--spheres", o.spheres,
-             fmt::format("Largest number of spheres of a link; default: {}", spheres_of_a_link))
+             "Largest number of spheres of each link; default: by the size of the link, 16 on average")
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
-  add_option(command, "--max-total", o.max_total, "Largest number of spheres of the robot, placed where they help most")
+  add_option(command, "--total,--max-total", o.max_total,
+             "Largest number of spheres of the robot, placed where they help most")
       ->type_name("N")
       ->transform(whole_number(1, 1'000'000));
+  add_flag(command, "--self-collision", o.self_collision,
+           "Place the same number of spheres where links would falsely collide, and report how often they do");
   add_option(command, "--max-protrusion", o.max_protrusion,
              "Protrusion of at most LENGTH, or of a share of each link's size (1%), with as few spheres as possible")
       ->type_name("LENGTH");
   add_repeatable(command, "--link", o.links, "LINK=N",
-                 "Most spheres of one link; may be repeated, as all that names links");
+                 "Largest number of spheres of this link; may be repeated, like all options that name links");
   add_repeatable(command, "--skip", o.skip, "LINK", "No spheres for this link");
   add_repeatable(command, "--clip", o.clips, "LINK=X,Y,Z,D",
                  "Leave out what lies beyond a plane: of the link, in its own axes, x X + y Y + z Z >= D is kept");
@@ -211,6 +219,16 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   add_option(command, "--inner", o.inner, "Also at most N spheres inside each link, in files in inner/")
       ->type_name("N")
       ->transform(whole_number(1, 100'000));
+  add_option(
+      command, "--tolerance", o.tolerance,
+      "Cover within LENGTH: spheres may leave surface uncovered up to this distance, proven, and are thinner for it")
+      ->type_name("LENGTH")
+      ->transform(real_number(0, 1e9));
+  add_option(command, "--tolerances", o.tolerances,
+             "Also fit for each of these tolerances, for a table of the outside volume: 0,0.002,0.005,0.01")
+      ->type_name("LENGTH,...")
+      ->delimiter(',')
+      ->transform(real_number(0, 1e9));
   add_option(command, "--padding", o.padding, "Length added to every radius")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));
@@ -225,6 +243,10 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       ->capture_default_str();
   add_repeatable(command, "--package-path", o.package_paths, "DIR",
                  "Folder that holds packages (package://); ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched next");
+  add_option(command, "--xacro", o.xacro, "Program that expands xacro, a name on PATH or a path")
+      ->type_name("PROGRAM")
+      ->capture_default_str();
+  add_repeatable(command, "--xacro-arg", o.xacro_arguments, "NAME:=VALUE", "Argument of a xacro file");
   add_option(command, "--srdf", o.srdf, "SRDF whose ignored pairs are kept, and which the new one extends")
       ->type_name("FILE");
   add_option(command, "--samples", o.samples,
@@ -243,7 +265,8 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
   if (has_robot_page())
     add_flag(command, "--page", o.page,
              "Also write robot.html: the robot and its spheres, with a slider for every joint");
-  add_option(command, "--keep", o.keep, "Earlier spheres.json, whose links keep their spheres, except those of --refit")
+  add_option(command, "--keep", o.keep,
+             "Earlier spheres.json: its links keep their spheres, which are certified again, except those of --refit")
       ->type_name("FILE");
   add_repeatable(command, "--refit", o.refit, "LINK", "With --keep: fit this link again");
   add_option(command, "--method", o.method, fmt::format("{}", fmt::join(method_names(), ", ")))

@@ -17,15 +17,17 @@ struct RobotArguments {
   std::string robot, output;
   std::optional<std::size_t> spheres, max_total;
   std::string max_protrusion;  // a length, or a share as "1%"
-  std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips;
-  std::string keep, srdf;
-  double padding = 0, min_radius = 0;
+  std::vector<std::string> links, skip, refit, package_paths, tools, formats, tree_kinds, clips, xacro_arguments;
+  std::string keep, srdf, xacro = "xacro";
+  double padding = 0, min_radius = 0, tolerance = 0;
+  std::vector<double> tolerances;  // of the table
   std::optional<double> max_radius, clip_margin;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report
   std::string geometry = "collision";
   std::string method{name(robot::FitOptions{}.method)}, quality;  // empty: that of FitOptions
   std::size_t samples = robot::SelfCollisionOptions{}.samples;
   std::size_t seed = 1, inner = 0;
+  bool self_collision = false;
   bool page = false, all_formats = false, trees = false, json = false;  // trees: as --tree link
   unsigned threads = 0;
 };

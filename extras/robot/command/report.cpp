@@ -36,6 +36,31 @@ std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& sp
   return table.text();
 }
 
+ToleranceRow tolerance_row(double tolerance, const robot::RobotSpheres& spheres) {
+  ToleranceRow row{tolerance, spheres.within(), spheres.sphere_count(), 0};
+  for (const robot::LinkSpheres& link : spheres.links) row.outside_volume += link.figures.outside_volume.value_or(0);
+  return row;
+}
+
+std::string tolerance_table(std::span<const ToleranceRow> rows) {
+  Table table({"tolerance", "proven within", "spheres", "outside volume"});
+  for (const ToleranceRow& row : rows) {
+    table.add({figure(row.tolerance), figure(row.within), fmt::format("{}", row.spheres), figure(row.outside_volume)});
+  }
+  return table.text();
+}
+
+Json tolerances_json(std::span<const ToleranceRow> rows) {
+  Json json = Json::array();
+  for (const ToleranceRow& row : rows) {
+    json.push_back({{"tolerance", row.tolerance},
+                    {"within", row.within},
+                    {"spheres", row.spheres},
+                    {"outside_volume", row.outside_volume}});
+  }
+  return json;
+}
+
 Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& spheres) {
   Json links = Json::array();
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -50,6 +75,7 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
                {"facets", f.facets},
                {"spheres", link.spheres.size()},
                {"covered", f.covered},
+               {"within", f.within},
                {"uncovered_distance", f.uncovered_distance},
                {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
                {"object_volume", or_null(f.object_volume)},
@@ -135,6 +161,49 @@ Json ignored_json(const robot::Robot& robot, const robot::SelfCollision& self_co
           {"pairs", self_collision.pairs},
           {"ignored", ignored},
           {"overlapping", overlapping}};
+}
+
+std::vector<std::string> self_fit_lines(const robot::Robot& robot, const robot::SelfFit& fit) {
+  std::vector<std::string> lines{fmt::format(
+      "{:.1f} % of {} configurations collide by spheres alone, {:.1f} % by shapes; {:.1f} % with the same "
+      "number of spheres placed by volume",
+      100 * fit.rates.false_share, fit.rates.samples, 100 * fit.rates.surfaces, 100 * fit.evenly.false_share)};
+  constexpr std::size_t most_pairs = 5;
+  for (std::size_t i = 0; i < std::min(most_pairs, fit.rates.pairs.size()); ++i) {
+    const robot::SelfPairRate& pair = fit.rates.pairs[i];
+    if (!(pair.false_share > 0)) break;
+    lines.push_back(fmt::format("{}-{}: {:.1f} % by spheres, {:.1f} % by shapes", robot.links[pair.a].name,
+                                robot.links[pair.b].name, 100 * pair.spheres, 100 * pair.surfaces));
+  }
+  if (!fit.steps.empty() && fit.steps.back().spheres > fit.spheres.sphere_count()) {
+    lines.push_back(
+        fmt::format("{} spheres would leave {:.1f} %", fit.steps.back().spheres, 100 * fit.steps.back().false_share));
+  }
+  return lines;
+}
+
+Json self_fit_json(const robot::Robot& robot, const robot::SelfFit& fit) {
+  const auto rates_json = [&](const robot::SelfRates& rates) {
+    Json pairs = Json::array();
+    for (const robot::SelfPairRate& pair : rates.pairs) {
+      pairs.push_back({{"links", Json{robot.links[pair.a].name, robot.links[pair.b].name}},
+                       {"spheres", pair.spheres},
+                       {"surfaces", pair.surfaces},
+                       {"false_share", pair.false_share}});
+    }
+    return Json{{"samples", rates.samples},
+                {"spheres", rates.spheres},
+                {"surfaces", rates.surfaces},
+                {"false_share", rates.false_share},
+                {"pairs", pairs}};
+  };
+  Json steps = Json::array();
+  for (const robot::SelfFitStep& step : fit.steps)
+    steps.push_back({{"spheres", step.spheres}, {"false_share", step.false_share}});
+  Json json = rates_json(fit.rates);
+  json["evenly"] = rates_json(fit.evenly);
+  json["steps"] = steps;
+  return json;
 }
 
 }  // namespace morula::cli

@@ -31,6 +31,15 @@ namespace fs = std::filesystem;
 constexpr const char *robot_tree_file = "robot.morula", *robot_mesh_file = "robot.ply", *inner_folder = "inner",
                      *page_file = "robot.html";
 
+/// proven: the spheres cover within the requested tolerance.
+std::string cover_text(const robot::RobotSpheres& spheres, bool proven) {
+  if (spheres.covered()) return "yes: every point of every link is in a sphere, with the numbers of the files";
+  if (!proven) return "no: a link is uncovered where its uncovered distance is above 0";
+  return fmt::format(
+      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files",
+      figure(spheres.within()));
+}
+
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
   std::string name = robot.links[link].name;
   for (char& c : name) {
@@ -91,6 +100,21 @@ void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
   }
 }
 
+/// Names of files in the output's folder that another run wrote and this one leaves: they may have other spheres.
+std::vector<std::string> files_left(const robot::Description& description, const std::vector<std::string>& written) {
+  std::vector<const robot::OutputFormat*> all;
+  for (const robot::OutputFormat& format : robot::output_formats()) all.push_back(&format);
+  std::vector<std::string> names{page_file, robot_tree_file, robot_mesh_file};
+  for (const robot::OutputFile& file : files_of({description.robot, {}, {}, description.options}, all))
+    names.push_back(file.name);
+  std::erase_if(names, [&](const std::string& name) {
+    std::error_code error;
+    return std::find(written.begin(), written.end(), name) != written.end() ||
+           !fs::is_regular_file(description.options.folder / name, error);
+  });
+  return names;
+}
+
 void write_trees(const fs::path& folder, const robot::Robot& robot, const robot::RobotSpheres& spheres) {
   fs::create_directories(folder / "trees");
   for (const robot::LinkSpheres& link : spheres.links) {
@@ -105,9 +129,11 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const std::vector<const robot::OutputFormat*> formats = chosen_formats(o);
   Workers workers = make_workers(o.threads);
   toolbox::Stopwatch watch;
-  const robot::Robot robot = robot::read_robot(
-      o.robot,
-      {.package_paths = package_paths(o), .visual = o.geometry == "visual", .skip = {o.skip.begin(), o.skip.end()}});
+  const robot::Robot robot = robot::read_robot(o.robot, {.package_paths = package_paths(o),
+                                                         .visual = o.geometry == "visual",
+                                                         .skip = {o.skip.begin(), o.skip.end()},
+                                                         .xacro = o.xacro,
+                                                         .xacro_arguments = o.xacro_arguments});
   robot::FitOptions fit = fit_options(o, robot);
   require_inputs_stay(o, robot, formats);
   std::vector<std::array<std::string, 2>> given = robot.ignored;
@@ -117,12 +143,15 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   const double read_seconds = watch.lap();
 
   fit.stop = interrupt.token();
+  robot::SelfFit placed;
   const robot::RobotSpheres spheres = [&] {
     Progress progress("fitting spheres");
     fit.progress = [&](double share, const std::string& link) {
       progress.update(share, fmt::format("fitted {}", link));
     };
-    return robot::fit_spheres(robot, fit, workers);
+    if (!o.self_collision) return robot::fit_spheres(robot, fit, workers);
+    placed = robot::fit_for_self_collision(robot, fit, {.given = given}, workers);
+    return placed.spheres;
   }();
   if (spheres.links.empty()) {
     std::vector<std::string> left_out = robot.notes;
@@ -130,6 +159,14 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
     throw FileError(fmt::format("{}: no link has {} shapes{}; try --geometry {}", o.robot, o.geometry,
                                 left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
                                 o.geometry == "visual" ? "collision" : "visual"));
+  }
+  std::vector<ToleranceRow> rows;
+  for (const double tolerance : o.tolerances) {
+    robot::FitOptions other = fit;
+    other.tolerance = tolerance;
+    other.inner = 0;
+    other.progress = {};
+    rows.push_back(tolerance_row(tolerance, robot::fit_spheres(robot, other, workers)));
   }
   const double fit_seconds = watch.lap();
   const robot::SelfCollision self_collision = [&] {
@@ -179,35 +216,44 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   notes.insert(notes.end(), spheres.notes.begin(), spheres.notes.end());
   for (const robot::LinkSpheres& link : spheres.links) notes.insert(notes.end(), link.notes.begin(), link.notes.end());
   notes.insert(notes.end(), self_collision.notes.begin(), self_collision.notes.end());
+  if (const std::vector<std::string> left = files_left(description, written); !left.empty())
+    notes.push_back(fmt::format("{}: of an earlier run, and not written again: {}", o.output, fmt::join(left, " ")));
   if (o.tools.empty())
     notes.push_back(fmt::format("the tool is taken to be {}; --tool LINK says otherwise", robot::guess_tool(robot)));
-  const int exit_code = spheres.covered() ? exit_done : exit_check_failed;
+  const bool proven = spheres.covered() || (o.tolerance > 0 && spheres.within() <= o.tolerance);
+  const int exit_code = proven ? exit_done : exit_check_failed;
   if (o.json) {
-    print_json({{"robot", robot.name},
+    Json report{{"robot", robot.name},
+                {"tolerances", tolerances_json(rows)},
                 {"file", o.robot},
                 {"output", o.output},
                 {"files", written},
                 {"spheres", spheres.sphere_count()},
                 {"covered", spheres.covered()},
+                {"within", spheres.within()},
                 {"inner_spheres", spheres.inner_count()},
                 {"links", robot_links_json(robot, spheres)},
                 {"self_collision", ignored_json(robot, self_collision)},
                 {"notes", notes},
                 {"threads", workers.thread_count()},
                 {"seconds",
-                 {{"read", read_seconds}, {"fit", fit_seconds}, {"pairs", pairs_seconds}, {"write", write_seconds}}}});
+                 {{"read", read_seconds}, {"fit", fit_seconds}, {"pairs", pairs_seconds}, {"write", write_seconds}}}};
+    if (o.self_collision) report["false_collisions"] = self_fit_json(robot, placed);
+    print_json(report);
     return exit_code;
   }
   fmt::print("{}: {}, {}, {} that move by themselves\n\n", robot.name, counted(robot.links.size(), "link"),
              counted(robot.joints.size(), "joint"), robot.independent_joints.size());
   fmt::print("{}\n", robot_table(robot, spheres));
-  fmt::print("covers   {}{}\n",
-             spheres.covered() ? "yes: every point of every link is in a sphere, with the numbers of the files"
-                               : "no: a link is uncovered where its uncovered distance is above 0",
+  fmt::print("covers   {}{}\n", cover_text(spheres, proven),
              o.clips.empty() ? "" : "; what clip planes cut off is left out");
+  if (!rows.empty()) fmt::print("\n{}\n", tolerance_table(rows));
   for (const std::string& line : clip_lines(robot, spheres)) fmt::print("clipped  {}\n", line);
   if (o.inner > 0) fmt::print("inside   {}\n", inner_text(spheres));
   fmt::print("ignored  {}\n", ignored_text(self_collision));
+  if (o.self_collision) {
+    for (const std::string& line : self_fit_lines(robot, placed)) fmt::print("false    {}\n", line);
+  }
   fmt::print("seconds  read {}, fit {}, pairs {}, write {} ({})\n", seconds(read_seconds), seconds(fit_seconds),
              seconds(pairs_seconds), seconds(write_seconds), counted(workers.thread_count(), "thread"));
   for (const std::string& note : notes) fmt::print("note     {}\n", note);

@@ -2,14 +2,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "robot_page.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstring>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/robot/robot_tree.hpp>
+#include <string_view>
 #include <utility>
 
 namespace morula::robot {
 namespace {
+
+std::string_view reason_text(IgnoreReason reason) {
+  switch (reason) {
+    case IgnoreReason::given:
+      return "listed in a file that was given";
+    case IgnoreReason::adjacent:
+      return "neighbors";
+    case IgnoreReason::rest:
+      return "surfaces touch at rest";
+    case IgnoreReason::apart:
+      return "proven apart in all configurations";
+    case IgnoreReason::never:
+      return "apart in all sampled configurations";
+  }
+  return {};
+}
+
+/// A word of a POSIX command line.
+std::string shell_word(const std::string& text) {
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_./+-", c) != nullptr; };
+  if (!text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), is_plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string certifying_command(const Robot& robot, const RobotSpheres& spheres) {
+  return fmt::format("morula robot {}{} -o edited --keep spheres.json --all-formats --page",
+                     shell_word(robot.file.filename().string()), spheres.visual ? " --geometry visual" : "");
+}
 
 PageJoints page_joints(const Robot& robot, const RobotSpheres& spheres, const RobotMesh& all,
                        const std::vector<double>& rest, const SelfCollision& self_collision) {
@@ -20,6 +55,8 @@ PageJoints page_joints(const Robot& robot, const RobotSpheres& spheres, const Ro
     part.vertex_begin = all.vertex_begin[k];
     part.vertex_end = all.vertex_begin[k + 1];
     part.protrusion = spheres.links[k].figures.protrusion_max;
+    part.spheres = spheres.links[k].spheres;
+    part.balls = spheres.links[k].surface.spheres;
   }
   std::vector<std::size_t> place(robot.joints.size());  // of each joint in the page's order
   for (std::size_t i = 0; i < robot.order.size(); ++i) place[robot.order[i]] = i;
@@ -42,7 +79,11 @@ PageJoints page_joints(const Robot& robot, const RobotSpheres& spheres, const Ro
   }
   for (std::size_t k = 0; k < robot.independent_joints.size(); ++k)
     joints.joints[place[robot.independent_joints[k]]].rest = rest[k];
-  for (const IgnoredPair& pair : self_collision.ignored) joints.ignored.push_back({pair.a, pair.b});
+  for (const IgnoredPair& pair : self_collision.ignored) {
+    joints.ignored.push_back({pair.a, pair.b});
+    joints.reasons.emplace_back(reason_text(pair.reason));
+  }
+  joints.command = certifying_command(robot, spheres);
   return joints;
 }
 

@@ -81,6 +81,7 @@ void bind_robot_description(nb::module_& m) {
       .field("independent_joints", &Robot::independent_joints, doc::Robot_independent_joints)
       .field("notes", &Robot::notes, doc::Robot_notes)
       .field("included", &Robot::included, doc::Robot_included)
+      .field("expanded", &Robot::expanded, doc::Robot_expanded)
       .field("ignored", &Robot::ignored, doc::Robot_ignored)
       .shown({"name", "format", "links", "joints", "independent_joints"})
       .python()

@@ -22,17 +22,22 @@ void bind_robot_files(nb::module_& m) {
   m.def(
       "read_robot",
       [](const FilePath& path, const std::vector<std::filesystem::path>& package_paths, bool visual,
-         const std::set<std::string>& skip) {
-        return without_gil([&] { return robot::read_robot(path, {package_paths, visual, skip}); });
+         const std::set<std::string>& skip, const std::string& xacro, const std::vector<std::string>& xacro_arguments) {
+        return without_gil([&] {
+          return robot::read_robot(path, {package_paths, visual, skip, xacro, xacro_arguments});
+        });
       },
       nb::arg("path"), nb::kw_only(), nb::arg("package_paths") = std::vector<std::filesystem::path>{},
-      nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{},
+      nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{}, nb::arg("xacro") = "",
+      nb::arg("xacro_arguments") = std::vector<std::string>{},
       nb::sig("def read_robot(path: str | os.PathLike[str], *, "
               "package_paths: collections.abc.Sequence[str | os.PathLike[str]] = [], visual: bool = False, "
-              "skip: set[str] = set()) -> Robot"),
+              "skip: set[str] = set(), xacro: str = '', xacro_arguments: collections.abc.Sequence[str] = []) -> Robot"),
       with_arguments(doc::read_robot, {{"package_paths", doc::ReadOptions_package_paths},
                                        {"visual", doc::ReadOptions_visual},
-                                       {"skip", doc::ReadOptions_skip}})
+                                       {"skip", doc::ReadOptions_skip},
+                                       {"xacro", doc::ReadOptions_xacro},
+                                       {"xacro_arguments", doc::ReadOptions_xacro_arguments}})
           .c_str());
   m.def(
       "find_mesh",

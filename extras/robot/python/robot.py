@@ -11,10 +11,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy
+
 from . import _morula
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from .pages import Page
+    from .typing import FloatArray
 
 from ._morula.robot import *  # noqa: E402, F403
 
@@ -31,3 +36,28 @@ def page(robot: _morula.robot.Robot, spheres: _morula.robot.RobotSpheres, self_c
     from .pages import Page
 
     return Page(_morula.robot.page_html(robot, spheres, self_collision))
+
+
+def float_spheres(spheres: FloatArray | _morula.robot.LinkSpheres) -> NDArray[numpy.float32]:
+    """Spheres as (n, 4) float32, x y z radius, each of which contains the given one: for cuRobo's attachments, and PyTorch.
+
+    spheres: (n, 4), x y z radius, or a LinkSpheres. Centers are rounded to the nearest float32, and a radius grows by the
+    distance of its center and is rounded up, so that spheres that cover still do. ValueError for another shape, and for
+    numbers that are not finite or beyond float32. Cost: n.
+    """
+    given = spheres.spheres if isinstance(spheres, _morula.robot.LinkSpheres) else spheres
+    exact = numpy.asarray(given, dtype=numpy.float64)
+    if exact.ndim != 2 or exact.shape[1] != 4:
+        raise ValueError(f"spheres: shape {exact.shape}, but (n, 4) is needed: x, y, z, radius")
+    with numpy.errstate(over="ignore"):
+        rounded = exact.astype(numpy.float32)
+    x, y, z = (exact[:, :3] - rounded[:, :3].astype(numpy.float64)).T
+    moved = numpy.hypot(numpy.hypot(x, y), z)
+    # A few units in the last place of a double are far below the step to the next float.
+    radius = (exact[:, 3] + moved) * (1 + 4 * numpy.finfo(numpy.float64).eps)
+    with numpy.errstate(over="ignore", invalid="ignore"):
+        up = radius.astype(numpy.float32)
+        rounded[:, 3] = numpy.where(up.astype(numpy.float64) < radius, numpy.nextafter(up, numpy.float32(numpy.inf)), up)
+    if not numpy.isfinite(rounded).all():
+        raise ValueError("spheres: numbers are not finite, or too large for float32")
+    return rounded

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "holders.hpp"
+#include "planning.hpp"
 
 namespace morula::python {
 
@@ -44,6 +45,13 @@ std::vector<RigidTransform> poses_of(nb::handle given, const char* name) {
 }
 
 std::vector<double> values_of(const ArrayGiven& given, const char* name) {
+  const nb::handle object = given.object;
+  if (PyList_Check(object.ptr()) || PyTuple_Check(object.ptr())) {
+    std::vector<double> values(nb::len(object));
+    if (!read_numbers(object, values.data(), static_cast<Py_ssize_t>(values.size())))
+      throw nb::type_error((std::string(name) + ": a sequence with something else than numbers").c_str());
+    return values;
+  }
   std::vector<std::size_t> shape;
   return numbers_of(given.object, name, {-1}, shape);
 }
@@ -66,6 +74,8 @@ void bind_robot_extra(nb::module_& m) {
   bind_robot_self_collision(robots);
   bind_robot_output(robots);
   bind_sphere_robot(robots);
+  bind_robot_world(robots);
+  bind_robot_configurations(robots);
 #ifdef MORULA_PYTHON_ROBOT_PAGE
   bind_robot_page(robots);
 #endif

@@ -20,6 +20,7 @@ namespace morula::python {
 std::optional<std::size_t> index_or_none(std::size_t index);
 /// (n, 3, 4) or (n, 4, 4), or a sequence of RigidTransform.
 std::vector<RigidTransform> poses_of(nb::handle given, const char* name);
+/// An array of one axis, or a list or tuple of numbers.
 std::vector<double> values_of(const ArrayGiven& given, const char* name = "values");
 /// around or inside.
 robot::RoundShapes round_of(std::string_view text, const char* name);

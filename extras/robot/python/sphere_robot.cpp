@@ -46,8 +46,8 @@ void bind_sphere_robot(nb::module_& m) {
   box.field("pose", &ObstacleBox::pose).field("half", &ObstacleBox::half, doc::ObstacleBox_half);
   box.python().def(
       "__init__",
-      [](ObstacleBox* self, Vec3 half, const RigidTransform& pose) {
-        new (self) ObstacleBox{pose, half};
+      [](ObstacleBox* self, Vec3 half, TransformGiven pose) {
+        new (self) ObstacleBox{transform_of(pose), half};
       },
       nb::arg("half"), nb::arg("pose") = RigidTransform{});
   nb::class_<HeldRobot>(m, "SphereRobot", doc::SphereRobot)

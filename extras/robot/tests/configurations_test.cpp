@@ -10,6 +10,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/robot/configurations.hpp>
+#include <morula/robot/sphere_robot.hpp>
 #include <optional>
 #include <tuple>
 
@@ -388,6 +389,53 @@ TEST(Configurations, TouchExactlyUpToTheLastBit) {
   EXPECT_FALSE(touches(World{}, 1.25));
 }
 
+TEST(Configurations, DecideInDoubleWhatIsNearlyTouching) {
+  Random random(70);
+  for (int i = 0; i < 500; ++i) {
+    Slider slider;
+    slider.spheres.links[0].spheres[0] = {random_point(random, 0.3), random.uniform(0.05, 0.3)};
+    const RigidTransform base = random_pose(random, 1);
+    const Sphere& own = slider.spheres.links[0].spheres[0];
+    const double at = random.uniform(-1, 1), gap = (i % 2 == 0 ? 1 : -1) * std::pow(10, random.uniform(-10, -6));
+    const Vec3 center = moved(matrix(base), own.center + Vec3{at, 0, 0});
+    const Vec3 direction = normalized(random_point(random, 1));
+    const double radius = random.uniform(0.05, 0.3);
+    World balls, boxes;
+    balls.add(Sphere{center + (own.radius + radius + gap) * direction, radius});
+    // The face of a box at right angles to the direction.
+    const Vec3 side = normalized(cross(direction, {0.3, 0.5, 0.7})), other = cross(direction, side);
+    ObstacleBox box{{}, {radius, 1, 1}};
+    for (int k = 0; k < 3; ++k) box.pose.rows[static_cast<std::size_t>(k)] = {direction[k], side[k], other[k]};
+    box.pose.translation = center + (own.radius + radius + gap) * direction;
+    boxes.add(box);
+    ConfigurationQuery query(slider.robot, slider.spheres);
+    query.set_base(base);
+    for (const World* world : {&balls, &boxes}) {
+      ConfigurationVerdict verdict;
+      query.check(std::span(&at, 1), *world, std::span(&verdict, 1));
+      EXPECT_EQ(verdict.is_free(), gap > 0) << gap;
+    }
+  }
+}
+
+TEST(Configurations, AgreeWithSphereRobotsAboutThemselves) {
+  Random random(60);
+  const Sample sample(random, 9, 1);
+  const ConfigurationQuery query(sample.robot, sample.spheres, sample.self);
+  robot::SphereRobot moving(sample.robot, sample.spheres, sample.self);
+  for (int i = 0; i < 1000; ++i) {
+    const std::vector<double> values = sample.configuration(random);
+    ConfigurationVerdict verdict;
+    query.check_self(values, std::span(&verdict, 1));
+    moving.set_joint_values(values);
+    const auto pair = moving.self_collision();
+    ASSERT_EQ(verdict.is_free(), !pair);
+    if (!pair) continue;
+    EXPECT_EQ(verdict.link, moving.links()[pair->first]);
+    EXPECT_EQ(verdict.other_link, moving.links()[pair->second]);
+  }
+}
+
 TEST(Configurations, RejectWhatTheyCannotUse) {
   const Slider slider;
   ConfigurationQuery query(slider.robot, slider.spheres);
@@ -438,6 +486,26 @@ TEST(Worlds, FindTheNearestObstacle) {
     EXPECT_NEAR(scene.distances[found.obstacle](p + 1e-6 * found.direction), least + 1e-6, 2e-7) << found.obstacle;
     EXPECT_EQ(scene.world.nearest(p, least + 1e-6).obstacle, found.obstacle);
     EXPECT_EQ(scene.world.nearest(p, least - 1e-6).obstacle, robot::none);
+  }
+}
+
+TEST(Worlds, MeshesTouchWhereTheirDistanceSays) {
+  Random random(8);
+  for (const double size : {1.0, 1e-9, 1e9}) {
+    const Vec3 half{0.5 * size, 0.3 * size, 0.1 * size};
+    const ObstacleBox box{{}, half};
+    World world;
+    world.add(centered_box(half));
+    Slider slider;
+    slider.robot.joints[0].origin.translation = {0, 0.29 * size, 0.09 * size};
+    for (int i = 0; i < 300; ++i) {
+      const double radius = random.uniform(0, 0.2) * size, at = random.uniform(-0.8, 0.8) * size;
+      slider.spheres.links[0].spheres[0].radius = radius;
+      ConfigurationVerdict verdict;
+      ConfigurationQuery(slider.robot, slider.spheres).check(std::span(&at, 1), world, std::span(&verdict, 1));
+      const double gap = box_distance(box, {at, 0.29 * size, 0.09 * size}) - radius;
+      EXPECT_TRUE(std::abs(gap) < 1e-12 * size || verdict.is_free() == (gap > 0));
+    }
   }
 }
 

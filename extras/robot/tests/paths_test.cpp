@@ -47,7 +47,7 @@ class Paths : public Formats {
 
   static void expect_outside(const std::string& said, const std::string& what) {
     EXPECT_NE(said.find("lies outside "), std::string::npos) << what << "\n" << said;
-    EXPECT_NE(said.find("; allow its folder with --package-path "), std::string::npos) << what << "\n" << said;
+    EXPECT_NE(said.find("; allow its folder with the package path "), std::string::npos) << what << "\n" << said;
   }
 };
 
@@ -181,7 +181,7 @@ TEST_F(Paths, folders_that_the_user_names_are_allowed_however_they_are_written) 
             "store/hand/h.obj");
   // What the message says is what helps.
   const std::string said = found("up/arm/urdf/r.urdf", urdf_naming(at("secret/s.obj")));
-  const std::string option = "--package-path ";
+  const std::string option = "the package path ";
   const fs::path remedy = said.substr(said.find(option) + option.size());
   EXPECT_EQ(found("up/arm/urdf/r.urdf", urdf_naming(at("secret/s.obj")), {.package_paths = {remedy}}), "secret/s.obj");
   // A neighbor whose name begins with that of a root is another folder.

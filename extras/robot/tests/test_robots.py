@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Robots: kinematics by hand, spheres by sampling, collisions by brute force, files as the command writes them."""
 
+import fractions
 import itertools
 import pathlib
 import subprocess
@@ -320,3 +321,56 @@ while long.is_alive():
 print("done")
 """
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120).stdout == "done\n"
+
+
+def test_float_spheres_contain_the_given_ones(spheres):
+    random = numpy.random.default_rng(3)
+    for scale in (1e-9, 1.0, 1e9):
+        given = numpy.column_stack([random.normal(size=(500, 3)) * scale + 7 * scale, random.random(500) * scale])
+        rounded = morula.robot.float_spheres(given)
+        assert rounded.dtype == numpy.float32 and rounded.shape == (500, 4)
+        # In exact arithmetic: distance of centers <= difference of radii, without square roots.
+        for (*center, radius), row in zip(given, rounded):
+            squared = sum((fractions.Fraction(a) - fractions.Fraction(float(b))) ** 2 for a, b in zip(center, row[:3]))
+            grown = fractions.Fraction(float(row[3])) - fractions.Fraction(radius)
+            assert grown >= 0 and squared <= grown**2
+            assert float(row[3]) <= radius + 3e-6 * scale * 10
+    link = spheres.links[0]
+    assert numpy.array_equal(morula.robot.float_spheres(link), morula.robot.float_spheres(link.spheres))
+    assert morula.robot.float_spheres(numpy.zeros((0, 4))).shape == (0, 4)
+    for wrong in (numpy.zeros(4), numpy.zeros((2, 3)), [[0, 0, 0, 1e300]], [[numpy.nan, 0, 0, 1]]):
+        with pytest.raises(ValueError, match="spheres: "):
+            morula.robot.float_spheres(wrong)
+
+
+def test_lists_and_transforms_are_taken(arm, spheres):
+    moving = morula.robot.SphereRobot(arm, spheres)
+    values = [0.1] * len(arm.independent_joints)
+    moving.set_joint_values(values)
+    before = moving.spheres()
+    moving.set_joint_values(numpy.array(values))
+    assert numpy.array_equal(moving.spheres(), before)
+    with pytest.raises(TypeError, match="values: a sequence with something else than numbers"):
+        moving.set_joint_values(["x"] * len(values))
+    pose = morula.RigidTransform(translation=(1, 2, 3))
+    for given in (pose, (1, 2, 3), numpy.array([[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3.0]])):
+        assert morula.robot.ObstacleBox((1, 1, 1), given).pose == pose
+
+
+def test_spheres_follow_the_size_of_links(arm):
+    by_size = morula.robot.fit_spheres(arm, quality="draft")
+    assert by_size.covered and len({len(link.spheres) for link in by_size.links}) > 1
+
+
+def test_xacro_runs_only_where_it_is_named(tmp_path):
+    file = tmp_path / "a.xacro"
+    file.write_text("<robot name='a' xmlns:xacro='x'>\n<xacro:b/></robot>")
+    with pytest.raises(OSError, match="a.xacro:2: has macros: run xacro"):
+        morula.robot.read_robot(file)
+    program = tmp_path / "program"
+    program.write_text(f"#!/bin/sh\ncat '{urdf}'\n")
+    program.chmod(0o700)
+    read = morula.robot.read_robot(file, package_paths=[urdf.parents[2]], xacro=str(program), xacro_arguments=["a:=b"])
+    assert read.name == "arm" and read.expanded == urdf.read_text()
+    with pytest.raises(ValueError, match="NAME:=VALUE"):
+        morula.robot.read_robot(file, xacro=str(program), xacro_arguments=["a=b"])

@@ -46,7 +46,7 @@ TEST_F(Formats, small_files_that_mean_much_are_refused_with_little_memory) {
     refused("r", laughs + "]><" + root + ">&a11;</" + root + ">", read, "entities are declared");
     std::string deep;
     for (int i = 0; i < 1000; ++i) deep += "<b>";
-    refused("r", "<" + root + ">" + deep, read, "no well-formed XML");
+    refused("r", "<" + root + ">" + deep, read, "not well-formed XML");
   }
   std::string classes;
   for (int i = 0; i < 70; ++i) classes += "<default class='" + std::to_string(i) + "'><geom size='1'/>";

@@ -61,8 +61,14 @@ struct BuildOptions {
   /// leaves. The tree above it is as deep as necessary, up to max_depth.
   std::optional<std::size_t> spheres{};
   /// Largest protrusion of a leaf, above 0, mesh units, proven by r + φ(c): the build uses as few leaves as it can.
-  /// Together with `spheres`, the build ends at the first of both limits.
+  /// With a tolerance: of the reduced leaf. Together with `spheres`, the build ends at the first of both limits.
   std::optional<double> max_protrusion{};
+  /// Distance within which spheres have to cover, 0 or more, mesh units; for the method `optimized`. Above 0 the tree
+  /// is fitted for spheres whose radii are smaller by that length: reduced(model.tree, tolerance) makes them. Every
+  /// point of the surface is proven to lie within the tolerance of each level of them, and their outside volume is what
+  /// the fit minimizes. The returned tree covers: it has the radii before the reduction, so bodies and queries may use
+  /// it.
+  double tolerance = 0;
   /// true: every sphere contains its children's, for engines that prune by this (certify_nesting). Inner spheres grow
   /// or move, leaves stay unchanged. Levels above the leaves get looser: docs/explanation/cover.md has a table.
   bool nested = false;

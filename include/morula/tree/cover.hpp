@@ -77,6 +77,15 @@ struct [[nodiscard]] Certificate {
 Certificate certify(const Cover& cover, const PositionView& positions, std::span<const Sphere> spheres,
                     Workers& workers = serial_workers());
 
+/// The sphere with a smaller radius: its radius less `length`, at least 0, rounded up so that the sphere with the
+/// radius increased by `length` again, in exact arithmetic, contains the given one. If spheres cover a surface, every
+/// point of the surface lies within `length` of their reduced spheres. length: 0 or more, mesh units; throws
+/// std::invalid_argument otherwise.
+Sphere reduced(const Sphere& sphere, double length);
+/// The tree with reduced spheres. Each level is within `length` of what the given level covers. SphereTree::nested is
+/// false if the length is above 0: a sphere that became a point may lie outside its parent's.
+SphereTree reduced(const SphereTree& tree, double length);
+
 /// The faults of a cover's arrays, as text; empty if there is none. Faults are wrong sizes, indices out of range, wrong
 /// weights of cut points, and regions that are not the disjoint union of their children's. The check reads no mesh. If
 /// a fault makes it impossible to read on, the list has only that fault. validate(tree) must find no fault. Readers,

@@ -227,7 +227,7 @@ std::vector<Vec3> points_of(nb::handle given, const char* name) {
 }
 
 std::vector<Sphere> spheres_of(nb::handle given, const char* name) {
-  const Any array = rows_of(given, name, 4, ", x y z radius,");
+  const Any array = rows_of(given, name, 4, ", x y z radius");
   std::vector<Sphere> spheres;
   spheres.reserve(array.shape(0));
   for (std::size_t i = 0; i < array.shape(0); ++i) {

@@ -340,7 +340,8 @@ class FlatSet {
     std::vector<BuildNode>& leaves = set.leaves;
     std::vector<std::uint32_t> order(leaves.size());
     std::iota(order.begin(), order.end(), 0u);
-    report_.protrusion_bound = largest_protrusion(input_.mesh, input_.shape, leaves);  // before their regions go
+    // Before their regions go.
+    report_.protrusion_bound = std::max(0.0, largest_protrusion(input_.mesh, input_.shape, leaves) - run_.tolerance);
     CoveredTree model;
     model.tree.branching = report_.branching;
     model.tree.append_level({}, std::span(leaves.size() > 1 ? &root_.sphere : &leaves[0].sphere, 1));

@@ -312,7 +312,7 @@ class BestFirst {
     report_.level_seconds.resize(model.tree.level_count());
     for (std::uint32_t i = 0; i < model.tree.level_begin[model.tree.level_count() - 1]; ++i)
       report_.early_leaves += model.tree.is_leaf(i);
-    report_.protrusion_bound = worst;
+    report_.protrusion_bound = std::max(0.0, worst - run_.tolerance);
     write_notes(leaves);
     if (std::string note = winners_.note(); !note.empty()) report_.notes.push_back(std::move(note));
     model.report = std::move(report_);
@@ -323,7 +323,7 @@ class BestFirst {
 
   /// The limit that ended the division, if both were given.
   std::string which_limit(std::size_t sticking_out) const {
-    const std::string length = short_number(run_.max_protrusion), most = std::to_string(run_.spheres);
+    const std::string length = short_number(run_.max_protrusion - run_.tolerance), most = std::to_string(run_.spheres);
     if (sticking_out == 0)
       return "the protrusion ended it: with " + std::to_string(leaves_) + " of at most " + most +
              " spheres none sticks out by more than " + length;
@@ -354,8 +354,8 @@ class BestFirst {
     if (run_.max_protrusion > 0 && sticking_out > 0) {
       report_.complete = false;
       std::string note = std::to_string(sticking_out) + " spheres stick out by more than " +
-                         short_number(run_.max_protrusion) + ", by " + short_number(*report_.protrusion_bound) +
-                         " at most: " + ends;
+                         short_number(run_.max_protrusion - run_.tolerance) + ", by " +
+                         short_number(*report_.protrusion_bound) + " at most: " + ends;
       if (others > 0) note += ", " + std::to_string(others) + " were not divided for want of spheres or time";
       report_.notes.push_back(std::move(note));
     } else if (run_.max_protrusion == 0 && leaves_ < run_.spheres && !out_of_time_) {

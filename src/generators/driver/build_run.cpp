@@ -21,7 +21,7 @@ BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
     : BuildOptions(options),
       depth(depth_of(options, mesh)),
       spheres(options.spheres.value_or(0)),
-      max_protrusion(options.max_protrusion.value_or(0)),
+      max_protrusion(options.max_protrusion ? *options.max_protrusion + options.tolerance : 0),
       box_(bounding_box(mesh)) {
   if (time_limit_seconds) {
     // A limit of years would overflow the clock.

@@ -19,7 +19,7 @@ class BuildRun : public BuildOptions {
   int depth;
   /// Requested spheres of a flat set; 0: not requested.
   std::size_t spheres;
-  double max_protrusion;
+  double max_protrusion;  ///< of a leaf before the tolerance reduces it; 0: not requested
   /// Box of the mesh; its largest |coordinate|, which radii are padded by.
   const Box& box() const { return box_; }
   double largest_coordinate() const { return morula::largest_coordinate(box_); }

@@ -37,13 +37,18 @@ UnionVolume::UnionVolume(const ObjectLines& lines) : lines_(lines) {
   middle_ = stride_ / 2;
 }
 
+Sphere UnionVolume::in_lattice(const Sphere& s) const {
+  // mutant tolerance-not-in-the-union: `s.radius - lines_.tolerance()` -> `s.radius`
+  return {lines_.to_lattice(s.center), std::max(0.0, s.radius - lines_.tolerance()) / lines_.cell()};
+}
+
 int UnionVolume::number(double position) const {
   return static_cast<int>(std::floor(position / stride_));
 }
 
 double UnionVolume::outside(std::span<const Sphere> spheres) {
   std::vector<Sphere> local;
-  for (const Sphere& s : spheres) local.push_back({lines_.to_lattice(s.center), s.radius / lines_.cell()});
+  for (const Sphere& s : spheres) local.push_back(in_lattice(s));
   std::sort(local.begin(), local.end(), comes_before);
   if (!has_room(local)) {
     make_room(local);
@@ -65,7 +70,7 @@ double UnionVolume::outside(std::span<const Sphere> spheres) {
 }
 
 double UnionVolume::outside(const Sphere& sphere) const {
-  const Sphere local{lines_.to_lattice(sphere.center), sphere.radius / lines_.cell()};
+  const Sphere local = in_lattice(sphere);
   double total = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double across = local.center[(axis + 2) % 3];

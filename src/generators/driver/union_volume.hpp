@@ -13,8 +13,8 @@
 namespace morula::detail {
 
 /// Integrates along lines of all three axes, on which the chords of all spheres are merged: exact along each line. Mesh
-/// units cubed. The result for a set has the same bits whatever sets were measured earlier. An object serves one thread
-/// at a time.
+/// units cubed. Radii are reduced by the lines' tolerance. The result for a set has the same bits whatever sets were
+/// measured earlier. An object serves one thread at a time.
 class UnionVolume {
  public:
   explicit UnionVolume(const ObjectLines& lines);  ///< lines: borrowed
@@ -37,6 +37,7 @@ class UnionVolume {
     std::vector<double> outside;  // per line, row by row
     std::vector<Row> rows;
   };
+  Sphere in_lattice(const Sphere& sphere) const;
   int number(double position) const;
   bool has_room(const std::vector<Sphere>& spheres) const;
   void make_room(const std::vector<Sphere>& spheres);

@@ -13,6 +13,7 @@ FreeSpace::FreeSpace(const ObjectLines& lines, const Sphere& around, double spac
     : middle_(around.center),
       radius_(around.radius / lines.cell()),
       cell_(lines.cell()),
+      tolerance_(static_cast<float>(lines.tolerance() / lines.cell())),
       in_lattice_(lines.to_lattice(around.center)),
       stride_(std::max(1, static_cast<int>(spacing / lines.cell()))) {
   // Balls that reach deepest come first: one or two of them have most lines to themselves.
@@ -22,7 +23,8 @@ FreeSpace::FreeSpace(const ObjectLines& lines, const Sphere& around, double spac
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < others.size(); ++i) {
       const Vec3 c = lines.to_lattice(others[i].center);
-      balls[i] = {c[axis], c[(axis + 1) % 3], c[(axis + 2) % 3], others[i].radius / cell_};
+      balls[i] = {c[axis], c[(axis + 1) % 3], c[(axis + 2) % 3],
+                  std::max(0.0, others[i].radius - lines.tolerance()) / cell_};
     }
     trace(lines, axis, balls);
   }
@@ -131,7 +133,8 @@ bool FreeSpace::is_inside(const Vec3f& center, float radius) const {
   return room >= 0 && center.x * center.x + center.y * center.y + center.z * center.z <= room * room;
 }
 
-float FreeSpace::cost(const Vec3f& center, float radius, float enough) const {
+float FreeSpace::cost(const Vec3f& center, float whole_radius, float enough) const {
+  const float radius = std::max(0.0F, whole_radius - tolerance_);
   float total = 0;
   for (std::size_t a = 0; a < 3 && total <= enough; ++a) {
     const Segments& p = segments_[a];

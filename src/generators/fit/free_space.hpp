@@ -18,7 +18,8 @@
 
 namespace morula::detail {
 
-/// Coordinates are lattice cells of the lines from the middle of the space. Volumes are proportional to mesh units.
+/// Coordinates are lattice cells of the lines from the middle of the space. Volumes are proportional to mesh units. The
+/// radii of all balls are reduced by the lines' tolerance, except for is_inside().
 class FreeSpace {
  public:
   /// around: where balls may be. spacing: requested distance between lines, mesh units; at least a lattice cell.
@@ -50,6 +51,7 @@ class FreeSpace {
 
   Vec3 middle_;
   double radius_, cell_;
+  float tolerance_;  // in lattice cells
   Vec3 in_lattice_;
   int stride_;
   std::array<Segments, 3> segments_;

@@ -79,6 +79,10 @@ class ObjectLines {
   Vec3 to_lattice(const Vec3& p) const { return (p - origin_) * per_cell_; }
   Vec3 from_lattice(const Vec3& p) const { return origin_ + p * cell_; }
   double cell() const { return cell_; }
+  /// A length by which the outside volumes that are integrated from these lines reduce every radius: spheres that have
+  /// to cover only within a tolerance are written that much smaller. Mesh units, 0 or more; 0 until it is set.
+  double tolerance() const { return tolerance_; }
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
   const std::array<int, 3>& count() const { return count_; }
 
  private:
@@ -91,7 +95,7 @@ class ObjectLines {
   void weigh(const MeshView& mesh, const std::vector<Vec3>& vertices);
 
   Vec3 origin_;
-  double cell_, per_cell_;
+  double cell_, per_cell_, tolerance_ = 0;
   std::array<int, 3> count_;
   std::array<Axis, 3> axes_;
   int block_ = 1;  // lattice cells along a block of equal weights

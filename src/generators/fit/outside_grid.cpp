@@ -43,6 +43,7 @@ OutsideGrid::ZeroSteps::ZeroSteps(std::size_t count) {
 OutsideGrid::OutsideGrid(const ObjectLines& lines, const Box& box, double cell_width) : lines_(lines) {
   place_.stride = std::max(1, static_cast<int>(std::lround(cell_width / lines.cell())));
   place_.cell = place_.stride * lines.cell();
+  tolerance_ = static_cast<float>(lines.tolerance() / place_.cell);
   const Vec3 lower = lines.to_lattice(box.lower), upper = lines.to_lattice(box.upper);
   for (int k = 0; k < 3; ++k) {
     place_.first[at(k)] = static_cast<int>(std::floor(lower[k]));
@@ -291,16 +292,18 @@ bool OutsideGrid::is_inside(const Vec3f& center, float radius) const {
 
 float OutsideGrid::cost(const Vec3f& center, float radius, float enough) const {
   float sum = 0;
+  if (!(reduced(radius) > 0)) return sum;
   for (std::size_t a = 0; a < 3 && sum <= enough; ++a) {
     const std::size_t ua = (a + 1) % 3, va = (a + 2) % 3;
     sum += fit_kernels().outside(
         {axes_[a].steps.get(), count_[a], count_[ua], count_[va]},
-        {center[static_cast<int>(a)], center[static_cast<int>(ua)], center[static_cast<int>(va)], radius});
+        {center[static_cast<int>(a)], center[static_cast<int>(ua)], center[static_cast<int>(va)], reduced(radius)});
   }
   return sum;
 }
 
-float OutsideGrid::new_outside(const Spheref& ball) {
+float OutsideGrid::new_outside(const Spheref& whole) {
+  const Spheref ball{whole.center, reduced(whole.radius)};
   // Line by line: thirds of cells added to one large float would be rounded the same way each time.
   double total = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -342,7 +345,8 @@ double OutsideGrid::outside_together(std::span<const Spheref> balls) {
     chords_.first.resize(std::max(chords_.first.size(), row_length * at(count_[va])), -1);
     chords_.all.clear();
     chords_.lines_met.clear();
-    for (const Spheref& ball : balls) {
+    for (const Spheref& whole : balls) {
+      const Spheref ball{whole.center, reduced(whole.radius)};
       const float cu = ball.center[static_cast<int>(ua)], middle = ball.center[static_cast<int>(a)];
       each_row(a, ball.center, ball.radius, [&](int v, int begin, int end, float in_row) {
         for (int u = begin; u < end; ++u) {

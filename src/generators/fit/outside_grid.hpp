@@ -8,6 +8,7 @@
 // run along, by more than the layers themselves once those are thinner than a cell.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -24,7 +25,8 @@ namespace morula::detail {
 
 /// A part of space in cells, a whole number of lattice cells of ObjectLines wide, around one node. Coordinates are
 /// cells of this grid from its lower corner. An object serves one thread at a time: lines are computed when they are
-/// first needed.
+/// first needed. Balls are counted and measured with radii that are smaller by the lines' tolerance; is_inside() and
+/// prepare() take the radii as they are.
 class OutsideGrid {
  public:
   /// box: where balls may be, mesh coordinates. cell_width: requested, mesh units. lines: borrowed.
@@ -36,8 +38,8 @@ class OutsideGrid {
   Vec3 from_grid(const Vec3f& p) const;
 
   /// Counts the space of a ball as covered. remove() undoes that.
-  void add(const Spheref& ball) { change(ball, 1); }
-  void remove(const Spheref& ball) { change(ball, -1); }
+  void add(const Spheref& ball) { change({ball.center, reduced(ball.radius)}, 1); }
+  void remove(const Spheref& ball) { change({ball.center, reduced(ball.radius)}, -1); }
 
   /// Prepares cost() for balls inside the ball of radius `reach` about `center`. overlap_weight: weight of the space
   /// that a counted ball covers, 0…1.
@@ -111,6 +113,8 @@ class OutsideGrid {
     std::vector<std::uint8_t> traced;  // per line: outside is known
     std::vector<Extent> current;       // per line: where steps are up to date
   };
+  // mutant tolerance-not-in-the-grid: `radius - tolerance_` -> `radius`
+  float reduced(float radius) const { return std::max(0.0F, radius - tolerance_); }
   void change(const Spheref& ball, int by);
   void trace(std::size_t axis, int u, int v, std::size_t line);
   template <class Visit>
@@ -120,6 +124,7 @@ class OutsideGrid {
 
   const ObjectLines& lines_;
   Place place_;
+  float tolerance_;  // in cells
   std::array<int, 3> count_{};
   std::array<std::size_t, 3> step_{};     // steps of balls_over_
   std::vector<std::uint8_t> balls_over_;  // per cell, x fastest

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <utility>
 
 namespace morula::robot {
 
@@ -46,6 +47,38 @@ std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::siz
     ++counts[next.link];
     used += demands[next.link].links;
     wish(next.link);
+  }
+  return counts;
+}
+
+std::vector<std::size_t> share_by_size(std::span<const MeshSize> sizes, std::size_t total) {
+  double largest = 0;
+  for (const MeshSize& size : sizes) largest = std::max(largest, size.area);
+  std::vector<std::size_t> counts(sizes.size(), 1);
+  std::vector<double> weights(sizes.size(), 0.0);
+  std::size_t used = 0;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    // Square roots give the same bits on every machine, unlike powers.
+    const double root = largest > 0 ? std::sqrt(sizes[i].area / largest) : 1;
+    weights[i] = root * std::sqrt(root);
+    used += sizes[i].links;
+  }
+  const auto share = [&](std::size_t i) { return weights[i] / (static_cast<double>(counts[i]) + 0.5); };
+  // Equal shares go to the lower link.
+  const auto is_less = [](const std::pair<double, std::size_t>& a, const std::pair<double, std::size_t>& b) {
+    return a.first != b.first ? a.first < b.first : a.second > b.second;
+  };
+  std::priority_queue<std::pair<double, std::size_t>, std::vector<std::pair<double, std::size_t>>, decltype(is_less)>
+      queue(is_less);
+  for (std::size_t i = 0; i < sizes.size(); ++i) queue.push({share(i), i});
+  while (!queue.empty()) {
+    const std::size_t i = queue.top().second;
+    queue.pop();
+    // What is left goes to no smaller link instead, so that a larger total never takes a sphere away.
+    if (used + sizes[i].links > total) break;
+    ++counts[i];
+    used += sizes[i].links;
+    queue.push({share(i), i});
   }
   return counts;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The division of a total number of spheres among the links of a robot.
+// The division of a number of spheres among the links of a robot.
 #pragma once
 
 #include <array>
@@ -25,5 +25,16 @@ struct Demand {
 /// One sphere each, then each further sphere to the link where it removes most volume. The sum over links is at most
 /// `total` if one sphere each is.
 std::vector<std::size_t> share_spheres(std::span<const Demand> demands, std::size_t total);
+
+/// The mesh of a link, for its share by size.
+struct MeshSize {
+  double area = 0;        ///< area of its box, 0 or more
+  std::size_t links = 1;  ///< number of links that share the set
+};
+
+/// One sphere each, then each further sphere to the link where the power 3/4 of the area, divided by the number of
+/// spheres plus 1/2, is largest. The sum over links is at most `total` if one sphere each is; no link gets fewer if the total is
+/// larger. The shares depend on ratios of areas only.
+std::vector<std::size_t> share_by_size(std::span<const MeshSize> sizes, std::size_t total);
 
 }  // namespace morula::robot

@@ -66,20 +66,6 @@ class Cutter {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;
 };
 
-/// The surface that a leaf has to cover.
-Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node) {
-  Mesh region;
-  for (std::uint32_t p = cover.region_begin[node]; p < cover.region_end[node]; ++p) {
-    const auto base = static_cast<std::uint32_t>(region.positions.size());
-    const std::span<const std::uint32_t> corners = cover.patch(p);
-    for (const std::uint32_t corner : corners) {
-      region.positions.push_back(corner_position(cover, corner, mesh.positions));
-    }
-    for (std::uint32_t k = 2; k < corners.size(); ++k) region.facets.push_back({base, base + k - 1, base + k});
-  }
-  return region;
-}
-
 constexpr std::size_t most_spheres = 20'000;
 constexpr int deepest_division = 16;
 
@@ -109,6 +95,19 @@ void add_what_stays(const std::function<bool(const Sphere&)>& stays,
 }
 
 }  // namespace
+
+Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node) {
+  Mesh region;
+  for (std::uint32_t p = cover.region_begin[node]; p < cover.region_end[node]; ++p) {
+    const auto base = static_cast<std::uint32_t>(region.positions.size());
+    const std::span<const std::uint32_t> corners = cover.patch(p);
+    for (const std::uint32_t corner : corners) {
+      region.positions.push_back(corner_position(cover, corner, mesh.positions));
+    }
+    for (std::uint32_t k = 2; k < corners.size(); ++k) region.facets.push_back({base, base + k - 1, base + k});
+  }
+  return region;
+}
 
 void divide_until(const std::function<bool(const Sphere&)>& stays,
                   const std::function<bool(const Sphere&, const Mesh&)>& may_stay, const Mesh& mesh, CoveredTree& model,

@@ -27,6 +27,9 @@ LinkSurface clipped(const LinkSurface& surface, std::span<const ClipPlane> plane
 /// The distance of a mesh from the planes: the least over all vertices and planes, infinite without any.
 double least_height(const Mesh& mesh, std::span<const ClipPlane> planes);
 
+/// The surface that a node of a cover owns.
+Mesh region_mesh(const Mesh& mesh, const Cover& cover, std::uint32_t node);
+
 /// Replaces leaves that do not stay by smaller ones over the same part of the surface, built with these options and
 /// four spheres, or by an octree, repeatedly. At the end: every leaf stays, or no smaller sphere over its part may,
 /// which may_stay(leaf, part) says, or there are too many of them.

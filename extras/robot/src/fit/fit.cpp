@@ -12,6 +12,7 @@
 #include <morula/geometry/scale.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/robot/fit.hpp>
+#include <morula/tree/cover.hpp>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -26,17 +27,17 @@ namespace morula::robot {
 
 namespace {
 
-constexpr std::size_t most_spheres_for_radius = 256;
+constexpr std::size_t most_spheres_for_radius = 256, mean_spheres_of_a_mesh = 16;
 
 void require_sense(const Robot& robot, const FitOptions& o) {
   const auto require_link = [&](const std::string& name, const char* what) {
     if (robot.find_link(name) == none)
       throw std::invalid_argument(fmt::format("{}: the robot has no link {}", what, name));
   };
-  for (const std::string& name : o.skip) require_link(name, "left out");
+  for (const std::string& name : o.skip) require_link(name, "skip");
   for (const auto& [name, count] : o.link_spheres) {
-    require_link(name, "spheres");
-    if (count == 0) throw std::invalid_argument(fmt::format("spheres: 0 of link {}; leave it out instead", name));
+    require_link(name, "link_spheres");
+    if (count == 0) throw std::invalid_argument(fmt::format("link_spheres: 0 of link {}; skip the link instead", name));
   }
   for (const auto& [name, spheres] : o.fixed_spheres) {
     require_link(name, "fixed_spheres");
@@ -51,26 +52,37 @@ void require_sense(const Robot& robot, const FitOptions& o) {
       }
     }
   }
-  const auto in_range = [](double value) { return value >= 0 && value < 1e30; };
-  const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
-  if (!in_range(o.padding) || !in_range(o.min_radius)) {
-    throw std::invalid_argument("padding and the least radius are numbers not below 0");
+  const auto require_not_below_0 = [](const char* argument, double value) {
+    if (!(value >= 0 && value < 1e30))
+      throw std::invalid_argument(fmt::format("{}: {} is not a number from 0 on", argument, value));
+  };
+  const auto require_above_0 = [](const char* argument, const std::optional<double>& value) {
+    if (value && !(*value > 0 && *value < 1e30))
+      throw std::invalid_argument(fmt::format("{}: {} is not a number above 0", argument, *value));
+  };
+  require_not_below_0("tolerance", o.tolerance);
+  if (o.tolerance > 0 && o.method != Method::optimized) {
+    throw std::invalid_argument(fmt::format(
+        "method {} does not fit for a tolerance; use optimized, or leave the tolerance out", name(o.method)));
   }
-  if (!is_length(o.max_radius) || !is_length(o.max_protrusion) || !is_length(o.max_protrusion_share) ||
-      !is_length(o.clip_margin) || !is_length(o.density)) {
-    throw std::invalid_argument("the largest radius, protrusion, margin and density are numbers above 0");
-  }
-  if (o.max_total && *o.max_total == 0) throw std::invalid_argument("a robot has at least 1 sphere in total");
+  require_not_below_0("padding", o.padding);
+  require_not_below_0("min_radius", o.min_radius);
+  require_above_0("max_radius", o.max_radius);
+  require_above_0("max_protrusion", o.max_protrusion);
+  require_above_0("max_protrusion_share", o.max_protrusion_share);
+  require_above_0("clip_margin", o.clip_margin);
+  require_above_0("density", o.density);
+  if (o.max_total && *o.max_total == 0) throw std::invalid_argument("max_total: a robot has at least 1 sphere");
   if (o.max_radius && *o.max_radius < o.min_radius) {
-    throw std::invalid_argument("the largest radius is below the smallest");
+    throw std::invalid_argument(fmt::format("max_radius: {} is below min_radius, {}", *o.max_radius, o.min_radius));
   }
   if (o.method != Method::optimized && o.quality && *o.quality != Quality::standard) {
     throw std::invalid_argument(
         fmt::format("quality {} is for method optimized; method {} has one way only: leave the quality out",
                     name(*o.quality), name(o.method)));
   }
-  if (o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
-    throw std::invalid_argument("say how many spheres, or how far they may stick out");
+  if (o.spheres && *o.spheres == 0 && !o.max_total && !o.max_protrusion && !o.max_protrusion_share) {
+    throw std::invalid_argument("spheres: 0 requires max_protrusion or max_protrusion_share");
   }
 }
 
@@ -239,8 +251,32 @@ class Fitter {
   }
 
   void set_budgets(const std::vector<std::size_t>& sharing) {
-    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = own_number(i).value_or(o_.spheres);
-    if (o_.max_total) share_total(sharing);
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].budget = own_number(i).value_or(o_.spheres.value_or(0));
+    if (o_.max_total) {
+      share_total(sharing);
+    } else if (!o_.spheres && !o_.max_protrusion && !o_.max_protrusion_share) {
+      share_among_sizes();
+    }
+  }
+
+  /// On average the same number for each mesh without a number of its own.
+  void share_among_sizes() {
+    std::vector<std::size_t> sharing;
+    std::vector<MeshSize> sizes;
+    std::size_t meshes = 0;
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const Mesh& mesh = first_of(i).surface.mesh;
+      if (own_number(i) || mesh.facets.empty()) continue;
+      Box box;
+      for (const Vec3& p : mesh.positions) box.add(p);
+      const Vec3 e = box.upper - box.lower;
+      sharing.push_back(i);
+      sizes.push_back({2 * (e.x * e.y + e.y * e.z + e.z * e.x), groups_[i].members.size()});
+      meshes += groups_[i].members.size();
+    }
+    const std::vector<std::size_t> counts = share_by_size(sizes, mean_spheres_of_a_mesh * meshes);
+    for (std::size_t k = 0; k < sharing.size(); ++k)
+      groups_[sharing[k]].budget = first_of(sharing[k]).surface.spheres.size() + counts[k];
   }
 
   /// Divides the part of the total that single links leave.
@@ -346,6 +382,7 @@ class Fitter {
                            .seed = o_.seed,
                            .quality = quality(o_.quality.value_or(Quality::fast)),
                            .stop = o_.stop};
+      options.tolerance = o_.tolerance;
       options.max_protrusion = o_.max_protrusion;
       if (o_.max_protrusion_share) {
         Box box;
@@ -366,15 +403,25 @@ class Fitter {
         link.notes.push_back(
             fmt::format("link {}: the spheres exceed the largest protrusion; allow more of them", name_of(link)));
       }
-      const std::vector<Sphere> fitted = leaves(*model);
-      link.spheres.insert(link.spheres.end(), fitted.begin(), fitted.end());
+      for (const Sphere& leaf : leaves(*model)) link.spheres.push_back(reduced(leaf, o_.tolerance));
       link.tree = std::move(model);
     }
-    for (Sphere& s : link.spheres) s.radius = final_radius(s);
+    for (Sphere& s : link.spheres) s.radius = padded_radius(s.radius);
     round_outward(link.spheres);
+    remove_repeated(link.spheres);
   }
 
-  double final_radius(const Sphere& s) const { return std::max(s.radius + o_.padding, o_.min_radius); }
+  /// Removes spheres that are equal to an earlier one.
+  static void remove_repeated(std::vector<Sphere>& spheres) {
+    std::vector<Sphere> kept;
+    for (const Sphere& s : spheres)
+      if (std::find(kept.begin(), kept.end(), s) == kept.end()) kept.push_back(s);
+    spheres = std::move(kept);
+  }
+
+  double padded_radius(double radius) const { return std::max(radius + o_.padding, o_.min_radius); }
+  /// The radius that the sphere of a leaf of a fitted tree gets in files.
+  double final_radius(const Sphere& leaf) const { return padded_radius(reduced(leaf, o_.tolerance).radius); }
 
   /// The least distance of a sphere from planes: rounding to decimals moves less than 1e-6 of the size, and rounding to
   /// float even less.
@@ -422,7 +469,9 @@ class Fitter {
       for (const Sphere& s : leaves(tree)) radius = std::max(radius, s.radius);
       return radius;
     };
-    const auto fits = [&](const CoveredTree& tree) { return largest(tree) + o_.padding <= *o_.max_radius; };
+    const auto fits = [&](const CoveredTree& tree) {
+      return largest(tree) - o_.tolerance + o_.padding <= *o_.max_radius;
+    };
     std::size_t spheres = options.spheres.value_or(model.tree.leaf_count());
     while (!fits(model) && spheres < most_spheres_for_radius) {
       options.spheres = spheres *= 2;
@@ -436,6 +485,17 @@ class Fitter {
     if (!fits(model)) {
       link.notes.push_back(fmt::format("link {}: spheres exceed the largest radius; allow larger ones", name_of(link)));
     }
+  }
+
+  /// A distance from the spheres within which every point of the mesh is proven to lie. A bound that exceeds the
+  /// tolerance by less than it is loose by gives way to the proof of larger spheres.
+  double proven_distance(const Mesh& mesh, std::vector<Sphere> spheres, const Coverage& cover) const {
+    if (cover.covered) return 0;
+    const double bound = cover.uncovered_distance_upper + cover.tolerance;
+    if (bound <= o_.tolerance || !(o_.tolerance > 0)) return bound;
+    // mutant robot-tolerance-not-certified: `s.radius += o_.tolerance` -> `s.radius += 2 * o_.tolerance`
+    for (Sphere& s : spheres) s.radius += o_.tolerance;
+    return coverage(mesh, spheres, serial_workers()).covered ? o_.tolerance : bound;
   }
 
   void measure(LinkSpheres& link) const {
@@ -455,6 +515,7 @@ class Fitter {
       for (const Sphere& s : certified) least = std::min(least, distance(s.center, own.center) + own.radius - s.radius);
       if (!(least > 0)) continue;
       figures.covered = false;
+      figures.within = std::max(figures.within, least);
       figures.uncovered_distance = std::max(figures.uncovered_distance, least);
     }
     figures.solid = union_mass(link.spheres);
@@ -481,6 +542,7 @@ class Fitter {
       const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
       figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
+      figures.within = std::max(figures.within, proven_distance(surface.mesh, certified, cover));
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
         protrusions.push_back(std::max(0.0, std::min(object.protrusion_bound(s), beyond_own(s))));
@@ -519,6 +581,12 @@ std::size_t RobotSpheres::sphere_count() const {
 
 bool RobotSpheres::covered() const {
   return std::all_of(links.begin(), links.end(), [](const LinkSpheres& link) { return link.figures.covered; });
+}
+
+double RobotSpheres::within() const {
+  double largest = 0;
+  for (const LinkSpheres& link : links) largest = std::max(largest, link.figures.within);
+  return largest;
 }
 
 std::size_t RobotSpheres::inner_count() const {

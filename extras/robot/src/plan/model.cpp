@@ -3,12 +3,14 @@
 #include "plan/model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <morula/geometry/reproducible.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <stdexcept>
 #include <string>
 
-#include "read/xml.hpp"
+#include "plan/motion_bodies.hpp"
 
 namespace morula::robot {
 namespace {
@@ -18,6 +20,12 @@ JointStep step_of(const Robot& robot, std::size_t joint_index) {
   JointStep step{
       .parent = joint.parent, .child = joint.child, .origin = joint.origin, .kind = joint.kind, .axis = joint.axis};
   if (!joint.moves()) return step;
+  const double largest = max_norm(step.axis);
+  const int exponent = largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
+  for (int k = 0; k < 3; ++k) step.scaled_axis[k] = std::ldexp(step.axis[k], -exponent);
+  step.axis_length = length(step.scaled_axis);
+  // A zero axis gives no rotation.
+  if (!(step.axis_length > 0)) step.scaled_axis = {}, step.axis_length = 1;
   std::size_t leader = joint_index;
   for (; robot.joints[leader].mimic; leader = robot.joints[leader].mimic->joint) {
     step.offset += step.factor * robot.joints[leader].mimic->offset;
@@ -29,6 +37,29 @@ JointStep step_of(const Robot& robot, std::size_t joint_index) {
   if (found == independent.end()) step.factor = 0;
   step.coordinate = found == independent.end() ? none : static_cast<std::size_t>(found - independent.begin());
   return step;
+}
+
+// The rotation by an angle about an axis, with the operations of RigidTransform::from_axis() less its scaling by powers
+// of two, which changes no digit here: products of entries vanish only beside others that are much larger.
+std::array<Vec3, 3> rotation_of(const JointStep& step, double angle) {
+  const SinCos half = sin_cos(0.5 * angle);
+  const double f = half.sin / step.axis_length, w = half.cos;
+  const double x = f * step.scaled_axis.x, y = f * step.scaled_axis.y, z = f * step.scaled_axis.z;
+  const double s = 2 / (w * w + x * x + y * y + z * z);
+  return {Vec3{1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)},
+          Vec3{s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)},
+          Vec3{s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}};
+}
+
+// Products with the operations of composed().
+std::array<Vec3, 3> rotated(const std::array<Vec3, 3>& a, const std::array<Vec3, 3>& b) {
+  std::array<Vec3, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    result[i] = {a[i].x * b[0].x + a[i].y * b[1].x + a[i].z * b[2].x,
+                 a[i].x * b[0].y + a[i].y * b[1].y + a[i].z * b[2].y,
+                 a[i].x * b[0].z + a[i].y * b[1].z + a[i].z * b[2].z};
+  }
+  return result;
 }
 
 // Much more than the rounding of the numbers that are compared.
@@ -114,22 +145,22 @@ void ConfigurationQuery::Model::arrange() {
   std::stable_sort(pairs.begin(), pairs.end(), [&](const GroupPair& x, const GroupPair& y) {
     return std::pair{groups[x.a].link, groups[x.b].link} < std::pair{groups[y.a].link, groups[y.b].link};
   });
+  motions = std::make_shared<const MotionBodies>(*this);
 }
 
 void ConfigurationQuery::Model::place(std::span<const double> values, std::span<RigidTransform> poses) const {
   poses[root] = base;
   for (const JointStep& step : steps) {
-    const RigidTransform at = composed(poses[step.parent], step.origin);
-    const bool moves = step.kind == Joint::Kind::revolute || step.kind == Joint::Kind::continuous ||
-                       step.kind == Joint::Kind::prismatic;
-    if (!moves) {
-      poses[step.child] = at;
-      continue;
+    const RigidTransform& parent = poses[step.parent];
+    RigidTransform at{rotated(parent.rows, step.origin.rows), parent(step.origin.translation)};
+    if (step.moves()) {
+      const double value = (step.coordinate == none ? 0 : step.factor * values[step.coordinate]) + step.offset;
+      if (step.kind == Joint::Kind::prismatic)
+        at.translation = at(value * step.axis);
+      else
+        at.rows = rotated(at.rows, rotation_of(step, value));
     }
-    const double value = (step.coordinate == none ? 0 : step.factor * values[step.coordinate]) + step.offset;
-    const RigidTransform motion = step.kind == Joint::Kind::prismatic ? RigidTransform{.translation = value * step.axis}
-                                                                      : RigidTransform::from_axis(step.axis, value);
-    poses[step.child] = composed(at, motion);
+    poses[step.child] = at;
   }
 }
 

@@ -21,6 +21,12 @@ struct JointStep {
   // value = factor × values[coordinate] + offset. `none`: the joint is fixed, or floating or planar at value 0.
   std::size_t coordinate = none;
   double factor = 1, offset = 0;
+  Vec3 scaled_axis{};  // times a power of two
+  double axis_length = 1;
+
+  bool moves() const {
+    return kind == Joint::Kind::revolute || kind == Joint::Kind::continuous || kind == Joint::Kind::prismatic;
+  }
 };
 
 /// Spheres that move with one link: the link's own, or those of the object that it holds.
@@ -36,6 +42,8 @@ struct MovingSpheres {
 struct GroupPair {
   std::size_t a = 0, b = 0;
 };
+
+struct MotionBodies;
 
 struct ConfigurationQuery::Model {
   Model(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision);
@@ -65,6 +73,8 @@ struct ConfigurationQuery::Model {
   std::vector<MovingSpheres> held;        // groups of objects, ascending by link
   std::vector<MovingSpheres> groups;      // all, ascending by link, a link's own before its object
   std::vector<GroupPair> pairs;           // ascending by the link of a, then of b
+
+  std::shared_ptr<const MotionBodies> motions;  // trees over the groups, for edges
 };
 
 inline Sphere sphere_at(const RigidTransform& at, const Sphere& s) {

@@ -4,8 +4,11 @@
 #include "plan/obstacle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <morula/query/signed_distance.hpp>
+#include <vector>
 
 namespace morula::robot {
 namespace {
@@ -38,18 +41,80 @@ struct CapsuleObstacle final : Obstacle {
   const Vec3 along;
 };
 
+/// Signed distances at the centers of cubes around a mesh. Distances of two points differ by at most the distance of
+/// the points, and their signs only if the surface lies between them. So the entry of a point's cube bounds the
+/// point's.
+class DistanceGrid {
+ public:
+  DistanceGrid(const SignedDistance& distance, bool solid, const Box& box) {
+    constexpr double most = 32;  // cubes along the longest edge
+    const Vec3 extent = box.extent();
+    edge_ = std::max({extent.x, extent.y, extent.z}) / (most - 2);
+    if (!(edge_ > 0)) return;
+    lower_ = box.lower - Vec3{edge_, edge_, edge_};
+    for (int k = 0; k < 3; ++k) counts_[static_cast<std::size_t>(k)] = static_cast<std::size_t>(extent[k] / edge_) + 3;
+    allowance_ = 1e-12 * largest_coordinate(box) + 1e-12 * edge_;
+    entries_.reserve(counts_[0] * counts_[1] * counts_[2]);
+    double known = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < counts_[0] * counts_[1] * counts_[2]; ++i) {
+      if (i % counts_[0] == 0) known = std::numeric_limits<double>::infinity();
+      const double d = distance.at(center(i), known).distance;
+      known = std::abs(d) + 1.01 * edge_;
+      entries_.push_back(static_cast<float>(solid ? d : std::abs(d)));
+    }
+  }
+
+  struct Bounds {
+    double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  };
+  /// Bounds of the distance at p, as computed; infinite ones beside the grid.
+  Bounds at(const Vec3& p) const {
+    if (entries_.empty()) return {};
+    std::size_t place = 0, stride = 1;
+    for (int k = 0; k < 3; ++k) {
+      const double share = (p[k] - lower_[k]) / edge_;
+      const std::size_t count = counts_[static_cast<std::size_t>(k)];
+      if (!(share >= 0 && share < static_cast<double>(count))) return {};
+      place += stride * static_cast<std::size_t>(share);
+      stride *= count;
+    }
+    // The entry is rounded to float, and all of this in double.
+    // mutant grid-reach: `distance(p, center(place)) +` -> `0.5 * distance(p, center(place)) +`
+    const double d = entries_[place], reach = distance(p, center(place)) + 0x1p-22 * std::abs(d) + allowance_;
+    if (d > reach) return {d - reach, d + reach};
+    if (d < -reach) return {d - reach, d + reach};
+    return {-std::numeric_limits<double>::infinity(), std::abs(d) + reach};
+  }
+
+ private:
+  Vec3 center(std::size_t i) const {
+    const auto along = [&](std::size_t n) { return (static_cast<double>(n) + 0.5) * edge_; };
+    return lower_ + Vec3{along(i % counts_[0]), along(i / counts_[0] % counts_[1]), along(i / counts_[0] / counts_[1])};
+  }
+  Vec3 lower_{};
+  double edge_ = 0, allowance_ = 0;
+  std::array<std::size_t, 3> counts_{};
+  std::vector<float> entries_;
+};
+
 struct MeshObstacle final : Obstacle {
-  explicit MeshObstacle(const MeshView& mesh) : distance(mesh), solid(distance.has_volume()) {
+  explicit MeshObstacle(const MeshView& mesh)
+      : distance(mesh), solid(distance.has_volume()), grid(distance, solid, bounding_box(mesh)) {
     set_bounds(bounding_box(mesh));
   }
   bool touches(const Sphere& ball) const override {
-    const double d = distance(ball.center);
+    const DistanceGrid::Bounds bound = grid.at(ball.center);
+    if (bound.upper <= ball.radius) return true;
+    if (bound.lower > ball.radius) return false;
+    const double d = distance.at(ball.center).distance;
     return (solid ? d : std::abs(d)) <= ball.radius;
   }
+  bool is_clear_of(const Sphere& ball) const override { return grid.at(ball.center).lower > ball.radius * (1 + 1e-12); }
   NearestObstacle nearest(const Vec3& p, double within) const override {
     // Within the bounds p may be inside, where also a negative `within` leaves something to find.
     const double outside = scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{}));
     if (outside > 0 && outside > within) return {};
+    if (grid.at(p).lower > within) return {};
     const SignedDistance::Result result = distance.at(p);
     const bool inside = solid && result.distance < 0;
     const Vec3 offset = inside ? result.closest.point - p : p - result.closest.point;
@@ -59,6 +124,7 @@ struct MeshObstacle final : Obstacle {
   }
   const SignedDistance distance;
   const bool solid;
+  const DistanceGrid grid;
 };
 
 }  // namespace

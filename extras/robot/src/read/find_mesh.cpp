@@ -64,7 +64,7 @@ class Search {
     if (!outside_.empty()) reject(outside_);
     std::string text = "is missing; searched:";
     for (const fs::path& path : searched_) text += fmt::format(" {}", path.string());
-    reject(fmt::format("{}; name the folder that holds its package with {}", text, root_option));
+    reject(fmt::format("{}; give the folder that holds its package as a package path", text));
   }
 
  private:

@@ -41,7 +41,7 @@ class RobotFolders {
   FileRoots roots_;
 };
 
-/// The option that allows further folders.
-inline constexpr std::string_view root_option = "--package-path";
+/// What allows further folders: an option of the command and an argument of the library.
+inline constexpr std::string_view root_option = "the package path";
 
 }  // namespace morula::robot

@@ -152,6 +152,12 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
                     "file of its own",
                     file.string(), shape.part));
   }
+  const std::span<const MeshFileKind> kinds = mesh_file_kinds();
+  const auto is_known = [&](const MeshFileKind& kind) { return kind.extension == ending; };
+  if (ending != ".dae" && !is_mujoco_mesh(file) && std::none_of(kinds.begin(), kinds.end(), is_known)) {
+    throw FileError(fmt::format("{}: no mesh format has the extension '{}'; name a file with one of .dae {}",
+                                file.string(), ending, readable_mesh_extensions()));
+  }
   Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part, info)
               : is_mujoco_mesh(file) ? read_mujoco_mesh(file)
                                      : read_mesh(file, info);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <utility>
 
 #include "io/whole_file.hpp"
 
@@ -25,7 +27,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw SystemFileError(file, "there is no such file", ENOENT);
   if (!std::filesystem::is_regular_file(file, error)) {
-    throw FileError(fmt::format("{}: is no file; name the robot's description", file.string()));
+    throw FileError(fmt::format("{}: is not a file; name the robot's description", file.string()));
   }
   if (std::filesystem::file_size(file, error) > most_bytes) {
     throw FileError(fmt::format("{}: is larger than 64 MiB, which no description of a robot is", file.string()));
@@ -51,6 +53,18 @@ int line_of(std::string_view bytes, std::size_t at) {
 const char* number_hint(std::string_view value) {
   if (value.find("${") != value.npos || value.find("$(") != value.npos) return "; run xacro on the file first";
   return value.find(',') != value.npos ? "; write decimals with a point, and numbers apart by blanks" : "";
+}
+
+/// "mismatched element" of XML_ERROR_MISMATCHED_ELEMENT.
+std::string error_text(std::string_view name) {
+  for (const std::string_view prefix : {"XML_ERROR_", "XML_"}) {
+    if (!name.starts_with(prefix)) continue;
+    name.remove_prefix(prefix.size());
+    break;
+  }
+  std::string text;
+  for (const char c : name) text += c == '_' ? ' ' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 bool is_blank(char c) {
@@ -81,7 +95,15 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
-  std::string bytes = bytes_of(file);
+  parse(bytes_of(file));
+}
+
+Xml::Xml(const std::filesystem::path& file, XmlText text) : file_(file) {
+  parse(std::move(text.bytes));
+}
+
+void Xml::parse(std::string bytes) {
+  const std::filesystem::path& file = file_;
   // Programs in C may also write the terminating 0 of their text.
   while (!bytes.empty() && bytes.back() == '\0') bytes.pop_back();
   if (const std::size_t at = bytes.find("<!ENTITY"); at != std::string::npos) {
@@ -89,11 +111,11 @@ Xml::Xml(const std::filesystem::path& file) : file_(file) {
             "entities are declared, and none are expanded here: write out what they stand for");
   }
   if (const std::size_t at = bytes.find('\0'); at != std::string::npos) {
-    fail_at(file, line_of(bytes, at), "is no text: there is a byte of 0 in it");
+    fail_at(file, line_of(bytes, at), "is not text: it has a byte of value 0");
   }
   if (document_.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
     fail_at(file, std::max(1, document_.ErrorLineNum()),
-            fmt::format("is no well-formed XML ({})", document_.ErrorName()));
+            fmt::format("is not well-formed XML: {}", error_text(document_.ErrorName())));
   }
   if (document_.RootElement() == nullptr) throw FileError(fmt::format("{}: holds no element", file.string()));
 }

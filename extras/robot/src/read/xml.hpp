@@ -19,10 +19,17 @@ namespace morula::robot {
 /// Throws FileError "FILE:LINE: …".
 [[noreturn]] void fail_at(const std::filesystem::path& file, int line, const std::string& text);
 
+/// What a program makes of a file.
+struct XmlText {
+  std::string bytes;
+};
+
 class Xml {
  public:
   /// Throws FileError: unreadable, broken, larger than 64 MiB, or with entities.
   explicit Xml(const std::filesystem::path& file);
+  /// Parses text in place of the file, which messages name.
+  Xml(const std::filesystem::path& file, XmlText text);
   /// The same for another root element.
   Xml(const std::filesystem::path& file, std::string_view root);
 
@@ -41,6 +48,7 @@ class Xml {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  void parse(std::string bytes);
   std::vector<double> numbers_meant(const tinyxml2::XMLElement& at, const char* attribute, const std::string& value,
                                     std::size_t count) const;
 

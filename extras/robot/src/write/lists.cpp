@@ -54,6 +54,7 @@ Json link_json(const Description& d, const LinkSpheres& link) {
       {"same_shape_as", link.same_shape_as == none ? Json(nullptr) : Json(d.robot.links[link.same_shape_as].name)},
       {"facets", f.facets},
       {"covered", f.covered},
+      {"within", f.within},
       {"uncovered_distance", f.uncovered_distance},
       {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
       {"object_volume", or_null(f.object_volume)},
@@ -144,7 +145,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
   }
   std::string links =
       "link,facets,spheres,covered,uncovered_distance,protrusion_mean,protrusion_p95,protrusion_max,object_volume,"
-      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz\n";
+      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz,within\n";
   for (const LinkSpheres& link : d.spheres.links) {
     const LinkFigures& f = link.figures;
     const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
@@ -157,7 +158,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
                     f.protrusion_p95, f.protrusion_max, cell(f.object_volume), cell(f.outside_volume), f.solid.volume,
                     f.mass, f.solid.center.x, f.solid.center.y, f.solid.center.z);
     for (const double entry : f.solid.inertia) links += fmt::format(",{}", scale * entry);
-    links += "\n";
+    links += fmt::format(",{}\n", f.within);
   }
   return {{"spheres.csv", text}, {"links.csv", links}};
 }
@@ -172,6 +173,7 @@ std::vector<OutputFile> write_json(const Description& d) {
                   {"format_version", 1},
                   {"robot", d.robot.name},
                   {"covered", d.spheres.covered()},
+                  {"within", d.spheres.within()},
                   {"spheres", d.spheres.sphere_count()},
                   {"links", links},
                   {"self_collision",
@@ -192,9 +194,10 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
     return FileError(fmt::format("{}: {}; give a spheres.json that morula robot wrote", path.string(), text));
   };
   try {
-    const nlohmann::json json = nlohmann::json::parse(stream);
+    const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+    if (json.is_discarded()) throw fail("is not JSON");
     if (json.at("format") != "morula robot spheres" || json.at("format_version") != 1)
-      throw fail("is of another format");
+      throw fail("has another format");
     std::map<std::string, std::vector<Sphere>> result;
     for (const nlohmann::json& link : json.at("links")) {
       std::vector<Sphere>& spheres = result[link.at("link").get<std::string>()];
@@ -202,13 +205,13 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
         const nlohmann::json& c = sphere.at("center");
         const Sphere s{{c.at(0).get<double>(), c.at(1).get<double>(), c.at(2).get<double>()},
                        sphere.at("radius").get<double>()};
-        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30)) throw fail("holds a sphere that is none");
+        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30)) throw fail("has a sphere with a radius or center out of range");
         spheres.push_back(s);
       }
     }
     return result;
-  } catch (const nlohmann::json::exception& error) {
-    throw fail(fmt::format("is not as expected ({})", error.what()));
+  } catch (const nlohmann::json::exception&) {
+    throw fail("lacks a part of such a file");
   }
 }
 

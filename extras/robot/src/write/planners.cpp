@@ -69,9 +69,14 @@ std::vector<std::string> link_names(const Description& d) {
   return names;
 }
 
+/// Whether planners can read the robot's own file.
+bool is_plain_urdf(const Robot& robot) {
+  return robot.format == Robot::Format::urdf && robot.expanded.empty();
+}
+
 /// The file that a planner reads: the robot's own file, or the URDF written for a robot in another format.
 std::filesystem::path urdf_of(const Description& d) {
-  if (d.robot.format == Robot::Format::urdf) return std::filesystem::absolute(d.robot.file).lexically_normal();
+  if (is_plain_urdf(d.robot)) return std::filesystem::absolute(d.robot.file).lexically_normal();
   return (std::filesystem::absolute(d.options.folder) / (identifier(d.robot.name) + "_spherized.urdf"))
       .lexically_normal();
 }
@@ -79,14 +84,14 @@ std::filesystem::path urdf_of(const Description& d) {
 /// With the URDF where the robot has none.
 std::vector<OutputFile> with_urdf(const Description& d, OutputFile file) {
   std::vector<OutputFile> files{std::move(file)};
-  if (d.robot.format != Robot::Format::urdf) files.push_back(write_urdf(d).front());
+  if (!is_plain_urdf(d.robot)) files.push_back(write_urdf(d).front());
   return files;
 }
 
 /// The folder that a mesh's name is relative to once `package://` is struck off; where there is none, the robot's.
 std::filesystem::path asset_root(const Description& d) {
   const Robot& robot = d.robot;
-  if (robot.format != Robot::Format::urdf) return urdf_of(d).parent_path();
+  if (!is_plain_urdf(robot)) return urdf_of(d).parent_path();
   std::filesystem::path folder = std::filesystem::absolute(robot.file).parent_path().lexically_normal();
   for (const Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {

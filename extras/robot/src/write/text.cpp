@@ -55,7 +55,13 @@ std::string identifier(const std::string& text) {
 
 std::string made_note(const Description& d) {
   const char* what = d.options.inner ? "; they are inside the links and do not cover them" : "";
-  return fmt::format("Spheres by morula {}{}", version, what);
+  // mutant robot-files-silent-on-tolerance: `!d.options.inner && !d.spheres.covered()` -> `false`
+  const std::string bare =
+      !d.options.inner && !d.spheres.covered()
+          ? fmt::format("; they leave surface uncovered: every point of the links is proven to be within {} of them",
+                        d.spheres.within())
+          : std::string();
+  return fmt::format("Spheres by morula {}{}{}", version, what, bare);
 }
 
 std::string xml_text(tinyxml2::XMLDocument& document, const Description& d) {

@@ -149,7 +149,11 @@ std::string urdf_text(const Description& d, const std::string& below) {
   tinyxml2::XMLDocument fresh;
   std::optional<Xml> given;
   if (d.robot.format == Robot::Format::urdf) {
-    given.emplace(d.robot.file, "robot");
+    if (d.robot.expanded.empty()) {
+      given.emplace(d.robot.file, "robot");
+    } else {
+      given.emplace(d.robot.file, XmlText{d.robot.expanded});
+    }
   } else {
     describe(fresh, d, below);
   }

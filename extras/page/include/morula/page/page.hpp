@@ -24,6 +24,10 @@ struct PageJoints {
     std::string name;
     std::size_t vertex_begin = 0, vertex_end = 0;  ///< the part has the vertices [vertex_begin, vertex_end)
     std::optional<double> protrusion{};  ///< largest protrusion of its spheres, mesh units; no value without spheres
+    /// Its spheres in the part's axes, as a file stores them. The reader can edit the spheres of parts that have some.
+    std::vector<Sphere> spheres{};
+    std::vector<Sphere>
+        balls{};  ///< spheres among its shapes, in the part's axes; each lies in one sphere of the cover
   };
   struct Joint {
     enum class Kind { fixed, turns, slides };
@@ -42,6 +46,8 @@ struct PageJoints {
   std::vector<Joint> joints;
   /// Pairs of parts that may overlap, the lower index first. The page reports the overlap of spheres of other pairs.
   std::vector<std::array<std::size_t, 2>> ignored{};
+  std::vector<std::string> reasons{};  ///< the reason of each ignored pair, as text; empty: none is given
+  std::string command{};  ///< command line that certifies saved spheres, as text for the reader; empty: none is shown
 };
 
 /// A mesh, and the positions of its vertices in every frame.

@@ -57,17 +57,22 @@ enum class MotionResult : std::uint8_t {
 /// The verdict about an edge: the straight line from one configuration to another.
 struct MotionVerdict {
   MotionResult result = MotionResult::free;
-  /// 0 to 1. touches: a time with a contact, before which the edge is free or undecided. undecided: the earliest time
-  /// that could not be decided. free: 1.
+  /// 0 to 1. touches: a time with a contact; for a certified edge, every earlier part is free or undecided, and at a
+  /// resolution it is the first that was found. undecided: the middle of the first part that could not be decided,
+  /// where the robot is nearer than MotionOptions::tolerance to a contact. free: 1.
   double time = 1;
   ConfigurationVerdict contact{};  ///< of the configuration at `time`, for `touches`
+  bool operator==(const MotionVerdict&) const = default;
 };
 
 struct MotionOptions {
   /// Above 0: tests configurations at most this far apart, in radians or mesh units of the coordinate that moves most,
-  /// as planners usually do; nothing is proven between them and `free` means that they are free. 0: certified.
+  /// as planners usually do: the ends, then repeatedly the middles between tested ones, until one touches. Nothing is
+  /// proven between them, and `free` means that they are free. 0: certified.
   double resolution = 0;
-  /// Certified edges: least gap of parts that are proven free, above 0, mesh units. Nearer parts are undecided.
+  /// Certified edges: every part with at least this gap is proven free, above 0, mesh units. Nearer parts may be
+  /// undecided. The cost grows with the length of these parts divided by it. Rounding is the least tolerance: it is
+  /// below 1e-9 of the size of robot and world unless joints turn by thousands of radians.
   double tolerance = 1e-4;
   bool world = true, self = true;  ///< what counts
 };
@@ -118,6 +123,11 @@ class ConfigurationQuery {
                  WorkersOrAll workers = {}) const;
 
   /// Checks edges: from[i] to to[i], each coordinate in proportion. from, to: verdicts.size() × coordinates() numbers.
+  ///
+  /// A certified edge is halved until bounds of each sphere's motion prove its parts free. `free` holds for exact
+  /// arithmetic on the given numbers, hence for every configuration of the edge that check() computes. Throws
+  /// std::invalid_argument for other sizes, numbers that are not finite, options out of range, and edges of more than a
+  /// billion configurations at a resolution. Results are the same for any number of workers.
   void check_motions(std::span<const double> from, std::span<const double> to, const World& world,
                      std::span<MotionVerdict> verdicts, const MotionOptions& options = {},
                      WorkersOrAll workers = {}) const;

@@ -27,7 +27,10 @@ struct ClipPlane {
 };
 
 struct FitOptions {
-  std::size_t spheres = 16;  ///< largest number of spheres of a link; 0: as many as the largest protrusion requires
+  /// Largest number of spheres of a link; 0: as many as the largest protrusion requires. No value: 0 with a largest
+  /// protrusion, otherwise a number that follows the size of the link: 16 a mesh on average, shared in proportion to the
+  /// power 3/4 of the surface of each mesh's box, at least 1 each; spheres among the shapes come on top.
+  std::optional<std::size_t> spheres{};
   /// Largest number of spheres of the whole robot, 1 or more, including `link_spheres` and `fixed_spheres`; `spheres`
   /// then has no effect. Every link gets at least one; each further sphere goes to the link where it reduces the
   /// estimated outside volume most. If the links need more, they get more, and a note says so.
@@ -40,6 +43,10 @@ struct FitOptions {
   /// Largest protrusion as a share of the diagonal of each link's box, above 0. If both are set, the smaller length
   /// counts.
   std::optional<double> max_protrusion_share{};
+  /// Distance within which the spheres have to cover the shapes, 0 or more, mesh units; above 0 only for the method
+  /// `optimized`. Spheres then leave surface uncovered on purpose and are fitted for less outside volume; every point
+  /// of the shapes is proven to lie within the tolerance of a sphere (LinkFigures::within).
+  double tolerance = 0;
   double padding = 0;     ///< length added to every radius after the fit, 0 or more, mesh units
   double min_radius = 0;  ///< smallest radius, 0 or more, mesh units; smaller radii are increased to it
   /// Largest radius, with padding, above 0, mesh units; links use more spheres than requested if it requires that. If
@@ -83,6 +90,9 @@ struct LinkFigures {
   /// True: every point of the shapes that has to be covered is proven to be in a sphere, also if a reader rounds the
   /// numbers to float.
   bool covered = false;
+  /// Proven: every point of the shapes that has to be covered lies within this distance of a sphere, also if a reader
+  /// rounds the numbers to float; mesh units; 0 if covered. At most the tolerance of the fit, for spheres that it made.
+  double within = 0;
   /// Largest distance of a point of the shapes from the spheres, mesh units; for spheres among the shapes an upper
   /// bound of it; 0 if covered.
   double uncovered_distance = 0;
@@ -105,8 +115,8 @@ struct LinkSpheres {
   /// Index of an earlier link whose fit this link shares, because the shapes are the same; `none`: it has its own.
   std::size_t same_shape_as = none;
   LinkSurface surface;  ///< surface of the shapes, without the parts that planes cut off
-  /// Tree whose leaves became spheres, before padding and rounding; nullptr for given spheres and for shapes that are
-  /// all spheres.
+  /// Tree whose leaves became spheres, before they were reduced by the tolerance, padded and rounded: it covers;
+  /// nullptr for given spheres and for shapes that are all spheres.
   std::shared_ptr<const CoveredTree> tree;
   LinkFigures figures;
   /// Inner spheres. Each is proven to be inside a closed surface of the shapes and on the kept side of all clip planes,
@@ -124,6 +134,8 @@ struct RobotSpheres {
   std::size_t sphere_count() const;
   /// True if LinkFigures::covered is true for all links.
   bool covered() const;
+  /// The largest LinkFigures::within of all links: 0 if covered.
+  double within() const;
   /// The spheres of a link, by its index in Robot::links; nullptr if it has none.
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;

@@ -99,6 +99,7 @@ struct Robot {
   std::vector<std::size_t> independent_joints;
   std::vector<std::string> notes;                 ///< skipped or corrected parts of the file, as text
   std::vector<std::filesystem::path> included{};  ///< files that the robot's file includes
+  std::string expanded{};                         ///< the URDF that xacro made of the file; empty: xacro did not run
   /// Names of pairs of links that the file excludes from collision, or connects so that they close a loop.
   std::vector<std::array<std::string, 2>> ignored{};
 
@@ -114,6 +115,10 @@ struct ReadOptions {
   /// true: the visual shapes are needed, otherwise the collision shapes. A mesh must exist only if it is needed.
   bool visual = false;
   std::set<std::string> skip{};  ///< names of links whose shapes are not needed
+  /// Program that expands xacro, a path or a name on PATH; it runs only for files with xacro elements or expressions,
+  /// without a shell. xacro evaluates expressions of the file: use it for files that you trust. Empty: none.
+  std::string xacro{};
+  std::vector<std::string> xacro_arguments{};  ///< arguments of the file, as "NAME:=VALUE"
 
   /// True if a shape of this link is needed. is_visual: the shape is a visual one.
   bool needs(const std::string& link, bool is_visual) const { return is_visual == visual && skip.count(link) == 0; }
@@ -128,7 +133,9 @@ struct ReadOptions {
 ///
 /// Throws FileError, with file, line and remedy, for malformed XML and XML that declares entities; repeated names of
 /// links or joints; joints to missing links; links in a circle or without a common root; invalid numbers; a missing
-/// mesh that is needed, with all searched places; and unsupported elements, by name.
+/// mesh that is needed, with all searched places; unsupported elements, by name; and xacro that is not expanded because
+/// ReadOptions::xacro is empty, cannot be run or fails. Throws std::invalid_argument for arguments of xacro that are
+/// not NAME:=VALUE. Errors of an expanded file name the lines of what xacro made of it.
 Robot read_robot(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Finds the mesh that a robot's file names, and returns its absolute path. name: the name in the file. line: its line,

@@ -1,0 +1,264 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Edges of random robots, against places of all spheres at many times of each edge. The places come from Rodrigues'
+// formula in long double. MORULA_MOTION_EDGES: the number of edges, sampled every 1e-4 radians instead of 2e-3.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <morula/geometry/reproducible.hpp>
+
+#include "moving_robots.hpp"
+#include "plan/motion_bounds.hpp"
+
+namespace morula::test {
+namespace {
+
+using robot::MotionResult;
+using robot::MotionVerdict;
+using robot::ObstacleBox;
+using Kind = robot::Joint::Kind;
+using Number = long double;
+using Point = std::array<Number, 3>;
+
+Point plus(const Point& a, const Point& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+Point exact(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+Point turned(const RigidTransform& at, const Point& p) {
+  Point result{};
+  for (std::size_t i = 0; i < 3; ++i) result[i] = at.rows[i].x * p[0] + at.rows[i].y * p[1] + at.rows[i].z * p[2];
+  return result;
+}
+/// p turned about a unit axis.
+Point about(const Point& a, Number angle, const Point& p) {
+  const Number c = std::cos(angle), s = std::sin(angle), along = a[0] * p[0] + a[1] * p[1] + a[2] * p[2];
+  const Point side{a[1] * p[2] - a[2] * p[1], a[2] * p[0] - a[0] * p[2], a[0] * p[1] - a[1] * p[0]};
+  Point result{};
+  for (std::size_t i = 0; i < 3; ++i) result[i] = c * p[i] + s * side[i] + (1 - c) * along * a[i];
+  return result;
+}
+Number far(const Point& a, const Point& b) {
+  return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+/// The place of a point of a link in the world, from the link down to the base.
+Point place(const MovingRobot& moving, std::size_t link, const Vec3& p, const std::vector<Number>& values) {
+  Point at = exact(p);
+  for (std::size_t j = moving.robot.links[link].joint; j != robot::none;
+       j = moving.robot.links[moving.robot.joints[j].parent].joint) {
+    const robot::Joint& joint = moving.robot.joints[j];
+    Number value = 0;
+    const robot::Joint::Mimic mimic = joint.mimic.value_or(robot::Joint::Mimic{.joint = j});
+    const auto& own = moving.robot.independent_joints;
+    const auto leader = std::find(own.begin(), own.end(), mimic.joint) - own.begin();
+    value = mimic.multiplier * values[static_cast<std::size_t>(leader)] + mimic.offset;
+    const Point axis = exact(joint.axis);
+    at = joint.kind == Kind::prismatic ? plus(at, {axis[0] * value, axis[1] * value, axis[2] * value})
+                                       : about(axis, value, at);
+    at = plus(turned(joint.origin, at), exact(joint.origin.translation));
+  }
+  return plus(turned(moving.base, at), exact(moving.base.translation));
+}
+
+struct Scene {
+  std::vector<Sphere> balls;
+  std::vector<ObstacleBox> boxes;
+  robot::World world() const {
+    robot::World world;
+    for (const Sphere& ball : balls) world.add(ball);
+    for (const ObstacleBox& box : boxes) world.add(box);
+    return world;
+  }
+};
+
+Number distance_of(const ObstacleBox& box, const Point& p) {
+  const Point from{p[0] - box.pose.translation.x, p[1] - box.pose.translation.y, p[2] - box.pose.translation.z};
+  Number squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    Number local = 0;
+    for (std::size_t i = 0; i < 3; ++i) local += box.pose.rows[i][k] * from[i];
+    const Number beyond = std::max(Number{0}, std::abs(local) - box.half[k]);
+    squared += beyond * beyond;
+  }
+  return std::sqrt(squared);
+}
+
+/// The least gap of the robot from the scene and from itself; boxes that hold a center have distance 0.
+Number least_gap(const MovingRobot& moving, const Scene& scene, const std::vector<Number>& values) {
+  struct Ball {
+    std::size_t link;
+    Point center;
+    Number radius;
+  };
+  std::vector<Ball> all;
+  for (const robot::LinkSpheres& link : moving.spheres.links) {
+    for (const Sphere& s : link.spheres)
+      all.push_back({link.link, place(moving, link.link, s.center, values), s.radius});
+  }
+  Number least = 1e30L;
+  for (const Ball& a : all) {
+    for (const Sphere& ball : scene.balls)
+      least = std::min(least, far(a.center, exact(ball.center)) - a.radius - ball.radius);
+    for (const ObstacleBox& box : scene.boxes) least = std::min(least, distance_of(box, a.center) - a.radius);
+    for (const Ball& b : all) {
+      const bool ignored = std::any_of(moving.self.ignored.begin(), moving.self.ignored.end(),
+                                       [&](const auto& pair) { return pair.a == a.link && pair.b == b.link; });
+      if (a.link < b.link && !ignored) least = std::min(least, far(a.center, b.center) - a.radius - b.radius);
+    }
+  }
+  return least;
+}
+
+Vec3 random_point(Random& random, double size) {
+  const double x = random.uniform(-size, size), y = random.uniform(-size, size);
+  return {x, y, random.uniform(-size, size)};
+}
+Vec3 random_axis(Random& random) {
+  const Vec3 v = random_point(random, 1);
+  return v / length(v);
+}
+
+MovingRobot random_robot(Random& random, bool plain_origins) {
+  MovingRobot moving;
+  const int joints = 2 + static_cast<int>(random.uniform(0, 5));
+  for (int j = 0; j < joints; ++j) {
+    const std::size_t parent = random.uniform() < 0.8 ? moving.robot.links.size() - 1 : 0;
+    const Kind kind = random.uniform() < 0.75 ? Kind::revolute : Kind::prismatic;
+    std::vector<Sphere> spheres;
+    const int count = static_cast<int>(random.uniform(1, 8));
+    for (int i = 0; i < count; ++i) spheres.push_back({random_point(random, 0.12), random.uniform(0.01, 0.06)});
+    RigidTransform origin{.translation = random_point(random, 0.3)};
+    if (!plain_origins)
+      origin = RigidTransform::from_axis(random_axis(random), random.uniform(-3, 3), origin.translation);
+    moving.add(parent, kind, random_axis(random), origin, spheres);
+    moving.self.ignored.push_back({parent, moving.robot.links.size() - 1, robot::IgnoreReason::adjacent});
+  }
+  if (joints > 3) {
+    moving.robot.joints[2].mimic = robot::Joint::Mimic{.joint = 0, .multiplier = random.uniform(-2, 2), .offset = 0.1};
+    std::erase(moving.robot.independent_joints, std::size_t{2});
+  }
+  if (!plain_origins) moving.base = RigidTransform::from_axis(random_axis(random), 1, random_point(random, 0.5));
+  return moving;
+}
+
+Scene random_scene(Random& random) {
+  Scene scene;
+  for (int i = 0; i < 4; ++i) scene.balls.push_back({random_point(random, 1.0), random.uniform(0.01, 0.15)});
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 half{random.uniform(0.01, 0.2), random.uniform(0.01, 0.2), random.uniform(0.01, 0.2)};
+    scene.boxes.push_back(
+        {RigidTransform::from_axis(random_axis(random), random.uniform(-3, 3), random_point(random, 1.0)), half});
+  }
+  return scene;
+}
+
+std::vector<double> random_values(const MovingRobot& moving, Random& random) {
+  std::vector<double> values;
+  for (const std::size_t j : moving.robot.independent_joints) {
+    const double range = moving.robot.joints[j].kind == Kind::prismatic ? 0.4 : 2.5;
+    values.push_back(random.uniform(-range, range));
+  }
+  return values;
+}
+
+std::vector<Number> at_time(const std::vector<double>& from, const std::vector<double>& to, Number time) {
+  std::vector<Number> values;
+  for (std::size_t i = 0; i < from.size(); ++i) values.push_back(from[i] + time * (Number(to[i]) - from[i]));
+  return values;
+}
+
+TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
+  constexpr double tolerance = 1e-3;
+  const char* wanted = std::getenv("MORULA_MOTION_EDGES");
+  const int edges = wanted != nullptr ? std::atoi(wanted) : 300;
+  const double step = wanted != nullptr ? 1e-4 : 2e-3;
+  Random random(17);
+  std::array<int, 3> seen{};
+  for (int edge = 0; edge < edges; ++edge) {
+    const MovingRobot moving = random_robot(random, edge % 4 == 0);
+    const Scene scene = random_scene(random);
+    const std::vector<double> from = random_values(moving, random);
+    std::vector<double> to = random_values(moving, random);
+    double longest = 0;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      if (edge % 2 == 0) to[i] = from[i] + 0.1 * (to[i] - from[i]);
+      longest = std::max(longest, std::abs(to[i] - from[i]));
+    }
+    MotionVerdict verdict;
+    moving.query().check_motions(from, to, scene.world(), {&verdict, 1}, {.tolerance = tolerance});
+    ++seen[static_cast<std::size_t>(verdict.result)];
+    const auto samples = static_cast<int>(longest / step) + 2;
+    Number least = 1e30L, before = 1e30L;
+    for (int i = 0; i <= samples; ++i) {
+      const Number time = Number(i) / samples, gap = least_gap(moving, scene, at_time(from, to, time));
+      least = std::min(least, gap);
+      if (time < verdict.time) before = std::min(before, gap);
+    }
+    const Number at = least_gap(moving, scene, at_time(from, to, verdict.time));
+    ASSERT_TRUE(verdict.result != MotionResult::free || least > 0) << edge;
+    ASSERT_TRUE(verdict.result != MotionResult::touches || at < 1e-12L) << edge;
+    ASSERT_TRUE(verdict.result != MotionResult::undecided || std::abs(at) < tolerance) << edge;
+    // What is undecided is no deeper than parts between tested times can be.
+    ASSERT_GT(verdict.result == MotionResult::undecided ? least : before, -2 * tolerance) << edge;
+  }
+  EXPECT_GT(seen[0], edges / 5);
+  EXPECT_GT(seen[1], edges / 5);
+  EXPECT_LT(seen[2], edges / 20) << seen[2];
+  RecordProperty("undecided", seen[2]);
+}
+
+TEST(Motions, bounds_hold_for_every_sphere_and_time) {
+  Random random(23);
+  double error = 0, tightest = 1e9, bent = 1e9;
+  for (int round = 0; round < 300; ++round) {
+    const MovingRobot moving = random_robot(random, round % 2 == 0);
+    const std::vector<double> from = random_values(moving, random), to = random_values(moving, random);
+    const robot::ConfigurationQuery query = moving.query();
+    robot::MotionVerdict verdict;
+    ASSERT_NO_THROW(query.check_motions(from, to, {}, {&verdict, 1}));
+    const robot::ConfigurationQuery::Model model(moving.robot, moving.spheres, moving.self);
+    robot::MotionBounds bounds(*model.motions, moving.base);
+    bounds.set_edge(from, to);
+    const double half = std::ldexp(0.5, -static_cast<int>(random.uniform(0, 8))),
+                 middle = random.uniform(half, 1 - half);
+    bounds.set_part(middle, half);
+    for (std::size_t group = 0; group < model.groups.size(); ++group) {
+      const auto& spheres = model.groups[group];
+      for (const robot::MotionNode& node : model.motions->nodes) {
+        if (node.child_count > 0 || node.body != group) continue;
+        const auto same = std::find_if(spheres.spheres.begin(), spheres.spheres.end(),
+                                       [&](const Sphere& s) { return s == node.sphere; });
+        ASSERT_NE(same, spheres.spheres.end()) << "links here are frames";
+        const Vec3 center = bounds.center(node);
+        const Point start = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle));
+        const double off = static_cast<double>(far(start, exact(center)));
+        ASSERT_LE(off, bounds.allowance());
+        error = std::max(error, off / bounds.allowance());
+        const auto motion = bounds.motion(node, center);
+        for (int i = -8; i <= 8; ++i) {
+          const Number share = Number(i) / 8;
+          const Point now = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle + share * half));
+          const auto moved = static_cast<double>(far(now, start));
+          ASSERT_LE(moved, motion.first + bounds.allowance());
+          ASSERT_LE(moved, motion.bound() + bounds.allowance());
+          const Vec3 along = static_cast<double>(share) * motion.velocity;
+          const auto rest = static_cast<double>(far(now, plus(start, exact(along))));
+          ASSERT_LE(rest, motion.bend + bounds.allowance());
+          if (i == 8 && moved > 0) tightest = std::min(tightest, motion.bound() / moved);
+          if (i == 8 && rest > 1e-6) bent = std::min(bent, motion.bend / rest);
+        }
+      }
+    }
+  }
+  EXPECT_GT(error, 1e-4) << "places are rounded";
+  EXPECT_LT(tightest, 1.05);
+  EXPECT_LT(bent, 1.5);
+}
+
+}  // namespace
+}  // namespace morula::test

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Editing a robot's spheres in a real browser: colliding links, rates, undo, and saved spheres that the command certifies.
+import { readFileSync, writeFileSync } from 'node:fs';
+import { at, check, claim, equal, run } from './support.mjs';
+import { settled, slide } from './browser.mjs';
+import { close, compare, opened, picture, words } from './limb.mjs';
+import { urdf, writeRobot } from './robot.mjs';
+
+const spheres = writeRobot('arm');
+const count = [...spheres.values()].reduce((sum, list) => sum + list.length, 0);
+const large = { width: 1100, height: 800 };
+const pickSphere = async (page, link) => {
+  await page.locator('#figures tbody tr', { hasText: link }).click();
+  await page.locator('#picked footer button').nth(1).click();
+  await settled(page);
+};
+const shownCount = async (page) => Number(/(\d+) spheres/.exec(await words(page, '#about'))[1]);
+const fields = (page) => page.locator('#edit-fields input').evaluateAll((inputs) => inputs.map((input) => input.valueAsNumber));
+const isCovered = (page, covered) => page.waitForFunction((wanted) => document.getElementById('edit-cover').dataset.bare === String(!wanted), covered);
+
+await claim('colliding_links_are_red_and_listed', () =>
+  opened('arm/robot.html', large, async (page) => {
+    await slide(page, 'level', 2);
+    await slide(page, 'opacity', 1);
+    equal(await page.locator('#pairs button').count(), 0, 'pairs that collide at rest');
+    const before = await picture(page);
+    equal((await compare(before, before)).red, 0, 'red at rest');
+    await slide(page, 'joint-1', 1.5);
+    await slide(page, 'joint-2', 2.6);
+    const names = await page.locator('#pairs button[data-collides=true] span:first-child').allInnerTexts();
+    check(names.length > 0, 'some collide');
+    check((await words(page, '#legend')).includes(names[0]), 'the legend has the first');
+    const far = await picture(page);
+    await page.locator('#pairs button').first().click();
+    const near = await picture(page);
+    check((await compare(far, near)).changed > 0.05, 'a press brings them near');
+    check((await compare(far, near)).red > 0.002, 'their spheres are red');
+    await page.click('#other-pairs summary');
+    check((await page.locator('#other-pairs button').first().getAttribute('title')).includes('neighbors'), 'a reason');
+  }));
+
+await claim('random_configurations_are_counted_while_the_page_answers', () =>
+  opened('arm/robot.html', large, async (page) => {
+    await page.fill('#rate-count', '1000000');
+    await page.click('#rate-run');
+    await page.waitForFunction(() => document.getElementById('rate').textContent.includes('%'));
+    await slide(page, 'joint-0', 0.5);
+    equal(await page.locator('#joints output').first().innerText(), '28.6°', 'a slider moves meanwhile');
+    equal(await words(page, '#rate-run'), 'Stop', 'it still counts');
+    await page.click('#rate-run');
+    await page.fill('#rate-count', '200');
+    await page.click('#rate-run');
+    await page.waitForFunction(() => document.getElementById('rate').textContent.includes('of 200 collide') && document.getElementById('rate-run').textContent === 'Count');
+  }));
+
+await claim('spheres_are_moved_added_and_removed_and_all_is_undone', () =>
+  opened('arm/robot.html', large, async (page) => {
+    equal(await shownCount(page), count, 'spheres of the files');
+    await pickSphere(page, 'base');
+    const first = spheres.get('base')[0];
+    equal((await fields(page)).join(), first.join(), 'exact numbers');
+    await isCovered(page, true);
+    await page.fill('#edit-r', String(first[3] / 4));
+    await page.locator('#edit-r').blur();
+    await isCovered(page, false);
+    check((await words(page, '#edit-cover')).startsWith('Uncovered (estimate)'), 'it says so');
+    await page.click('#edit-copy');
+    equal(await shownCount(page), count + 1, 'one more');
+    await page.click('#edit-add');
+    equal(await shownCount(page), count + 2, 'two more');
+    await page.locator('#stage canvas').focus();
+    await page.keyboard.press('Delete');
+    equal(await shownCount(page), count + 1, 'one less');
+    for (let k = 0; k < 4; ++k) await page.keyboard.press('Control+z');
+    equal(await shownCount(page), count, 'as it was');
+    await isCovered(page, true);
+    check(await page.isDisabled('#edit-undo'), 'nothing is left to undo');
+    await page.keyboard.press('Control+y');
+    await isCovered(page, false);
+    await page.keyboard.press('Control+z');
+    await page.fill('#edit-r', '-1');
+    equal(await page.getAttribute('#edit-r', 'aria-invalid'), 'true', 'no sphere');
+    check(await page.isDisabled('#edit-undo'), 'and no change');
+  }));
+
+await claim('a_drag_moves_the_picked_sphere_and_a_drag_elsewhere_turns', () =>
+  opened('arm/robot.html', large, async (page) => {
+    await pickSphere(page, 'elbow');
+    await page.check('#edit-drag');
+    // Somewhere in the picture is the elbow's only sphere; a drag beside it turns the view, which fits again then.
+    const box = await page.locator('#stage canvas').boundingBox();
+    const before = await fields(page);
+    let moved = false;
+    for (let y = 0.2; y < 0.9 && !moved; y += 0.05) {
+      for (let x = 0.2; x < 0.8 && !moved; x += 0.05) {
+        const [px, py] = [box.x + x * box.width, box.y + y * box.height];
+        if ((await page.evaluate(([u, v]) => document.elementFromPoint(u, v)?.tagName, [px, py])) !== 'CANVAS') continue;
+        await page.mouse.move(px, py);
+        await page.mouse.down();
+        await page.mouse.move(px + 20, py + 10, { steps: 3 });
+        await page.mouse.up();
+        moved = (await fields(page)).join() !== before.join();
+        if (!moved) await page.click('#fit');
+      }
+    }
+    check(moved, 'it moved');
+    await page.locator('#stage canvas').focus();
+    await page.keyboard.press('Control+z');
+    equal((await fields(page)).join(), before.join(), 'one undo for the whole drag');
+  }));
+
+await claim('edits_are_saved_and_the_shown_command_certifies_them', () =>
+  opened('arm/robot.html', large, async (page) => {
+    await pickSphere(page, 'base');
+    const first = spheres.get('base')[0];
+    await page.fill('#edit-x', String(first[0] + 0.02));
+    await page.locator('#edit-x').blur();
+    await page.click('#edit-add');
+    await page.click('#edit-refit');
+    await page.waitForFunction(() => !document.getElementById('edit-refit').disabled);
+    await isCovered(page, true);
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#edit-save')]);
+    equal(download.suggestedFilename(), 'spheres.json', 'name');
+    await download.saveAs(at('spheres.json'));
+    const saved = new Map(JSON.parse(readFileSync(at('spheres.json'), 'utf8')).links.map(({ link, spheres: list }) => [link, list]));
+    equal(saved.get('base').length, spheres.get('base').length + 1, 'spheres of the base');
+    equal(saved.get('base')[0].center[0], first[0] + 0.02, 'the edited one was kept');
+    equal(JSON.stringify(saved.get('forearm').map(({ center, radius }) => [...center, radius])), JSON.stringify(spheres.get('forearm')), 'others are as they were');
+    const line = (await words(page, '#edit-command')).trim();
+    equal(line, 'morula robot arm.urdf -o edited --keep spheres.json --all-formats --page', 'command');
+    const args = line.split(' ').slice(1).map((word) => (word === 'arm.urdf' ? urdf('arm') : word));
+    const report = JSON.parse(run([...args, '--samples', '20', '--json']));
+    check(report.covered, 'covered');
+    equal(report.spheres, count + 1, 'spheres');
+    // The same file without one sphere is not covered: the command does look.
+    const less = JSON.parse(readFileSync(at('spheres.json'), 'utf8'));
+    less.links[0].spheres.pop();
+    writeFileSync(at('less.json'), JSON.stringify(less));
+    let refused = false;
+    try {
+      run(['robot', urdf('arm'), '-o', 'less', '--keep', 'less.json', '--format', 'json', '--samples', '20', '--json']);
+    } catch (error) {
+      refused = error.status === 1;
+    }
+    check(refused, 'an uncovered link is told');
+  }));
+
+await claim('a_phone_has_room_for_it', () =>
+  opened('arm/robot.html', { width: 390, height: 844, touch: true }, async (page) => {
+    await pickSphere(page, 'base');
+    await page.click('#edit-copy');
+    await settled(page);
+    equal(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), true, 'nothing sticks out');
+    await page.click('#edit-undo');
+  }));
+
+await close();
