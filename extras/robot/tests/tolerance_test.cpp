@@ -8,7 +8,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/robot/output.hpp>
 
-namespace morula::test {
+namespace morula::test::tolerance {
 namespace {
 
 const robot::Robot arm = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
@@ -123,4 +123,4 @@ TEST(FitTolerance, refuses_what_is_none) {
 }
 
 }  // namespace
-}  // namespace morula::test
+}  // namespace morula::test::tolerance
