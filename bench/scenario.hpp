@@ -68,7 +68,7 @@ std::vector<Result> run_build(const Input& input, const Settings& settings);
 std::vector<Result> run_build_scaling(const Settings& settings);
 /// So many small bodies for so many frames: memory that grows, cover that is lost. Not for an input.
 std::vector<Result> run_load(std::size_t bodies, std::size_t frames, const Settings& settings);
-/// An arm among boxes in so many random configurations; only where robots are built. Not for an input.
+/// An arm among boxes in so many random configurations, collisions and clearances; only where robots are built. Not for an input.
 std::vector<Result> run_planning(std::size_t configurations, const Settings& settings);
 /// Bodies of ten thousand facets, ten times as many, … up to so many: time and memory of all that is done to them, each
 /// in a process of its own. Not for an input; nothing on Windows.

@@ -3,6 +3,8 @@
 // Planning: collision checks of random configurations of an arm among boxes, as planners ask for them. Trees over each
 // link's spheres against all spheres in a list, and against a list with a sphere around each link. Then many
 // configurations in one call, among boxes and a mesh, against these trees.
+#include "planning.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
@@ -39,7 +41,8 @@ Shape box(const Vec3& size, const Vec3& at) {
   return shape;
 }
 
-/// Seven joints where a panda has them, and links of about its size.
+}  // namespace
+
 Robot arm() {
   constexpr double right = std::numbers::pi / 2;
   constexpr Vec3 x{1, 0, 0};
@@ -92,6 +95,8 @@ Robot arm() {
   robot.root = 0;
   return robot;
 }
+
+namespace {
 
 /// All spheres in a list; `around`: links are looked at as a whole first.
 struct Flat {
@@ -159,6 +164,8 @@ struct Flat {
   }
 };
 
+}  // namespace
+
 std::vector<robot::ObstacleBox> boxes_around(Random& random, std::size_t count) {
   std::vector<robot::ObstacleBox> boxes;
   while (boxes.size() < count) {
@@ -171,7 +178,6 @@ std::vector<robot::ObstacleBox> boxes_around(Random& random, std::size_t count) 
   return boxes;
 }
 
-/// A bumpy ball of about seven thousand facets beside the arm.
 Mesh rock() {
   constexpr std::uint32_t around = 60, rings = 59;
   Mesh mesh;
@@ -197,6 +203,8 @@ Mesh rock() {
   }
   return mesh;
 }
+
+namespace {
 
 /// One call against one configuration after the other.
 Result check_in_one_call(std::size_t configurations, const Settings& settings) {
@@ -322,6 +330,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
     results.push_back(std::move(result));
   }
   results.push_back(check_in_one_call(configurations, settings));
+  results.push_back(run_clearance(configurations, settings));
   return results;
 }
 
