@@ -4,8 +4,8 @@
 #pragma once
 
 #include <morula/robot/output.hpp>
-#include <span>
 #include <morula/robot/self_fit.hpp>
+#include <span>
 #include <string>
 
 #include "shared/report.hpp"

@@ -33,8 +33,8 @@ struct MeshSize {
 };
 
 /// One sphere each, then each further sphere to the link where the power 3/4 of the area, divided by the number of
-/// spheres plus 1/2, is largest. The sum over links is at most `total` if one sphere each is; no link gets fewer if the total is
-/// larger. The shares depend on ratios of areas only.
+/// spheres plus 1/2, is largest. The sum over links is at most `total` if one sphere each is; no link gets fewer if the
+/// total is larger. The shares depend on ratios of areas only.
 std::vector<std::size_t> share_by_size(std::span<const MeshSize> sizes, std::size_t total);
 
 }  // namespace morula::robot

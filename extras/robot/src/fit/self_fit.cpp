@@ -18,9 +18,9 @@ namespace morula::robot {
 namespace {
 
 constexpr std::array<std::size_t, 9> counts{1, 2, 3, 4, 6, 8, 12, 16, 32};  // of fits of whole links
-constexpr std::array<std::size_t, 4> parts{1, 2, 3, 4};  // of divided pieces; 1: the piece moves inward
-constexpr std::size_t divided_at_once = 4;               // pieces of a link that each step considers
-constexpr double bound_factor = 1.25;                    // of the radius of a link's ball: no piece reaches farther
+constexpr std::array<std::size_t, 4> parts{1, 2, 3, 4};  // that replace one sphere; 1: it moves inward
+constexpr std::size_t divided_at_once = 4;               // parts of a link that each step considers
+constexpr double bound_factor = 1.25;                    // of the radius of a link's ball: no part reaches farther
 constexpr double weight_of_volume =
     0.4;  // of a false overlap in every sample per volume of all links in one sphere each
 
@@ -207,7 +207,7 @@ class Placer {
     table_->complete(static_cast<std::size_t>(std::count(free.begin(), free.end(), 1)), workers_);
   }
 
-  /// The pieces that replace one; empty: there are none.
+  /// The parts that replace one; empty: there are none.
   const Pieces& divided(Piece& piece, std::size_t link, std::size_t count) const {
     const auto [at, fresh] = piece.parts.try_emplace(count);
     if (!fresh || !piece.region || (count == 1 && piece.is_moved)) return at->second;
@@ -341,7 +341,7 @@ class Placer {
   std::vector<bool> stays_;  // per link
   std::map<std::string, std::vector<Sphere>> fixed_;
   std::vector<RobotSpheres> fits_;                        // per entry of `counts`
-  std::vector<std::vector<Pieces>> pieces_;               // the same as pieces, per link
+  std::vector<std::vector<Pieces>> pieces_;               // those that each step considers, per link
   double volume_ = 0;                                     // of all links in one sphere each
   std::vector<std::unique_ptr<SignedDistance>> objects_;  // per link; nullptr: it has no mesh
   std::unique_ptr<OverlapTable> table_;

@@ -83,7 +83,7 @@ std::vector<double> OverlapTable::blame(std::size_t link) const {
       if (near.deepest < 0) continue;
       const std::vector<float>& own = row.a == link ? near.a : near.b;
       for (std::size_t i = 0; i < own.size(); ++i) {
-        // Pieces that overlap less deep have to be divided later.
+        // Parts that overlap less deep have to be divided later.
         if (own[i] == near.deepest) result[i] += cost(row, own[i]) / overlaps_[near.sample];
       }
     }
@@ -109,7 +109,7 @@ OverlapTable::Effect OverlapTable::effect(const Change& change) const {
       if (change.removed != none) {
         const std::vector<float>& own = is_a ? near.a : near.b;
         removed = own[change.removed];
-        // Where other pieces are as deep, the change has no effect.
+        // Where other parts are as deep, the change has no effect.
         for (std::size_t i = 0; i < own.size(); ++i)
           if (i != change.removed) deepest = std::max(deepest, own[i]);
       }

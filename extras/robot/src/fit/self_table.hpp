@@ -13,8 +13,8 @@ namespace morula::robot {
 /// A sphere of a link, and the part of the link's surface that it covers.
 struct Piece {
   Sphere sphere;                       // in the decimals of files
-  std::shared_ptr<const Mesh> region;  // nullptr: the piece cannot be divided
-  /// The pieces that replace it, by their largest number; empty: there are none. Filled on demand.
+  std::shared_ptr<const Mesh> region;  // nullptr: the part cannot be divided
+  /// The parts that replace it, by their largest number; empty: there are none. Filled on demand.
   std::map<std::size_t, std::vector<std::shared_ptr<Piece>>> parts{};
   bool is_moved = false;  // it protrudes least already
 };
@@ -24,20 +24,20 @@ using Pieces = std::vector<std::shared_ptr<Piece>>;
 struct Near {
   std::size_t sample = 0;   // among the free ones
   RigidTransform to_b{};    // pose of a in the axes of b
-  std::vector<float> a, b;  // per piece of a, of b: how deep it reaches into the other link's spheres; < 0: it is apart
+  std::vector<float> a, b;  // per part of a, of b: how deep it reaches into the other link's spheres; < 0: it is apart
   float deepest = -1;
 };
 
-/// A change of a link's pieces.
+/// A change of a link's parts.
 struct Change {
-  std::size_t link = 0, removed = none;  // none: all pieces are replaced
+  std::size_t link = 0, removed = none;  // none: all parts are replaced
   Pieces added{};
 };
 
 /// The depths of all pairs that come near each other in a sample in which no shapes collide.
 class OverlapTable {
  public:
-  /// bounds: per link a ball that contains all pieces that it may get.
+  /// bounds: per link a ball that contains all parts that it may get.
   OverlapTable(std::vector<Pieces> pieces, std::vector<Sphere> bounds)
       : pieces_(std::move(pieces)), bounds_(std::move(bounds)) {}
 
@@ -51,7 +51,7 @@ class OverlapTable {
   std::size_t false_samples() const;
   /// The links that come near this one.
   std::vector<std::size_t> neighbors(std::size_t link) const;
-  /// Per piece of a link, the cost of the overlaps in which it is the deepest.
+  /// Per part of a link, the cost of the overlaps in which it is the deepest.
   std::vector<double> blame(std::size_t link) const;
 
   struct Effect {

@@ -83,7 +83,7 @@ void ClearanceSearch::place(std::span<const double> values) {
   for (std::size_t k = 0; k < bounds_.size(); ++k) {
     const MovingSpheres& group = plan_.model.groups[k];
     bounds_[k] = sphere_at(poses_[group.link], group.bound);
-    // In the link's axes, too: numbers that cancel count as well.
+    // Also in the link's axes: numbers that cancel count as well.
     reach_ = std::max(reach_, max_norm(bounds_[k].center) + max_norm(group.bound.center) + bounds_[k].radius);
     is_placed_[k] = 0;
   }

@@ -68,7 +68,7 @@ struct TerrainObstacle final : Obstacle {
   }
 
   // The nearest place of the solid's border, in the axes of the grid. For a point above the surface, or beside the
-  // grid and above the height of its border, that is on the surface; for one beside the grid and below that height, on
+  // grid and above the height of its border, that is on the surface; for one next to the grid and below that height, on
   // the wall; for one inside, on either.
   NearestObstacle local_nearest(const Vec3& p, double within) const {
     const Vec3 clamped{std::clamp(p.x, 0.0, width()), std::clamp(p.y, 0.0, length_of_rows()), p.z};

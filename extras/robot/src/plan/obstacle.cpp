@@ -67,7 +67,7 @@ class DistanceGrid {
   struct Bounds {
     double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   };
-  /// Bounds of the distance at p, as computed; infinite ones beside the grid.
+  /// Bounds of the distance at p, as computed; infinite ones next to the grid.
   Bounds at(const Vec3& p) const {
     if (entries_.empty()) return {};
     std::size_t place = 0, stride = 1;

@@ -196,8 +196,7 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
   try {
     const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
     if (json.is_discarded()) throw fail("is not JSON");
-    if (json.at("format") != "morula robot spheres" || json.at("format_version") != 1)
-      throw fail("has another format");
+    if (json.at("format") != "morula robot spheres" || json.at("format_version") != 1) throw fail("has another format");
     std::map<std::string, std::vector<Sphere>> result;
     for (const nlohmann::json& link : json.at("links")) {
       std::vector<Sphere>& spheres = result[link.at("link").get<std::string>()];
@@ -205,7 +204,8 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
         const nlohmann::json& c = sphere.at("center");
         const Sphere s{{c.at(0).get<double>(), c.at(1).get<double>(), c.at(2).get<double>()},
                        sphere.at("radius").get<double>()};
-        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30)) throw fail("has a sphere with a radius or center out of range");
+        if (!(s.radius > 0 && s.radius < 1e30 && max_norm(s.center) < 1e30))
+          throw fail("has a sphere with a radius or center out of range");
         spheres.push_back(s);
       }
     }

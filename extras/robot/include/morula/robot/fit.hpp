@@ -28,8 +28,8 @@ struct ClipPlane {
 
 struct FitOptions {
   /// Largest number of spheres of a link; 0: as many as the largest protrusion requires. No value: 0 with a largest
-  /// protrusion, otherwise a number that follows the size of the link: 16 a mesh on average, shared in proportion to the
-  /// power 3/4 of the surface of each mesh's box, at least 1 each; spheres among the shapes come on top.
+  /// protrusion, otherwise a number that follows the size of the link: 16 a mesh on average, shared in proportion to
+  /// the power 3/4 of the surface of each mesh's box, at least 1 each; spheres among the shapes come on top.
   std::optional<std::size_t> spheres{};
   /// Largest number of spheres of the whole robot, 1 or more, including `link_spheres` and `fixed_spheres`; `spheres`
   /// then has no effect. Every link gets at least one; each further sphere goes to the link where it reduces the

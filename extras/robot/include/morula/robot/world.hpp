@@ -49,8 +49,8 @@ class World {
   World& operator=(World&&) noexcept;
   ~World();
 
-  /// Each adds an obstacle, in world axes, and returns its number. Throws std::invalid_argument for numbers that are not
-  /// finite or beyond greatest_usable_scale, negative lengths, and meshes that require_usable() rejects.
+  /// Each adds an obstacle, in world axes, and returns its number. Throws std::invalid_argument for numbers that are
+  /// not finite or beyond greatest_usable_scale, negative lengths, and meshes that require_usable() rejects.
   std::size_t add(const Sphere& sphere);
   std::size_t add(const ObstacleBox& box);
   std::size_t add(const Capsule& capsule);
