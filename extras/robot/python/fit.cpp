@@ -138,7 +138,8 @@ void bind_robot_fit(nb::module_& m) {
       nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
       nb::arg("workers") = nb::none(),
       nb::sig(
-          "def fit_spheres(robot: Robot, *, spheres: int | None = None, max_total: int | None = None, link_spheres: dict[str, "
+          "def fit_spheres(robot: Robot, *, spheres: int | None = None, max_total: int | None = None, link_spheres: "
+          "dict[str, "
           "int] "
           "= {}, "
           "max_protrusion: float | None = None, max_protrusion_share: float | None = None, tolerance: float = 0.0, "
