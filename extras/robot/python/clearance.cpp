@@ -4,6 +4,7 @@
 #include <limits>
 #include <morula/morula.hpp>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "planning.hpp"
@@ -37,8 +38,9 @@ Clearances clearances_of(const GuardedQuery& held, const ArrayGiven& given, cons
                     column_of<std::int64_t>(found, [](const auto& c) { return number_or_less(c.obstacle); }),
                     std::nullopt};
   if (gradients) {
-    const auto column = column_of<double>(rows, [](double number) { return number; });
-    result.gradients = Copy<double, -1, -1>(column.data(), {count, query.coordinates()}, nb::find(column));
+    auto* kept = new std::vector<double>(std::move(rows));
+    const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    result.gradients = Copy<double, -1, -1>(kept->data(), {count, query.coordinates()}, owner);
   }
   return result;
 }

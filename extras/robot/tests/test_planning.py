@@ -10,6 +10,11 @@ import morula
 radius, wall = 0.1, 1.0
 
 
+def column(*values):
+    """Configurations of one coordinate."""
+    return numpy.array(values, dtype=float)[:, None]
+
+
 @pytest.fixture(scope="module")
 def slider(tmp_path_factory):
     file = tmp_path_factory.mktemp("slider") / "slider.urdf"
@@ -53,10 +58,10 @@ def test_clearances_are_those_by_hand(query, world):
 
 
 def test_clearances_beyond_the_limit_name_nothing(query, world):
-    found = query.clearance([[0.0], [0.8]], world, limit=0.2, gradients=True)
+    found = query.clearance(column(0, 0.8), world, limit=0.2, gradients=True)
     assert found.distance[0] == 0.2 and found.link[0] == found.obstacle[0] == -1 and found.gradients[0, 0] == 0
     assert found.distance[1] == pytest.approx(0.1, abs=1e-5) and found.obstacle[1] == 0
-    alone = query.clearance([[0.0]], world, with_world=False)
+    alone = query.clearance(column(0), world, with_world=False)
     assert alone.distance[0] == numpy.inf and alone.link[0] == -1
     none = query.clearance(numpy.zeros((0, 1)), world, gradients=True)
     assert none.distance.shape == (0,) and none.gradients.shape == (0, 1)
@@ -76,14 +81,14 @@ def test_edges_touch_when_the_ball_does(query, world, options):
         assert at >= first - 1e-5
         # The configuration at that time has the contact.
         x = start[edge] + at * (end[edge] - start[edge])
-        assert not query.check([x], world)[0][0]
+        assert not query.check(x[None], world)[0][0]
     assert query.check_motions(start, end, world, workers=morula.Workers(2), **options) == found
     assert (query.check_motions(start, end, world, with_world=False, **options).result == result.free).all()
 
 
 def test_edges_near_a_contact_are_undecided(query, world):
     # 0.001 from the wall.
-    edge = [[0.899 - 1e-6]], [[0.5]]
+    edge = column(0.899), column(0.5)
     assert query.check_motions(*edge, world, tolerance=1e-4).result[0] == morula.robot.MotionResult.free
     near = query.check_motions(*edge, world, tolerance=0.01)
     assert near.result[0] in (morula.robot.MotionResult.free, morula.robot.MotionResult.undecided)
@@ -92,21 +97,21 @@ def test_edges_near_a_contact_are_undecided(query, world):
 
 def test_wrong_arguments_of_planners_queries(query, world):
     for wrong in (numpy.zeros(3), numpy.zeros((2, 2))):
-        with pytest.raises(ValueError, match="configurations"):
+        with pytest.raises((TypeError, ValueError), match="configurations"):
             query.clearance(wrong, world)
-        with pytest.raises(ValueError, match="start"):
-            query.check_motions(wrong, [[0.0]], world)
-        with pytest.raises(ValueError, match="end"):
-            query.check_motions([[0.0]], wrong, world)
+        with pytest.raises((TypeError, ValueError), match="start"):
+            query.check_motions(wrong, column(0), world)
+        with pytest.raises((TypeError, ValueError), match="end"):
+            query.check_motions(column(0), wrong, world)
     with pytest.raises(ValueError, match="end: "):
-        query.check_motions([[0.0]], [[0.0], [1.0]], world)
+        query.check_motions(column(0), column(0, 1), world)
     with pytest.raises(ValueError):
-        query.clearance([[0.0]], world, limit=0)
+        query.clearance(column(0), world, limit=0)
     for options in ({"tolerance": 0}, {"resolution": -1}):
         with pytest.raises(ValueError):
-            query.check_motions([[0.0]], [[1.0]], world, **options)
+            query.check_motions(column(0), column(1), world, **options)
     with pytest.raises(ValueError):
-        query.clearance([[numpy.nan]], world)
+        query.clearance(column(numpy.nan), world)
 
 
 def test_rates_of_false_self_collisions_of_two_sliding_blocks(tmp_path):
