@@ -18,31 +18,17 @@ using robot::ConfigurationVerdict;
 
 using Verdicts = std::tuple<Copy<bool, -1>, Copy<std::int64_t, -1>, Copy<std::int64_t, -1>, Copy<std::int64_t, -1>>;
 
-template <class Number, class F>
-Copy<Number, -1> column(std::span<const ConfigurationVerdict> verdicts, const F& number) {
-  // std::vector<bool> has no array.
-  auto* values = new Number[verdicts.size()];
-  const nb::capsule owner(values, [](void* p) noexcept { delete[] static_cast<Number*>(p); });
-  for (std::size_t i = 0; i < verdicts.size(); ++i) values[i] = number(verdicts[i]);
-  return Copy<Number, -1>(values, {verdicts.size()}, owner);
-}
-
-std::int64_t number_or_less(std::uint32_t number) {
-  return number == ConfigurationVerdict::free_link ? -1 : static_cast<std::int64_t>(number);
-}
-
 template <class Check>
-Verdicts check_with(const HeldQuery& held, const ArrayGiven& given, Threads* threads, const Check& check) {
+Verdicts check_with(const GuardedQuery& held, const ArrayGiven& given, Threads* threads, const Check& check) {
   const ConfigurationQuery query = held.copy();
-  std::vector<std::size_t> shape;
-  const std::vector<double> values =
-      numbers_of(given.object, "configurations", {-1, static_cast<std::int64_t>(query.coordinates())}, shape);
-  std::vector<ConfigurationVerdict> verdicts(shape[0]);
+  std::size_t count = 0;
+  const std::vector<double> values = configurations_of(given, "configurations", query, count);
+  std::vector<ConfigurationVerdict> verdicts(count);
   without_gil([&] { check(query, values, verdicts, CallWorkers(threads)); });
-  return {column<bool>(verdicts, [](const auto& v) { return v.is_free(); }),
-          column<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.link); }),
-          column<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.other_link); }),
-          column<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.obstacle); })};
+  return {column_of<bool>(verdicts, [](const auto& v) { return v.is_free(); }),
+          column_of<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.link); }),
+          column_of<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.other_link); }),
+          column_of<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.obstacle); })};
 }
 
 constexpr const char* results =
@@ -53,30 +39,31 @@ constexpr const char* results =
 }  // namespace
 
 void bind_robot_configurations(nb::module_& m) {
-  nb::class_<HeldQuery>(m, "ConfigurationQuery", doc::ConfigurationQuery)
+  nb::class_<GuardedQuery> query(m, "ConfigurationQuery", doc::ConfigurationQuery);
+  query
       .def(
           "__init__",
-          [](HeldQuery* self, const robot::Robot& robot, const robot::RobotSpheres& spheres,
+          [](GuardedQuery* self, const robot::Robot& robot, const robot::RobotSpheres& spheres,
              const robot::SelfCollision* ignored) {
             ConfigurationQuery made = without_gil(
                 [&] { return ConfigurationQuery(robot, spheres, ignored ? *ignored : robot::SelfCollision{}); });
-            new (self) HeldQuery(std::move(made));
+            new (self) GuardedQuery(std::move(made));
           },
           nb::arg("robot"), nb::arg("spheres"), nb::arg("self_collision") = nb::none(),
           doc::ConfigurationQuery_ConfigurationQuery)
       .def_prop_ro(
-          "coordinates", [](const HeldQuery& self) { return self.copy().coordinates(); },
+          "coordinates", [](const GuardedQuery& self) { return self.copy().coordinates(); },
           doc::ConfigurationQuery_coordinates)
       .def(
           "set_base",
-          [](HeldQuery& self, TransformGiven given) {
+          [](GuardedQuery& self, TransformGiven given) {
             const RigidTransform base = transform_of(given, "base");
             self.change([&](ConfigurationQuery& query) { query.set_base(base); });
           },
           nb::arg("base"), doc::ConfigurationQuery_set_base)
       .def(
           "attach",
-          [](HeldQuery& self, const std::string& link, ArrayGiven given, const std::vector<std::string>& touching) {
+          [](GuardedQuery& self, const std::string& link, ArrayGiven given, const std::vector<std::string>& touching) {
             const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
             self.change([&](ConfigurationQuery& query) { query.attach(link, spheres, touching); });
           },
@@ -84,7 +71,7 @@ void bind_robot_configurations(nb::module_& m) {
           doc::ConfigurationQuery_attach)
       .def(
           "check",
-          [](const HeldQuery& self, ArrayGiven given, const HeldWorld& world, Threads* workers) {
+          [](const GuardedQuery& self, ArrayGiven given, const GuardedWorld& world, Threads* workers) {
             const robot::World obstacles = world.copy();
             return check_with(self, given, workers,
                               [&](const ConfigurationQuery& query, std::span<const double> values,
@@ -96,7 +83,7 @@ void bind_robot_configurations(nb::module_& m) {
               .c_str())
       .def(
           "check_self",
-          [](const HeldQuery& self, ArrayGiven given, Threads* workers) {
+          [](const GuardedQuery& self, ArrayGiven given, Threads* workers) {
             return check_with(self, given, workers,
                               [&](const ConfigurationQuery& query, std::span<const double> values,
                                   std::span<ConfigurationVerdict> verdicts,
@@ -105,6 +92,8 @@ void bind_robot_configurations(nb::module_& m) {
           nb::arg("configurations"), nb::kw_only(), nb::arg("workers") = nb::none(),
           (std::string("Checks configurations, (n, coordinates), of the robot against itself alone.") + results)
               .c_str());
+  bind_robot_clearance(m, query);
+  bind_robot_motions(m, query);
 }
 
 }  // namespace morula::python

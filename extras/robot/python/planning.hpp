@@ -6,6 +6,7 @@
 #include <morula/robot/configurations.hpp>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "holders.hpp"
 #include "robots.hpp"
@@ -36,9 +37,36 @@ class Guarded {
   mutable std::mutex mutex_;
 };
 
-using HeldWorld = Guarded<robot::World>;
-using HeldQuery = Guarded<robot::ConfigurationQuery>;
+using GuardedWorld = Guarded<robot::World>;
+using GuardedQuery = Guarded<robot::ConfigurationQuery>;
 
+/// (n, coordinates) numbers, and their n.
+inline std::vector<double> configurations_of(const ArrayGiven& given, const char* name,
+                                             const robot::ConfigurationQuery& query, std::size_t& count) {
+  std::vector<std::size_t> shape;
+  std::vector<double> values =
+      numbers_of(given.object, name, {-1, static_cast<std::int64_t>(query.coordinates())}, shape);
+  count = shape[0];
+  return values;
+}
+
+/// An array of one number of each result.
+template <class Number, class Result, class F>
+Copy<Number, -1> column_of(const std::vector<Result>& results, const F& number) {
+  // std::vector<bool> has no array.
+  auto* values = new Number[results.size()];
+  const nb::capsule owner(values, [](void* p) noexcept { delete[] static_cast<Number*>(p); });
+  for (std::size_t i = 0; i < results.size(); ++i) values[i] = number(results[i]);
+  return Copy<Number, -1>(values, {results.size()}, owner);
+}
+
+/// -1 for none.
+inline std::int64_t number_or_less(std::uint32_t number) {
+  return number == robot::ConfigurationVerdict::free_link ? -1 : static_cast<std::int64_t>(number);
+}
+
+void bind_robot_clearance(nb::module_& m, nb::class_<GuardedQuery>& query);
+void bind_robot_motions(nb::module_& m, nb::class_<GuardedQuery>& query);
 void bind_robot_world(nb::module_& m);
 void bind_robot_configurations(nb::module_& m);
 

@@ -72,6 +72,7 @@ void bind_robot_extra(nb::module_& m) {
   bind_robot_fit(robots);
   bind_robot_trees(robots);
   bind_robot_self_collision(robots);
+  bind_robot_self_fit(robots);
   bind_robot_output(robots);
   bind_sphere_robot(robots);
   bind_robot_world(robots);

@@ -30,6 +30,7 @@ void bind_robot_files(nb::module_& m);
 void bind_robot_fit(nb::module_& m);
 void bind_robot_output(nb::module_& m);
 void bind_robot_self_collision(nb::module_& m);
+void bind_robot_self_fit(nb::module_& m);
 void bind_robot_trees(nb::module_& m);
 void bind_sphere_robot(nb::module_& m);
 

@@ -14,7 +14,7 @@ namespace morula::python {
 
 namespace {
 
-std::size_t add_obstacle(HeldWorld& self, nb::handle obstacle) {
+std::size_t add_obstacle(GuardedWorld& self, nb::handle obstacle) {
   if (nb::isinstance<robot::ObstacleBox>(obstacle))
     return self.change([&, box = nb::cast<robot::ObstacleBox>(obstacle)](robot::World& w) { return w.add(box); });
   if (nb::isinstance<Capsule>(obstacle))
@@ -32,13 +32,13 @@ std::size_t add_obstacle(HeldWorld& self, nb::handle obstacle) {
 
 void bind_robot_world(nb::module_& m) {
   using robot::World;
-  nb::class_<HeldWorld>(m, "World", doc::World)
+  nb::class_<GuardedWorld>(m, "World", doc::World)
       .def(nb::init<>())
       .def("add", add_obstacle, nb::arg("obstacle"),
            "Adds a sphere (x, y, z, radius), an ObstacleBox or a Capsule, and returns its number.")
       .def(
           "add_mesh",
-          [](HeldWorld& self, MeshGiven given, TransformGiven pose) {
+          [](GuardedWorld& self, MeshGiven given, TransformGiven pose) {
             const BorrowedMesh mesh = mesh_of(given);
             const RigidTransform at = transform_of(pose, "pose");
             return self.change([&](World& w) { return w.add(*mesh, at); });
@@ -48,7 +48,7 @@ void bind_robot_world(nb::module_& m) {
           "surface alone.")
       .def(
           "add_height_field",
-          [](HeldWorld& self, ArrayGiven given, double spacing, TransformGiven pose) {
+          [](GuardedWorld& self, ArrayGiven given, double spacing, TransformGiven pose) {
             std::vector<std::size_t> shape;
             const std::vector<double> heights = numbers_of(given.object, "heights", {-1, -1}, shape);
             const RigidTransform at = transform_of(pose, "pose");
@@ -61,22 +61,22 @@ void bind_robot_world(nb::module_& m) {
           "(i * spacing, k * spacing). The solid is everything below.")
       .def(
           "add_points",
-          [](HeldWorld& self, ArrayGiven points_given, double radius) {
+          [](GuardedWorld& self, ArrayGiven points_given, double radius) {
             const std::vector<Vec3> points = points_of(points_given.object, "points");
             return self.change([&](World& w) { return w.add_points(points, radius); });
           },
           nb::arg("points"), nb::arg("radius"), doc::World_add_points)
       .def(
           "add_spheres",
-          [](HeldWorld& self, ArrayGiven spheres_given) {
+          [](GuardedWorld& self, ArrayGiven spheres_given) {
             const std::vector<Sphere> spheres = spheres_of(spheres_given.object, "spheres");
             return self.change([&](World& w) { return w.add_spheres(spheres); });
           },
           nb::arg("spheres"), doc::World_add_spheres)
-      .def("__len__", [](HeldWorld& self) { return self.copy().size(); })
+      .def("__len__", [](GuardedWorld& self) { return self.copy().size(); })
       .def(
           "nearest",
-          [](HeldWorld& self, Vec3 p, double within) {
+          [](GuardedWorld& self, Vec3 p, double within) {
             const robot::NearestObstacle found = self.copy().nearest(p, within);
             return std::tuple{found.distance, found.direction, index_or_none(found.obstacle)};
           },

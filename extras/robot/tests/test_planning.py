@@ -1,0 +1,139 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""Planners' queries of a ball on a slider: distances, derivatives and times by hand."""
+
+import numpy
+import pytest
+
+import morula
+
+radius, wall = 0.1, 1.0
+
+
+def column(*values):
+    """Configurations of one coordinate."""
+    return numpy.array(values, dtype=float)[:, None]
+
+
+@pytest.fixture(scope="module")
+def slider(tmp_path_factory):
+    file = tmp_path_factory.mktemp("slider") / "slider.urdf"
+    ball = f"<collision><geometry><sphere radius='{radius}'/></geometry></collision>"
+    file.write_text(
+        f"<robot name='slider'><link name='base'/><link name='ball'>{ball}</link>"
+        "<joint name='slide' type='prismatic'><parent link='base'/><child link='ball'/><axis xyz='1 0 0'/>"
+        "<limit lower='-5' upper='5' effort='1' velocity='1'/></joint></robot>"
+    )
+    robot = morula.robot.read_robot(file)
+    return robot, morula.robot.fit_spheres(robot, spheres=1)
+
+
+@pytest.fixture(scope="module")
+def query(slider):
+    return morula.robot.ConfigurationQuery(*slider)
+
+
+@pytest.fixture(scope="module")
+def world():
+    """A wall from x = 1 on, and a ball of radius 0.5 around x = -2."""
+    made = morula.robot.World()
+    made.add(morula.robot.ObstacleBox((1, 3, 3), morula.RigidTransform(translation=(wall + 1, 0, 0))))
+    made.add((-2, 0, 0, 0.5))
+    return made
+
+
+def test_clearances_are_those_by_hand(query, world):
+    x = numpy.array([0.0, 0.5, 0.95, -0.9, -1.45])
+    expected = numpy.where(x >= 0, wall - radius - x, x + 2 - 0.5 - radius)
+    found = query.clearance(x[:, None], world, gradients=True)
+    numpy.testing.assert_allclose(found.distance, expected, atol=1e-5)
+    assert (found.lower <= found.distance).all() and (found.distance <= found.upper).all()
+    assert (found.upper - found.lower).max() < 1e-5
+    assert found.link.tolist() == [1] * 5 and found.other_link.tolist() == [-1] * 5
+    assert found.obstacle.tolist() == [0, 0, 0, 1, 1]
+    numpy.testing.assert_allclose(found.gradients, [[-1], [-1], [-1], [1], [1]], atol=1e-9)
+    assert query.clearance(x[:, None], world).gradients is None
+    again = query.clearance(x[:, None], world, gradients=True, workers=morula.Workers(2))
+    assert again == found
+
+
+def test_clearances_beyond_the_limit_name_nothing(query, world):
+    found = query.clearance(column(0, 0.8), world, limit=0.2, gradients=True)
+    assert found.distance[0] == 0.2 and found.link[0] == found.obstacle[0] == -1 and found.gradients[0, 0] == 0
+    assert found.distance[1] == pytest.approx(0.1, abs=1e-5) and found.obstacle[1] == 0
+    alone = query.clearance(column(0), world, with_world=False)
+    assert alone.distance[0] == numpy.inf and alone.link[0] == -1
+    none = query.clearance(numpy.zeros((0, 1)), world, gradients=True)
+    assert none.distance.shape == (0,) and none.gradients.shape == (0, 1)
+
+
+@pytest.mark.parametrize("options", [{}, {"resolution": 0.01}])
+def test_edges_touch_when_the_ball_does(query, world, options):
+    result = morula.robot.MotionResult
+    start, end = numpy.array([[0.0], [0.0], [0.0], [-1.0]]), numpy.array([[0.8], [2.0], [-2.0], [0.5]])
+    found = query.check_motions(start, end, world, **options)
+    assert found.result.tolist() == [result.free, result.touches, result.touches, result.free]
+    assert found.time[0] == found.time[3] == 1
+    assert found.link.tolist() == [-1, 1, 1, -1] and found.obstacle.tolist() == [-1, 0, 1, -1]
+    assert found.other_link.tolist() == [-1] * 4
+    for edge, first in ((1, 0.9 / 2), (2, 1.4 / 2)):
+        at = found.time[edge]
+        assert at >= first - 1e-5
+        # The configuration at that time has the contact.
+        x = start[edge] + at * (end[edge] - start[edge])
+        assert not query.check(x[None], world)[0][0]
+    assert query.check_motions(start, end, world, workers=morula.Workers(2), **options) == found
+    assert (query.check_motions(start, end, world, with_world=False, **options).result == result.free).all()
+
+
+def test_edges_near_a_contact_are_undecided(query, world):
+    # 0.001 from the wall.
+    edge = column(0.899), column(0.5)
+    assert query.check_motions(*edge, world, tolerance=1e-4).result[0] == morula.robot.MotionResult.free
+    near = query.check_motions(*edge, world, tolerance=0.01)
+    assert near.result[0] in (morula.robot.MotionResult.free, morula.robot.MotionResult.undecided)
+    assert query.clearance(edge[0], world).distance[0] == pytest.approx(0.001, abs=1e-5)
+
+
+def test_wrong_arguments_of_planners_queries(query, world):
+    for wrong in (numpy.zeros(3), numpy.zeros((2, 2))):
+        with pytest.raises((TypeError, ValueError), match="configurations"):
+            query.clearance(wrong, world)
+        with pytest.raises((TypeError, ValueError), match="start"):
+            query.check_motions(wrong, column(0), world)
+        with pytest.raises((TypeError, ValueError), match="end"):
+            query.check_motions(column(0), wrong, world)
+    with pytest.raises(ValueError, match="end: "):
+        query.check_motions(column(0), column(0, 1), world)
+    with pytest.raises(ValueError):
+        query.clearance(column(0), world, limit=0)
+    for options in ({"tolerance": 0}, {"resolution": -1}):
+        with pytest.raises(ValueError):
+            query.check_motions(column(0), column(1), world, **options)
+    with pytest.raises(ValueError):
+        query.clearance(column(numpy.nan), world)
+
+
+def test_rates_of_false_self_collisions_of_two_sliding_blocks(tmp_path):
+    """Blocks that slide past each other, 0.1 apart: their shapes never collide, their single spheres do near the middle."""
+    file = tmp_path / "blocks.urdf"
+    block = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
+    file.write_text(
+        f"<robot name='blocks'><link name='base'>{block}</link><link name='rail'/><link name='block'>{block}</link>"
+        "<joint name='up' type='fixed'><parent link='base'/><child link='rail'/><origin xyz='0 0 1.1'/></joint>"
+        "<joint name='slide' type='prismatic'><parent link='rail'/><child link='block'/><axis xyz='1 0 0'/>"
+        "<limit lower='-4' upper='4' effort='1' velocity='1'/></joint></robot>"
+    )
+    robot = morula.robot.read_robot(file)
+    spheres = morula.robot.fit_spheres(robot, spheres=1)
+    shares = []
+    rates = morula.robot.self_collision_rates(robot, spheres, samples=4000, progress=shares.append)
+    a, b = (link.spheres[0] for link in spheres.links)
+    half = numpy.sqrt((a[3] + b[3]) ** 2 - 1.1**2)
+    assert rates.samples == 4000 and rates.surfaces == 0 and rates.false_share == rates.spheres
+    assert rates.spheres == pytest.approx(half / 4, abs=0.04)
+    assert [(p.a, p.b) for p in rates.pairs] == [(0, 2)] and rates.pairs[0].false_share == rates.false_share
+    assert shares and shares[-1] == 1
+    assert morula.robot.self_collision_rates(robot, spheres, samples=4000, workers=morula.Workers(2)) == rates
+    with pytest.raises(ValueError):
+        morula.robot.self_collision_rates(robot, spheres, samples=0)
