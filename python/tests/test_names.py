@@ -108,7 +108,7 @@ def test_names_of_a_header_are_in_the_package(header):
         "Description": "OutputFormat", "OutputFile": "OutputFormat", "IgnoreReason": "IgnoredPair", "ClipPlane": "fit_spheres", "RoundShapes": "surface_of", "none": "Robot", "name": "IgnoredPair",
         "ConfigurationVerdict": "ConfigurationQuery", "HeightField": "World", "NearestObstacle": "World",
         "Clearance": "Clearances", "ClearanceOptions": "ConfigurationQuery", "MotionVerdict": "MotionVerdicts", "MotionOptions": "ConfigurationQuery",
-        "SelfRateOptions": "self_collision_rates",
+        "SelfRateOptions": "self_collision_rates", "SelfFitOptions": "fit_for_self_collision",
     } if robots else ELSEWHERE
     names = [name for name in declared(header) if name not in ("name", "message") or robots]
     missing = [name for name in names if name not in there and name not in LEFT_OUT_NAMES and name not in words]

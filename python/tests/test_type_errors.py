@@ -91,7 +91,8 @@ def instances_of_robots(folder):
     file.write_text("<robot name='r'><link name='a'><collision><geometry><sphere radius='1'/></geometry></collision></link></robot>")
     robot = morula.robot.read_robot(file)
     spheres = morula.robot.fit_spheres(robot, spheres=1)
-    yield from [robot, spheres, morula.robot.SphereRobot(robot, spheres), morula.robot.output_formats()[0]]
+    query = morula.robot.ConfigurationQuery(robot, spheres)
+    yield from [robot, spheres, morula.robot.SphereRobot(robot, spheres), query, morula.robot.World(), morula.robot.output_formats()[0]]
 
 
 @pytest.fixture(scope="module")

@@ -86,7 +86,7 @@ def test_edges_touch_when_the_ball_does(query, world, options):
     assert (query.check_motions(start, end, world, with_world=False, **options).result == result.free).all()
 
 
-def test_edges_near_a_contact_are_undecided(query, world):
+def test_edges_near_a_contact_are_not_called_touching(query, world):
     # 0.001 from the wall.
     edge = column(0.899), column(0.5)
     assert query.check_motions(*edge, world, tolerance=1e-4).result[0] == morula.robot.MotionResult.free
@@ -137,3 +137,9 @@ def test_rates_of_false_self_collisions_of_two_sliding_blocks(tmp_path):
     assert morula.robot.self_collision_rates(robot, spheres, samples=4000, workers=morula.Workers(2)) == rates
     with pytest.raises(ValueError):
         morula.robot.self_collision_rates(robot, spheres, samples=0)
+    fit = morula.robot.fit_for_self_collision(robot, max_total=4, samples=200)
+    assert fit.spheres.covered and fit.spheres.sphere_count <= fit.total == 4
+    assert fit.rates.false_share <= fit.evenly.false_share
+    assert [step.spheres for step in fit.steps] == sorted(step.spheres for step in fit.steps)
+    falling = [step.false_share for step in fit.steps]
+    assert falling == sorted(falling, reverse=True)

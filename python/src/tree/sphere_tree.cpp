@@ -137,6 +137,13 @@ void bind_sphere_tree(nb::module_& m) {
       },
       nb::arg("tree"), nb::arg("spheres") = nb::none(), doc::certify_nesting);
   m.def(
+      "reduced",
+      [](const SphereTree& tree, double length) { return without_gil([&] { return reduced(tree, length); }); },
+      nb::arg("tree"), nb::arg("length"),
+      "The tree with smaller radii: each radius less `length` (mesh units, 0 or more), at least 0, rounded up. If a "
+      "level "
+      "covers a surface, every point of the surface lies within `length` of the reduced level.");
+  m.def(
       "make_nested",
       [](const SphereTree& tree) {
         SphereTree nested = tree;
