@@ -5,6 +5,7 @@
 import fractions
 import itertools
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -363,14 +364,15 @@ def test_spheres_follow_the_size_of_links(arm):
 
 
 def test_xacro_runs_only_where_it_is_named(tmp_path):
-    file = tmp_path / "a.xacro"
+    shutil.copytree(urdf.parents[1], tmp_path / "arm_description")
+    file = tmp_path / "arm_description" / "urdf" / "a.xacro"
     file.write_text("<robot name='a' xmlns:xacro='x'>\n<xacro:b/></robot>")
     with pytest.raises(OSError, match="a.xacro:2: has macros: run xacro"):
         morula.robot.read_robot(file)
     program = tmp_path / "program"
     program.write_text(f"#!/bin/sh\ncat '{urdf}'\n")
     program.chmod(0o700)
-    read = morula.robot.read_robot(file, package_paths=[urdf.parents[2]], xacro=str(program), xacro_arguments=["a:=b"])
+    read = morula.robot.read_robot(file, xacro=str(program), xacro_arguments=["a:=b"])
     assert read.name == "arm" and read.expanded == urdf.read_text()
     with pytest.raises(ValueError, match="NAME:=VALUE"):
         morula.robot.read_robot(file, xacro=str(program), xacro_arguments=["a=b"])
