@@ -110,6 +110,8 @@ ignore_missing_imports = True
 
 @pytest.mark.parametrize("example", sorted((sources / "examples" / "python").glob("*.py")), ids=lambda path: path.stem)
 def test_examples_run(example, tmp_path):
+    if example.stem == "plan" and not hasattr(morula._morula, "robot"):
+        pytest.skip("this package was built without robots")
     done = subprocess.run([sys.executable, str(example)], cwd=tmp_path, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip()
