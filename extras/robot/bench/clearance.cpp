@@ -68,21 +68,14 @@ struct Loop {
 }  // namespace
 
 Result run_clearance(std::size_t configurations, const Settings& settings) {
-  const robot::Robot robot = arm();
-  const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = 16}, *settings.workers);
-  const robot::SelfCollision self = robot::find_ignored(robot, spheres, {}, *settings.workers);
-  Random random(8);
-  const std::vector<robot::ObstacleBox> boxes = boxes_around(random, 8);
-  const Mesh mesh = rock();
-  const SignedDistance to_mesh(mesh);
-  robot::World world;
-  for (const robot::ObstacleBox& box : boxes) world.add(box);
-  world.add(mesh);
-  std::vector<double> values;
-  for (std::size_t i = 0; i < configurations; ++i) {
-    for (const std::size_t j : robot.independent_joints)
-      values.push_back(random.uniform(robot.joints[j].lower, robot.joints[j].upper));
-  }
+  const ArmAmongObstacles given(configurations, settings);
+  const robot::Robot& robot = given.robot;
+  const robot::RobotSpheres& spheres = given.spheres;
+  const robot::SelfCollision& self = given.self;
+  const std::vector<robot::ObstacleBox>& boxes = given.boxes;
+  const robot::World& world = given.world;
+  const std::vector<double>& values = given.values;
+  const SignedDistance to_mesh(given.mesh);
   const robot::ConfigurationQuery query(robot, spheres, self);
   Loop loop{robot, spheres, self, boxes, to_mesh};
   loop.list_pairs();

@@ -204,25 +204,31 @@ Mesh rock() {
   return mesh;
 }
 
-namespace {
-
-/// One call against one configuration after the other.
-Result check_in_one_call(std::size_t configurations, const Settings& settings) {
-  const Robot robot = arm();
-  const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = 16}, *settings.workers);
-  const robot::SelfCollision self = robot::find_ignored(robot, spheres, {}, *settings.workers);
+ArmAmongObstacles::ArmAmongObstacles(std::size_t configurations, const Settings& settings)
+    : spheres(robot::fit_spheres(robot, {.spheres = 16}, *settings.workers)),
+      self(robot::find_ignored(robot, spheres, {}, *settings.workers)) {
   Random random(8);
-  const std::vector<robot::ObstacleBox> boxes = boxes_around(random, 8);
-  const Mesh mesh = rock();
-  const SignedDistance distance(mesh);
-  robot::World world;
+  boxes = boxes_around(random, 8);
   for (const robot::ObstacleBox& box : boxes) world.add(box);
   world.add(mesh);
-  std::vector<double> values;
   for (std::size_t i = 0; i < configurations; ++i) {
     for (const std::size_t j : robot.independent_joints)
       values.push_back(random.uniform(robot.joints[j].lower, robot.joints[j].upper));
   }
+}
+
+namespace {
+
+/// One call against one configuration after the other.
+Result check_in_one_call(std::size_t configurations, const Settings& settings) {
+  const ArmAmongObstacles given(configurations, settings);
+  const robot::Robot& robot = given.robot;
+  const robot::RobotSpheres& spheres = given.spheres;
+  const robot::SelfCollision& self = given.self;
+  const std::vector<robot::ObstacleBox>& boxes = given.boxes;
+  const robot::World& world = given.world;
+  const std::vector<double>& values = given.values;
+  const SignedDistance distance(given.mesh);
   const std::size_t coordinates = robot.independent_joints.size();
   const robot::ConfigurationQuery query(robot, spheres, self);
   robot::SphereRobot moving(robot, spheres, self);

@@ -6,6 +6,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/robot/robot.hpp>
 #include <morula/robot/sphere_robot.hpp>
+#include <morula/robot/world.hpp>
 #include <vector>
 
 #include "scenario.hpp"
@@ -16,8 +17,19 @@ namespace morula::bench {
 robot::Robot arm();
 /// Random boxes around it.
 std::vector<robot::ObstacleBox> boxes_around(Random& random, std::size_t count);
-/// A bumpy ball of about seven thousand facets beside it.
+/// A ball with waves, of about seven thousand facets, next to the arm.
 Mesh rock();
+/// The arm among 8 boxes and the rock, and random configurations of it.
+struct ArmAmongObstacles {
+  ArmAmongObstacles(std::size_t configurations, const Settings& settings);
+  robot::Robot robot = arm();
+  robot::RobotSpheres spheres;
+  robot::SelfCollision self;
+  std::vector<robot::ObstacleBox> boxes;
+  Mesh mesh = rock();
+  robot::World world;
+  std::vector<double> values;  ///< configurations × coordinates
+};
 /// Clearances of so many configurations among boxes and the rock, against a plain loop.
 Result run_clearance(std::size_t configurations, const Settings& settings);
 

@@ -11,6 +11,8 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/robot/configurations.hpp>
 
+#include "random_poses.hpp"
+
 namespace morula::test::clearance {
 namespace {
 
@@ -78,15 +80,6 @@ Matrix rotation(const Vec3& axis, Real angle) {
     r.m[(i + 1) % 3][i] += a[(i + 2) % 3] * s;
   }
   return r;
-}
-
-Vec3 random_point(Random& random, double reach) {
-  const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
-  return {x, y, random.uniform(-reach, reach)};
-}
-RigidTransform random_pose(Random& random, double reach) {
-  const Vec3 axis = random_point(random, 1), at = random_point(random, reach);
-  return RigidTransform::from_axis(axis, random.uniform(-3, 3), at);
 }
 
 using Distance = std::function<Real(const Point&)>;

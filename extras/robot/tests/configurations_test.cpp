@@ -14,6 +14,7 @@
 #include <optional>
 #include <tuple>
 
+#include "random_poses.hpp"
 #include "simd/processors.hpp"
 
 namespace morula::test::configurations {
@@ -55,15 +56,6 @@ Matrix turned(const Vec3& a, double angle) {
            {a.y * a.x * v + a.z * s, c + a.y * a.y * v, a.y * a.z * v - a.x * s, 0},
            {a.z * a.x * v - a.y * s, a.z * a.y * v + a.x * s, c + a.z * a.z * v, 0},
            {0, 0, 0, 1}}};
-}
-
-Vec3 random_point(Random& random, double reach) {
-  const double x = random.uniform(-reach, reach), y = random.uniform(-reach, reach);
-  return {x, y, random.uniform(-reach, reach)};
-}
-RigidTransform random_pose(Random& random, double reach) {
-  const Vec3 axis = random_point(random, 1), at = random_point(random, reach);
-  return RigidTransform::from_axis(axis, random.uniform(-3, 3), at);
 }
 
 /// A robot, its spheres, and its poses by other means.

@@ -12,6 +12,7 @@
 
 #include "moving_robots.hpp"
 #include "plan/motion_bounds.hpp"
+#include "random_poses.hpp"
 
 namespace morula::test {
 namespace {
@@ -114,10 +115,6 @@ Number least_gap(const MovingRobot& moving, const Scene& scene, const std::vecto
   return least;
 }
 
-Vec3 random_point(Random& random, double size) {
-  const double x = random.uniform(-size, size), y = random.uniform(-size, size);
-  return {x, y, random.uniform(-size, size)};
-}
 Vec3 random_axis(Random& random) {
   const Vec3 v = random_point(random, 1);
   return v / length(v);
