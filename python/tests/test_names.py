@@ -32,7 +32,7 @@ ELSEWHERE = {
     "ContactPatchOptions": "ContactPatchQuery", "ContactPatch": "ContactPatches", "PatchSide": "PatchRegions",
     "PatchFacet": "PatchRegions", "VertexGradient": "PatchRegions", "PatchPoint": "PatchPoints",
     "ContactSurface": "ContactSurfaces", "Crossing": "Crossings", "FrontPair": "FrontPairs",
-    "HapticOptions": "HapticProbe", "HapticToolOptions": "HapticTool", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
+    "EarliestTouchOptions": "earliest_touch", "EarliestTouchQuery": "earliest_touch", "HapticOptions": "HapticProbe", "HapticToolOptions": "HapticTool", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",
     "VtpArray": "write_vtp", "VtpData": "write_vtp", "PvdEntry": "write_pvd", "MeshFileKind": "file_formats",
     "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "SphereState": "PosedSpheres", "Method": "all_methods",
