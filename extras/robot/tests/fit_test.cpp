@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/geometry/reproducible.hpp>
-#include <morula/robot/self_collision.hpp>
-#include <numbers>
+#include <morula/robot/fit.hpp>
 #include <support/scratch_folder.hpp>
 
 #include "expect_covered.hpp"
