@@ -132,6 +132,62 @@ TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_al
   EXPECT_EQ(bench.run("robot gripper.urdf -o less --keep less.json").exit_code, 1);
 }
 
+TEST(RobotCommand, covers_within_a_tolerance_and_a_table_shows_what_that_saves) {
+  Workbench bench;
+  with_gripper(bench);
+  const std::string robot = "robot gripper.urdf -o out --spheres 5 --samples 100 ";
+  const nlohmann::json report = bench.require(robot + "--tolerances 0,0.002,0.005 0.01 --json").json();
+  EXPECT_EQ(report["covered"], true) << "the files have no tolerance";
+  EXPECT_EQ(report["within"], 0);
+  ASSERT_EQ(report["tolerances"].size(), 4u);
+  const std::vector<double> tolerances{0, 0.002, 0.005, 0.01};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const nlohmann::json& row = report["tolerances"][k];
+    EXPECT_EQ(row["tolerance"], tolerances[k]);
+    EXPECT_LE(row["within"], row["tolerance"]);
+    EXPECT_EQ(row["within"] > 0, k > 0);
+    EXPECT_LE(row["spheres"], 4 * 5u);
+    if (k == 0) continue;
+    EXPECT_LT(row["outside_volume"], report["tolerances"][k - 1]["outside_volume"]);
+  }
+  // A row is what a run with this tolerance has.
+  const nlohmann::json one = bench.require(robot + "--tolerance 0.005 --json").json();
+  EXPECT_EQ(one["covered"], false);
+  EXPECT_EQ(one["within"], report["tolerances"][2]["within"]);
+  EXPECT_EQ(one["spheres"], report["tolerances"][2]["spheres"]);
+  EXPECT_TRUE(one["tolerances"].empty());
+  double outside = 0, within = 0;
+  for (const nlohmann::json& link : one["links"]) {
+    EXPECT_LE(link["uncovered_distance"], link["within"]);
+    outside += link["outside_volume"].get<double>();
+    within = std::max(within, link["within"].get<double>());
+  }
+  EXPECT_EQ(within, one["within"]);
+  EXPECT_NEAR(outside, report["tolerances"][2]["outside_volume"].get<double>(), 1e-12 * outside);
+  EXPECT_EQ(nlohmann::json::parse(bench.read("out/spheres.json"))["links"].size(), 4u);
+  const std::string text = bench.require(robot + "--tolerance 0.005 --tolerances 0,0.01").out;
+  for (const char* words : {"covers   within 0.00500: every point of every link",
+                            "tolerance  proven within  spheres  outside volume", "\n0.0100 "})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  // A tolerance beyond the robot, and a total that links share.
+  EXPECT_LE(bench.require("robot gripper.urdf -o out --samples 10 --tolerance 10 --json").json()["within"], 10);
+  const nlohmann::json shared =
+      bench.require("robot gripper.urdf -o out --samples 10 --total 14 --tolerance 0.004 --json").json();
+  EXPECT_LE(shared["spheres"], 14);
+  EXPECT_LE(shared["within"], 0.004);
+}
+
+TEST(RobotCommand, refuses_tolerances_that_are_none) {
+  Workbench bench;
+  with_gripper(bench);
+  for (const char* option : {"--tolerance", "--tolerances"})
+    for (const char* length : {"-1", "nan", "inf", "1e31", "x"})
+      bench.expect_refused(std::string("robot gripper.urdf -o out ") + option + " " + length, option);
+  bench.expect_refused("robot gripper.urdf -o out --tolerances 0.001,-1", "--tolerances");
+  bench.expect_refused("robot gripper.urdf -o out --tolerance 0.01 --method grid", "use optimized");
+  bench.expect_refused("robot gripper.urdf -o out --tolerances 0,0.01 --method octree", "use optimized");
+}
+
 TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   Workbench bench;
   with_gripper(bench);
