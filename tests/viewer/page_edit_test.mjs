@@ -42,13 +42,22 @@ await claim('colliding_links_are_red_and_listed', () =>
 
 await claim('random_configurations_are_counted_while_the_page_answers', () =>
   opened('arm/robot.html', large, async (page) => {
-    await page.fill('#rate-count', '1000000');
-    await page.click('#rate-run');
-    await page.waitForFunction(() => document.getElementById('rate').textContent.includes('%'));
-    await slide(page, 'joint-0', 0.5);
-    equal(await page.locator('#joints output').first().innerText(), '28.6°', 'a slider moves meanwhile');
-    equal(await words(page, '#rate-run'), 'Stop', 'it still counts');
-    await page.click('#rate-run');
+    // In the page, between two slices of the count: it could end while this program waits for an answer.
+    const meanwhile = await page.evaluate(async () => {
+      const at = (id) => document.getElementById(id);
+      at('rate-count').value = '1000000';
+      const counted = new Promise((done) => new MutationObserver(() => at('rate').textContent.includes('%') && done()).observe(at('rate'), { childList: true }));
+      at('rate-run').click();
+      await counted;
+      at('joint-0').value = '0.5';
+      at('joint-0').dispatchEvent(new Event('input', { bubbles: true }));
+      const seen = { angle: document.querySelector('#joints output').textContent, button: at('rate-run').textContent };
+      at('rate-run').click();
+      return { ...seen, after: at('rate-run').textContent };
+    });
+    equal(meanwhile.angle, '28.6°', 'a slider moves meanwhile');
+    equal(meanwhile.button, 'Stop', 'it still counts');
+    equal(meanwhile.after, 'Count', 'until it is stopped');
     await page.fill('#rate-count', '200');
     await page.click('#rate-run');
     await page.waitForFunction(() => document.getElementById('rate').textContent.includes('of 200 collide') && document.getElementById('rate-run').textContent === 'Count');
