@@ -82,6 +82,7 @@ void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
   inputs.insert(inputs.end(), robot.included.begin(), robot.included.end());
+  for (const std::string& argument : o.xacro_arguments) inputs.push_back(argument.substr(argument.find(":=") + 2));
   for (const robot::Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {
       for (const robot::Shape& shape : *shapes) inputs.push_back(shape.file);

@@ -248,7 +248,9 @@ TEST(RobotCommand, xacro_is_expanded_by_the_program_without_a_shell) {
   Workbench bench;
   with_gripper(bench);
   // A stand-in: it writes down its arguments and prints the gripper.
-  bench.write("fake xacro", "#!/bin/sh\nprintf '%s\\n' \"$@\" > \"${0%/*}/said\"\ncat \"${0%/*}/gripper.urdf\"\n");
+  bench.write("fake xacro",
+              "#!/bin/sh\n[ \"$1\" = --deps ] && exit\n"
+              "printf '%s\\n' \"$@\" > \"${0%/*}/said\"\ncat \"${0%/*}/gripper.urdf\"\n");
   bench.write("fails", "#!/bin/sh\necho 'name x is not defined' >&2\necho 'when processing it' >&2\nexit 2\n");
   bench.write("silent", "#!/bin/sh\nexit 0\n");
   bench.write("loud",
@@ -282,6 +284,16 @@ TEST(RobotCommand, xacro_is_expanded_by_the_program_without_a_shell) {
               "<robot name='d' xmlns:xacro='x'><link name='l'><collision><geometry><sphere radius='1'/>"
               "</geometry></collision></link></robot>");
   bench.require("robot d.urdf -o d --format csv --xacro ./fails");
+  // Files that the xacro file reads stay, and those that its arguments name.
+  bench.write("lists", "#!/bin/sh\nif [ \"$1\" = --deps ]; then echo \"" + (bench / "parts.xacro").string() + " " +
+                           (bench / "out/spheres.csv").string() + "\"; else cat \"${0%/*}/gripper.urdf\"; fi\n");
+  bench.write("keeps", "#!/bin/sh\n[ \"$1\" = --deps ] || cat \"${0%/*}/gripper.urdf\"\n");
+  for (const char* name : {"lists", "keeps"})
+    std::filesystem::permissions(bench / name, std::filesystem::perms::owner_all);
+  bench.expect_refused("robot g.urdf.xacro -o out --spheres 2 --xacro ./lists", "is also what is read");
+  bench.expect_refused("robot g.urdf.xacro -o out --spheres 2 --xacro ./keeps --xacro-arg p:=out/spheres.csv",
+                       "is also what is read");
+  bench.require("robot g.urdf.xacro -o out --spheres 2 --xacro ./keeps");
 }
 
 TEST(RobotCommand, never_replaces_what_it_reads) {

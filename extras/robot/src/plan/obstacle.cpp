@@ -47,9 +47,9 @@ struct CapsuleObstacle final : Obstacle {
 class DistanceGrid {
  public:
   DistanceGrid(const SignedDistance& distance, bool solid, const Box& box) {
-    constexpr double most = 32;  // cubes along the longest edge
+    constexpr double along_longest = 30;  // cubes, and one or two more at each end
     const Vec3 extent = box.extent();
-    edge_ = std::max({extent.x, extent.y, extent.z}) / (most - 2);
+    edge_ = std::max({extent.x, extent.y, extent.z}) / along_longest;
     if (!(edge_ > 0)) return;
     lower_ = box.lower - Vec3{edge_, edge_, edge_};
     for (int k = 0; k < 3; ++k) counts_[static_cast<std::size_t>(k)] = static_cast<std::size_t>(extent[k] / edge_) + 3;
