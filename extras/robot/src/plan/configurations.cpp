@@ -54,7 +54,8 @@ std::size_t ConfigurationQuery::coordinates() const {
 }
 
 void ConfigurationQuery::set_base(const RigidTransform& base) {
-  const RigidTransform rigid = rigid_or_throw(base, "ConfigurationQuery::set_base");
+  const StandardFloats standard;
+  const RigidTransform rigid = exact_pose(base, "ConfigurationQuery::set_base");
   if (!(max_norm(rigid.translation) <= greatest_usable_scale))
     throw std::invalid_argument("ConfigurationQuery::set_base: the position is beyond greatest_usable_scale");
   auto changed = std::make_shared<Model>(*model_);
