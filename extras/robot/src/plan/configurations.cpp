@@ -16,11 +16,11 @@ using detail::StandardFloats;
 
 namespace {
 
-constexpr std::size_t grain = 16 * filter_block;  // configurations of a chunk
+constexpr std::size_t chunk_of_configurations = 16 * filter_block;
 
 void check_all(const ConfigurationQuery::Model& model, const World::Data* world, std::span<const double> configurations,
                std::span<ConfigurationVerdict> verdicts, Workers& workers) {
-  parallel_for(workers, verdicts.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, verdicts.size(), chunk_of_configurations, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
     BatchCheck batch(model, world, true);
     for (std::size_t i = begin; i < end; i += filter_block) {
