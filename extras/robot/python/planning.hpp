@@ -20,7 +20,11 @@ class Guarded {
   Guarded() = default;
   explicit Guarded(Value&& value) : value_(std::move(value)) {}
   Value copy() const {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock) return value_;
+    // A change that takes long acquires the GIL to check for signals, so nobody may wait for it with the GIL.
+    const nb::gil_scoped_release released;
+    const std::scoped_lock waited(mutex_);
     return value_;
   }
   /// Runs f on the value without the GIL, which a thread that holds the value does not need.

@@ -500,6 +500,13 @@ TEST(Clearance, of_a_ball_among_known_shapes) {
   two.add(Sphere{{-5, 0, 0}, 1}), two.add(Sphere{{5, 0, 0}, 1});
   EXPECT_EQ(at(0, two).obstacle, 0U);
   EXPECT_EQ(gradient, 1);
+  // Also if the link itself is near to another one than the object that it holds.
+  ConfigurationQuery holding = query;
+  holding.attach("slider", std::vector<Sphere>{{{4, 0, 0}, 1}});
+  World apart;
+  apart.add(Sphere{{9, 0, 0}, 1}), apart.add(Sphere{{-5, 0, 0}, 1});
+  EXPECT_EQ(one(holding, {0}, apart).distance, 3);
+  EXPECT_EQ(one(holding, {0}, apart).obstacle, 0U);
   // Of overlapping ones, that which the ball is deepest in.
   two.add(Sphere{{1, 0, 0}, 4});
   EXPECT_EQ(at(0, two).obstacle, 2U);

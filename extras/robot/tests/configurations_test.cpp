@@ -428,6 +428,46 @@ TEST(Configurations, AgreeWithSphereRobotsAboutThemselves) {
   }
 }
 
+// Poses with ten digits stretch lengths by less than 1e-9. The spheres around groups, and boxes around obstacles, must
+// leave out no contact of single spheres.
+TEST(Configurations, MissNoContactByPosesThatAreNotQuiteRotations) {
+  RigidTransform longer, shorter;
+  for (int k = 0; k < 3; ++k) {
+    longer.rows[static_cast<std::size_t>(k)][k] = 1 + 4e-10;
+    shorter.rows[static_cast<std::size_t>(k)][k] = 1 - 4e-10;
+  }
+  Slider slider;
+  slider.spheres.links[0].spheres = {{{1, 0, 0}, 0.1}, {{-1, 0, 0}, 0.1}};
+  Slider stretched = slider;
+  stretched.robot.joints[0].origin = longer;
+  ConfigurationQuery based(slider.robot, slider.spheres);
+  based.set_base(longer);
+  ConfigurationQuery jointed(stretched.robot, stretched.spheres);
+  for (const ConfigurationQuery* query : {&based, &jointed}) {
+    for (double gap = -1e-9; gap < 1e-9; gap += 0.7e-10) {
+      World world;
+      world.add(Sphere{{2 + gap, 0, 0}, 0.9});
+      const double at = 0;
+      ConfigurationVerdict verdict;
+      robot::Clearance clearance;
+      query->check({&at, 1}, world, {&verdict, 1});
+      query->clearance({&at, 1}, world, {&clearance, 1});
+      EXPECT_EQ(verdict.is_free(), clearance.distance > 0) << gap;
+      EXPECT_NEAR(clearance.distance, gap, 1e-14);
+    }
+  }
+  World box;
+  box.add(ObstacleBox{shorter, {1, 1, 1}});
+  Slider point;
+  point.spheres.links[0].spheres = {{{}, 0}};
+  const ConfigurationQuery query(point.robot, point.spheres);
+  for (double at = 1 - 1e-9; at < 1 + 1e-9; at += 0.7e-10) {
+    ConfigurationVerdict verdict;
+    query.check({&at, 1}, box, {&verdict, 1});
+    EXPECT_EQ(verdict.is_free(), at > 1) << at - 1;
+  }
+}
+
 TEST(Configurations, RejectWhatTheyCannotUse) {
   const Slider slider;
   ConfigurationQuery query(slider.robot, slider.spheres);
@@ -442,6 +482,24 @@ TEST(Configurations, RejectWhatTheyCannotUse) {
   RigidTransform mirror;
   mirror.rows[0].x = -1;
   EXPECT_THROW(query.set_base(mirror), std::invalid_argument);
+  const auto refuses = [](const std::function<void(robot::Robot&)>& change) {
+    Slider changed;
+    change(changed.robot);
+    EXPECT_THROW(ConfigurationQuery(changed.robot, changed.spheres), std::invalid_argument);
+  };
+  refuses([](robot::Robot& robot) { robot.root = robot::none; });
+  refuses([](robot::Robot& robot) { robot.joints[0].axis.y = std::nan(""); });
+  refuses([](robot::Robot& robot) { robot.joints[0].origin.translation.x = std::numeric_limits<double>::infinity(); });
+  refuses([](robot::Robot& robot) { robot.joints[0].origin.translation.x = 1e200; });
+  refuses([&](robot::Robot& robot) { robot.joints[0].origin = mirror; });
+  // A multiplier that makes a pose infinite, which would touch nothing.
+  refuses([](robot::Robot& robot) {
+    robot.links.emplace_back().name = "follower";
+    robot.joints.push_back(robot.joints[0]);
+    robot.joints[1].child = 2;
+    robot.joints[1].mimic = robot::Joint::Mimic{0, 1e300, 0};
+    robot.order.push_back(1);
+  });
   World bad;
   EXPECT_THROW(bad.add(Sphere{{}, -1}), std::invalid_argument);
   EXPECT_THROW(bad.add(ObstacleBox{{}, {1, std::nan(""), 1}}), std::invalid_argument);
@@ -459,8 +517,13 @@ TEST(Worlds, CopiesKeepWhatTheyHave) {
   EXPECT_EQ(second.add(Sphere{{9, 0, 0}, 1}), 1u);
   EXPECT_EQ(first.size(), 1u);
   EXPECT_EQ(second.nearest({8, 0, 0}).obstacle, 1u);
-  const World moved = std::move(second);
+  World moved = std::move(second);
   EXPECT_EQ(moved.size(), 2u);
+  // A world that was moved from is empty, also where the other one was not.
+  World third = first;
+  third = std::move(moved);
+  EXPECT_EQ(third.size(), 2u);
+  EXPECT_EQ(moved.size(), 0u);  // NOLINT(bugprone-use-after-move)
 }
 
 TEST(Worlds, FindTheNearestObstacle) {
@@ -538,6 +601,22 @@ TEST(Worlds, TerrainIsTheSolidBelowItsSurface) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p = Vec3{1, 0.75, 0} + random_point(random, 1.5);
     ASSERT_NEAR(world.nearest(pose(p)).distance, plain(p), 1e-9);
+  }
+}
+
+TEST(Worlds, BordersOfTerrainLeadOutward) {
+  World world;
+  world.add(robot::HeightField{std::vector<double>(4), 2, 2});
+  const std::array<std::pair<Vec3, Vec3>, 4> borders{{{{0, 0.5, -0.3}, {-1, 0, 0}},
+                                                      {{1, 0.5, -0.3}, {1, 0, 0}},
+                                                      {{0.5, 0, -0.3}, {0, -1, 0}},
+                                                      {{0.5, 1, -0.3}, {0, 1, 0}}}};
+  for (const auto& [on, outward] : borders) {
+    for (const double out : {-1e-3, 0.0, 1e-200, 1e-3}) {
+      const robot::NearestObstacle found = world.nearest(on + out * outward);
+      EXPECT_NEAR(found.distance, out, 1e-15);
+      EXPECT_EQ(found.direction, outward) << out;
+    }
   }
 }
 

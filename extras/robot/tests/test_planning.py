@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Planners' queries of a ball on a slider: distances, derivatives and times by hand."""
 
+import subprocess
+import sys
+
 import numpy
 import pytest
 
@@ -112,6 +115,45 @@ def test_wrong_arguments_of_planners_queries(query, world):
             query.check_motions(column(0), column(1), world, **options)
     with pytest.raises(ValueError):
         query.clearance(column(numpy.nan), world)
+
+
+def test_arrays_of_any_layout_and_number_type(query, world):
+    x = numpy.linspace(-3, 3, 37)
+    expected = query.clearance(column(*x), world).distance.tolist()
+    wide = numpy.zeros((74, 3))
+    wide[::2, 1] = x
+    backward = x[::-1].copy()[::-1, None]
+    for given in (wide[::2, 1:2], backward, numpy.asfortranarray(x[:, None])):
+        assert query.clearance(given, world).distance.tolist() == expected
+    single = x.astype(numpy.float32)[:, None]
+    assert query.clearance(single, world) == query.clearance(single.astype(float), world)
+    many = morula.Workers(7)
+    for n in (0, 1, 15, 16, 17, 33):
+        assert query.clearance(x[:n, None], world, workers=many).distance.tolist() == expected[:n]
+
+
+# A thread that adds a large mesh needs the GIL now and then, to look for signals.
+waiting = """
+import threading
+import numpy
+import morula
+steps = numpy.linspace(0, 1, 400)
+x, y = numpy.meshgrid(steps, steps)
+points = numpy.stack([x, y, numpy.sin(9 * x) * numpy.cos(7 * y)], axis=-1).reshape(-1, 3)
+k, i = numpy.mgrid[:399, :399].reshape(2, -1)
+a = 400 * k + i
+facets = numpy.concatenate([numpy.stack([a, a + 1, a + 401], 1), numpy.stack([a, a + 401, a + 400], 1)])
+world = morula.robot.World()
+adding = threading.Thread(target=lambda: world.add_mesh((points, facets)))
+adding.start()
+while adding.is_alive():
+    len(world)
+assert len(world) == 1
+"""
+
+
+def test_a_wait_for_a_world_does_not_stop_the_thread_that_changes_it():
+    subprocess.run([sys.executable, "-c", waiting], check=True, timeout=120)
 
 
 def test_rates_of_false_self_collisions_of_two_sliding_blocks(tmp_path):

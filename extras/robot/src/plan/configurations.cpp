@@ -16,11 +16,11 @@ using detail::StandardFloats;
 
 namespace {
 
-constexpr std::size_t grain = 16 * filter_block;  // configurations of a chunk
+constexpr std::size_t chunk_of_configurations = 16 * filter_block;
 
 void check_all(const ConfigurationQuery::Model& model, const World::Data* world, std::span<const double> configurations,
                std::span<ConfigurationVerdict> verdicts, Workers& workers) {
-  parallel_for(workers, verdicts.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, verdicts.size(), chunk_of_configurations, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
     BatchCheck batch(model, world, true);
     for (std::size_t i = begin; i < end; i += filter_block) {
@@ -54,7 +54,8 @@ std::size_t ConfigurationQuery::coordinates() const {
 }
 
 void ConfigurationQuery::set_base(const RigidTransform& base) {
-  const RigidTransform rigid = rigid_or_throw(base, "ConfigurationQuery::set_base");
+  const StandardFloats standard;
+  const RigidTransform rigid = exact_pose(base, "ConfigurationQuery::set_base");
   if (!(max_norm(rigid.translation) <= greatest_usable_scale))
     throw std::invalid_argument("ConfigurationQuery::set_base: the position is beyond greatest_usable_scale");
   auto changed = std::make_shared<Model>(*model_);

@@ -129,6 +129,12 @@ struct MeshObstacle final : Obstacle {
 
 }  // namespace
 
+RigidTransform exact_pose(const RigidTransform& pose, std::string_view what) {
+  const RigidTransform rigid = rigid_or_throw(pose, what);
+  // mutant robot-exact-pose: `1e-14` -> `1`
+  return deviation_from_rigid(rigid) <= 1e-14 ? rigid : orthonormalized(rigid);
+}
+
 void Obstacle::set_bounds(const Box& box) {
   // Positions on the obstacle are products of a few numbers of at most this size.
   magnitude = largest_coordinate(box);

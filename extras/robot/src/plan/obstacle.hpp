@@ -7,6 +7,7 @@
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/scale.hpp>
 #include <morula/robot/world.hpp>
+#include <string_view>
 
 namespace morula::robot {
 
@@ -62,6 +63,15 @@ ObstaclePointer mesh_obstacle(const MeshView& mesh);
 /// The union of spheres, of which there is at least one. The distance is the least of those from single spheres.
 ObstaclePointer spheres_obstacle(std::span<const Sphere> spheres);
 ObstaclePointer height_obstacle(const HeightField& field);
+
+/// A pose whose rows are orthonormal up to rounding: bounds around what it places allow for rounding alone. Throws as
+/// rigid_or_throw().
+RigidTransform exact_pose(const RigidTransform& pose, std::string_view what);
+
+/// True if all numbers are finite and of at most greatest_usable_scale.
+inline bool has_usable_size(const Vec3& v) {
+  return max_norm(v) <= greatest_usable_scale && is_finite(v);
+}
 
 /// The place at this signed distance, or nothing if it exceeds `within`.
 inline NearestObstacle place_at(double distance, const Vec3& direction, double within) {

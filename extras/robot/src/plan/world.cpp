@@ -13,16 +13,12 @@ namespace {
 
 using detail::StandardFloats;
 
-bool has_usable_size(const Vec3& v) {
-  return max_norm(v) <= greatest_usable_scale && is_finite(v);
-}
-
 void require_obstacle(bool condition, const char* text) {
   if (!condition) throw std::invalid_argument(std::string("World::add") + text);
 }
 
 RigidTransform require_pose(const RigidTransform& pose, const char* what) {
-  const RigidTransform rigid = rigid_or_throw(pose, what);
+  const RigidTransform rigid = exact_pose(pose, what);
   require_obstacle(has_usable_size(rigid.translation), ": the position of an obstacle is beyond greatest_usable_scale");
   return rigid;
 }
@@ -44,7 +40,8 @@ World::World(World&& other) noexcept : data_(std::make_shared<Data>()) {
   data_.swap(other.data_);
 }
 World& World::operator=(World&& other) noexcept {
-  data_.swap(other.data_);
+  World taken(std::move(other));
+  data_.swap(taken.data_);
   return *this;
 }
 World::~World() = default;

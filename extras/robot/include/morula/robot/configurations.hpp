@@ -88,7 +88,9 @@ struct MotionOptions {
 /// Queries are const; several threads may use one object at once.
 class ConfigurationQuery {
  public:
-  /// Copies the required data. spheres: a result of fit_spheres() for this robot. Throws as SphereRobot.
+  /// Copies the required data. spheres: a result of fit_spheres() for this robot. Throws as SphereRobot, and for joints
+  /// with numbers that are not finite or beyond greatest_usable_scale, including the product of the multipliers of
+  /// joints that follow each other.
   ConfigurationQuery(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
   ~ConfigurationQuery();
   ConfigurationQuery(const ConfigurationQuery&);
@@ -98,7 +100,9 @@ class ConfigurationQuery {
 
   /// Number of coordinates of a configuration.
   std::size_t coordinates() const;
-  /// Places the root link in the world. Throws std::invalid_argument for a pose that is not finite, or a reflection.
+  /// Places the root link in the world. Throws std::invalid_argument for a pose that rigid_or_throw() rejects, or
+  /// beyond greatest_usable_scale. A pose that deviates from a rotation by more than rounding counts as the nearest
+  /// one.
   void set_base(const RigidTransform& base);
   /// Fastens an object to a link, such as a grasped part: its spheres move with it, in the link's axes, and count as
   /// that link's. They are tested against all other links with spheres except those in `touching`, and against what
@@ -120,11 +124,12 @@ class ConfigurationQuery {
   /// pair; of pairs that are equally near, the one with the lowest link and obstacle, and links after obstacles.
   ///
   /// Inside a solid obstacle a distance is minus the depth to the surface of that obstacle alone, also where obstacles
-  /// overlap. From a center that every direction leads out of, such as an obstacle's own, the gradient is that of one
-  /// of these directions, always the same. The exact value has exact sines and cosines of the coordinates; it takes
-  /// joints that follow each other by one multiplier and offset, and meshes with vertices rounded in world axes. Throws
-  /// std::invalid_argument as check(), and for a limit of 0 or less and gradients of another size. Cost: that of poses,
-  /// and of the pairs of links and obstacles that the nearest pair does not exclude.
+  /// overlap; among points or spheres that are one obstacle, that of the sphere that is deepest there. From a center
+  /// that every direction leads out of, such as an obstacle's own, the gradient is that of one of these directions,
+  /// always the same. The exact value has exact sines and cosines of the coordinates; it takes joints that follow each
+  /// other by one multiplier and offset, and meshes with vertices rounded in world axes. Throws std::invalid_argument
+  /// as check(), and for a limit of 0 or less and gradients of another size. Cost: that of poses, and of the pairs of
+  /// links and obstacles that the nearest pair does not exclude.
   void clearance(std::span<const double> configurations, const World& world, std::span<Clearance> clearances,
                  std::span<double> gradients = {}, const ClearanceOptions& options = {},
                  WorkersOrAll workers = {}) const;
