@@ -226,28 +226,28 @@ TEST(Motions, bounds_hold_for_every_sphere_and_time) {
     bounds.set_part(middle, half);
     for (std::size_t group = 0; group < model.groups.size(); ++group) {
       const auto& spheres = model.groups[group];
-      for (const robot::MotionNode& node : model.motions->nodes) {
+      for (std::uint32_t number = 0; number < model.motions->nodes.size(); ++number) {
+        const robot::MotionNode& node = model.motions->nodes[number];
         if (node.child_count > 0 || node.body != group) continue;
         const auto same = std::find_if(spheres.spheres.begin(), spheres.spheres.end(),
                                        [&](const Sphere& s) { return s == node.sphere; });
         ASSERT_NE(same, spheres.spheres.end()) << "links here are frames";
-        const Vec3 center = bounds.center(node);
+        const auto& placed = bounds.placed(number);
         const Point start = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle));
-        const double off = static_cast<double>(far(start, exact(center)));
+        const double off = static_cast<double>(far(start, exact(placed.center)));
         ASSERT_LE(off, bounds.allowance());
         error = std::max(error, off / bounds.allowance());
-        const auto motion = bounds.motion(node, center);
         for (int i = -8; i <= 8; ++i) {
           const Number share = Number(i) / 8;
           const Point now = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle + share * half));
           const auto moved = static_cast<double>(far(now, start));
-          ASSERT_LE(moved, motion.first + bounds.allowance());
-          ASSERT_LE(moved, motion.bound() + bounds.allowance());
-          const Vec3 along = static_cast<double>(share) * motion.velocity;
+          ASSERT_LE(moved, placed.first + bounds.allowance());
+          ASSERT_LE(moved, placed.bound() + bounds.allowance());
+          const Vec3 along = static_cast<double>(share) * placed.velocity;
           const auto rest = static_cast<double>(far(now, plus(start, exact(along))));
-          ASSERT_LE(rest, motion.bend + bounds.allowance());
-          if (i == 8 && moved > 0) tightest = std::min(tightest, motion.bound() / moved);
-          if (i == 8 && rest > 1e-6) bent = std::min(bent, motion.bend / rest);
+          ASSERT_LE(rest, placed.bend + bounds.allowance());
+          if (i == 8 && moved > 0) tightest = std::min(tightest, placed.bound() / moved);
+          if (i == 8 && rest > 1e-6) bent = std::min(bent, placed.bend / rest);
         }
       }
     }
