@@ -8,6 +8,7 @@
 #include <morula/robot/configurations.hpp>
 #include <numbers>
 #include <stdexcept>
+#include <support/meshes.hpp>
 
 #include "moving_robots.hpp"
 
@@ -89,6 +90,9 @@ TEST(Motions, whole_turns_and_chords_hide_nothing) {
   world.add(Sphere{{-1, 0, 0}, 0.01});
   EXPECT_EQ(check(bar(), world, {0}, {4 * std::numbers::pi}).result, MotionResult::touches);
   EXPECT_EQ(check(bar(), world, {-2000 * std::numbers::pi}, {2000 * std::numbers::pi}).result, MotionResult::touches);
+  MovingRobot itself = bar();  // the same ball on the root link
+  itself.cover(0, {{{-1, 0, 0}, 0.01}});
+  EXPECT_EQ(check(itself, {}, {0}, {4 * std::numbers::pi}).result, MotionResult::touches);
   World inside;  // between the ends of each chord
   inside.add(Sphere{{0, 0, 0}, 0.89});
   EXPECT_EQ(check(bar(), inside, {0}, {6}).result, MotionResult::free);
@@ -197,6 +201,20 @@ TEST(Motions, closed_meshes_are_solid_and_resolutions_may_miss) {
   const MotionVerdict found = check(slider(), thin, {0}, {1}, {.resolution = 0.1});
   EXPECT_EQ(found.result, MotionResult::touches);
   EXPECT_EQ(found.time, 0.4) << "it comes before 0.3";
+}
+
+TEST(Motions, a_gap_of_the_tolerance_is_proven_beside_a_mesh) {
+  // A ball slides along a face of a cube that stands aslant to the axes, so that no box of it helps.
+  constexpr double half = 0.05, radius = 0.02, room = 0.01;
+  const Vec3 out{std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0}, along{out.y, -out.x, 0};
+  World world;
+  const Mesh cube = box_mesh({-half, -half, -half}, {half, half, half});
+  world.add(cube, RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 4, {}));
+  for (double more = 1e-5; more < 0.01; more += 1e-4) {
+    MovingRobot moving;
+    moving.add(0, Kind::prismatic, along, {.translation = (half + radius + room + more) * out}, {{{0, 0, 0}, radius}});
+    EXPECT_EQ(check(moving, world, {-0.99 * room}, {0.99 * room}, {.tolerance = room}), MotionVerdict{}) << more;
+  }
 }
 
 TEST(Motions, options_and_sizes_are_tested) {

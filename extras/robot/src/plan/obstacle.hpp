@@ -3,6 +3,8 @@
 // One obstacle of a world, in world axes: what a ball touches, and how far away a point is, in double.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/scale.hpp>
@@ -13,6 +15,13 @@ namespace morula::robot {
 
 /// Shapes that single-precision kernels know; they test all others by their bounds only.
 enum class ObstacleKind { sphere, box, other };
+
+/// What is known of a signed distance.
+struct DistanceBounds {
+  double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
+  /// An upper bound of its absolute value.
+  double largest() const { return std::max(-lower, upper); }
+};
 
 /// An obstacle does not change, so several threads may ask one at once.
 class Obstacle {
@@ -26,6 +35,8 @@ class Obstacle {
   virtual bool touches(const Sphere& ball) const = 0;
   /// True only if no ball inside this one touches. It is fast, and false where that is not plain.
   virtual bool is_clear_of(const Sphere& /*ball*/) const { return false; }
+  /// Bounds of the signed distance of p as computed, without a search.
+  virtual DistanceBounds bounds_at(const Vec3& /*p*/) const { return {}; }
   /// The signed distance of p and its direction; an infinite distance if it exceeds `within`. Leaves `obstacle` unset.
   /// Its rounding may differ from that of touches().
   virtual NearestObstacle nearest(const Vec3& p, double within) const = 0;
