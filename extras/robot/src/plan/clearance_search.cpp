@@ -106,6 +106,7 @@ void ClearanceSearch::list_world() {
     errors[o] = moved_ + rounding_of(*obstacles[o]) * 2 * (obstacles[o]->magnitude + reach_);
   for (std::size_t k = 0; k < bounds_.size(); ++k) {
     for (std::size_t o = 0; o < obstacles.size(); ++o) {
+      if (plan_.model.groups[k].may_touch(o)) continue;
       const Obstacle& obstacle = *obstacles[o];
       const Sphere& bound = bounds_[k];
       Candidate candidate{.error = errors[o],
