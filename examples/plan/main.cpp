@@ -16,7 +16,6 @@ namespace {
 using morula::Vec3;
 using namespace morula::robot;
 
-// [plan]
 using Configuration = std::vector<double>;
 using Path = std::vector<Configuration>;
 
@@ -94,7 +93,6 @@ class Planner {
   std::vector<std::uniform_real_distribution<double>> ranges_;
   std::mt19937_64 random_{1};
 };
-// [end]
 
 constexpr double fine = 0.002;  // radians between the poses of the last test
 

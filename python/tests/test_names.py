@@ -106,7 +106,7 @@ def test_names_of_a_header_are_in_the_package(header):
     words = {
         "FitOptions": "fit_spheres", "ReadOptions": "read_robot", "SelfCollisionOptions": "find_ignored", "OutputOptions": "OutputFormat",
         "Description": "OutputFormat", "OutputFile": "OutputFormat", "IgnoreReason": "IgnoredPair", "ClipPlane": "fit_spheres", "RoundShapes": "surface_of", "none": "Robot", "name": "IgnoredPair",
-        "ConfigurationVerdict": "ConfigurationQuery", "HeightField": "World", "NearestObstacle": "World",
+        "ConfigurationVerdict": "ConfigurationVerdicts", "HeightField": "World", "NearestObstacle": "World",
         "Clearance": "Clearances", "ClearanceOptions": "ConfigurationQuery", "MotionVerdict": "MotionVerdicts", "MotionOptions": "ConfigurationQuery",
         "SelfRateOptions": "self_collision_rates", "SelfFitOptions": "fit_for_self_collision",
     } if robots else ELSEWHERE

@@ -248,7 +248,8 @@ struct Scene {
   void hold(ConfigurationQuery& query) {
     holder = 7, touched = 2;
     object = {{{0.1 * scale, 0, 0}, 0.06 * scale}, {{0.2 * scale, 0.05 * scale, 0}, 0.05 * scale}};
-    query.attach("link7", object, std::array<std::string, 1>{"link2"});
+    query.attach("link7", object, std::array<std::string, 1>{"link2"}, std::array<std::size_t, 2>{6, 1});
+    query.allow_contacts("link0", std::array<std::size_t, 3>{0, 3, 99});
   }
   ConfigurationQuery query() const {
     ConfigurationQuery result(robot, spheres, self);
@@ -312,8 +313,10 @@ struct Scene {
     Exact result;
     const std::vector<Ball> all = balls(values);
     for (const Ball& ball : all) {
-      for (std::size_t o = 0; with_world && o < obstacles.size(); ++o)
+      for (std::size_t o = 0; with_world && o < obstacles.size(); ++o) {
+        if (holder != robot::none && (ball.held ? o == 1 || o == 6 : ball.link == 0 && (o == 0 || o == 3))) continue;
         result.add(obstacles[o](ball.center) - ball.radius, ball.link, no_link, static_cast<std::uint32_t>(o));
+      }
     }
     for (const Ball& a : all) {
       for (const Ball& b : all) {

@@ -81,6 +81,7 @@ TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,0,1", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,nan", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip plam=0,0,1,0", "did you mean palm?");
+  bench.expect_refused("robot gripper.urdf -o out --clip grasp=0,0,1,0", "link grasp has no collision shapes");
   bench.expect_refused("robot gripper.urdf -o out --clip-margin 0.01", "add it");
 }
 

@@ -3,6 +3,7 @@
 // Edges between configurations: robots of few links whose first contact has a closed form.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/robot/configurations.hpp>
@@ -150,9 +151,34 @@ TEST(Motions, the_base_and_held_objects_count) {
   MotionVerdict verdict;
   query.check_motions(std::vector{0.0}, std::vector{1.0}, world, {&verdict, 1});
   expect_touch(verdict, 0.4, 1);
-  query.attach("link1", {});
+  query.detach("link1");
   query.check_motions(std::vector{0.0}, std::vector{1.0}, world, {&verdict, 1});
   expect_touch(verdict, 0.65, 1);
+}
+
+TEST(Motions, contacts_that_are_allowed_do_not_count) {
+  // The ball starts in a wall that it may touch, and an object ahead of it in another one.
+  const MovingRobot moving = slider();
+  World world = wall_at(-0.5);
+  world.add(ObstacleBox{.pose = {.translation = {3, 0, 0}}, .half = {0.5, 3, 3}});
+  world.add(ObstacleBox{.pose = {.translation = {5, 0, 0}}, .half = {0.5, 3, 3}});
+  ConfigurationQuery query = moving.query();
+  query.allow_contacts("link1", std::array<std::size_t, 1>{0});
+  for (const double resolution : {0.0, 0.01}) {
+    const auto edge = [&](double end) {
+      MotionVerdict verdict;
+      query.check_motions(std::vector{0.0}, std::vector{end}, world, {&verdict, 1}, {.resolution = resolution});
+      return verdict;
+    };
+    query.detach("link1");
+    EXPECT_EQ(edge(2.3).result, MotionResult::free);
+    EXPECT_EQ(edge(3.3).contact.obstacle, 1u);
+    query.attach("link1", std::vector<Sphere>{{{1, 0, 0}, 0.1}}, {}, std::array<std::size_t, 2>{1, 0});
+    EXPECT_EQ(edge(2.3).result, MotionResult::free);
+    EXPECT_EQ(edge(3.3).contact.obstacle, 1u) << "of the ball itself";
+    query.attach("link1", std::vector<Sphere>{{{1, 0, 0}, 0.1}});
+    EXPECT_EQ(edge(2.3).contact.obstacle, 1u) << "the object may touch nothing";
+  }
 }
 
 TEST(Motions, edges_without_length_are_configurations) {

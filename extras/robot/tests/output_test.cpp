@@ -246,6 +246,15 @@ TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
     EXPECT_TRUE(is_said) << format;
   }
 }
+TEST(RobotOutput, a_tool_is_the_end_of_the_arm_or_what_carries_the_fingers) {
+  EXPECT_EQ(robot::guess_tool(fitted_arm().robot), "flange");
+  EXPECT_EQ(robot::guess_tool(fitted_gripper().robot), "palm");
+  robot::Robot stone;
+  stone.links.emplace_back().name = "only";
+  stone.root = 0;
+  EXPECT_EQ(robot::guess_tool(stone), "only");
+}
+
 TEST(RobotOutput, numbers_of_morphit_add_up) {
   for (const robot::OutputFile& file : fitted_gripper().files("morphit")) {
     const json link = json::parse(file.bytes);

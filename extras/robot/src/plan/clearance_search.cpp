@@ -115,6 +115,7 @@ void ClearanceSearch::list_world() {
 }
 
 void ClearanceSearch::list_obstacle(std::size_t group, std::size_t number) {
+  if (plan_.model.groups[group].may_touch(number)) return;
   const Obstacle& obstacle = *plan_.world.obstacles[number];
   const Sphere& bound = bounds_[group];
   Candidate candidate{.error = obstacle_errors_[number],

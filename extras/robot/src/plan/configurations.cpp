@@ -31,6 +31,12 @@ void check_all(const ConfigurationQuery::Model& model, const World::Data* world,
   });
 }
 
+std::vector<std::size_t> ascending(std::span<const std::size_t> numbers) {
+  std::vector<std::size_t> sorted(numbers.begin(), numbers.end());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
 }  // namespace
 
 ConfigurationQuery::ConfigurationQuery(const Robot& robot, const RobotSpheres& spheres,
@@ -63,17 +69,24 @@ void ConfigurationQuery::set_base(const RigidTransform& base) {
   model_ = changed;
 }
 
-void ConfigurationQuery::attach(std::string_view link, std::span<const Sphere> spheres,
-                                std::span<const std::string> touching) {
+void ConfigurationQuery::allow_contacts(std::string_view link, std::span<const std::size_t> obstacles) {
   const StandardFloats standard;
-  const auto index_of = [&](std::string_view name) {
-    const auto found = std::find(model_->link_names.begin(), model_->link_names.end(), name);
-    if (found == model_->link_names.end())
-      throw std::invalid_argument("ConfigurationQuery::attach: there is no link " + std::string(name));
-    return static_cast<std::size_t>(found - model_->link_names.begin());
-  };
-  MovingSpheres group{.link = index_of(link), .is_held = true};
-  for (const std::string& name : touching) group.touching.push_back(index_of(name));
+  const std::size_t index = model_->link_index(link, "allow_contacts");
+  auto changed = std::make_shared<Model>(*model_);
+  for (MovingSpheres& group : changed->own) {
+    if (group.link == index) group.allowed = ascending(obstacles);
+  }
+  changed->arrange();
+  model_ = changed;
+}
+
+void ConfigurationQuery::attach(std::string_view link, std::span<const Sphere> spheres,
+                                std::span<const std::string> touching,
+                                std::span<const std::size_t> touching_obstacles) {
+  const StandardFloats standard;
+  MovingSpheres group{.link = model_->link_index(link, "attach"), .is_held = true};
+  for (const std::string& name : touching) group.touching.push_back(model_->link_index(name, "attach"));
+  group.allowed = ascending(touching_obstacles);
   auto changed = std::make_shared<Model>(*model_);
   std::erase_if(changed->held, [&](const MovingSpheres& other) { return other.link == group.link; });
   if (!spheres.empty()) {

@@ -186,7 +186,7 @@ ConfigurationVerdict ConfigurationQuery::Model::first_contact(std::span<const Ri
     if (!verdict.is_free() && verdict.link != group.link) return verdict;
     const std::size_t end = verdict.is_free() ? obstacles : verdict.obstacle;
     for (std::size_t i = 0; i < end; ++i) {
-      if (!touches_obstacle(group, poses[group.link], *world->obstacles[i])) continue;
+      if (group.may_touch(i) || !touches_obstacle(group, poses[group.link], *world->obstacles[i])) continue;
       verdict.link = static_cast<std::uint32_t>(group.link);
       verdict.obstacle = static_cast<std::uint32_t>(i);
       break;
@@ -201,6 +201,14 @@ ConfigurationVerdict ConfigurationQuery::Model::first_contact(std::span<const Ri
     return verdict;
   }
   return verdict;
+}
+
+std::size_t ConfigurationQuery::Model::link_index(std::string_view name, const char* function) const {
+  const auto found = std::find(link_names.begin(), link_names.end(), name);
+  if (found == link_names.end())
+    throw std::invalid_argument(std::string("ConfigurationQuery::") + function + ": there is no link " +
+                                std::string(name));
+  return static_cast<std::size_t>(found - link_names.begin());
 }
 
 void ConfigurationQuery::Model::require_configurations(std::span<const double> configurations, std::size_t count,

@@ -56,8 +56,10 @@ MotionVerdict MotionSearch::certified(std::span<const double> from, std::span<co
 void MotionSearch::start_items() {
   items_.clear();
   if (world_ != nullptr) {
-    for (const MotionBody& body : bodies_.bodies) {
-      for (std::uint32_t i = 0; i < world_->obstacles.size(); ++i) items_.push_back({body.root, i, of_world});
+    for (std::size_t k = 0; k < bodies_.bodies.size(); ++k) {
+      for (std::uint32_t i = 0; i < world_->obstacles.size(); ++i) {
+        if (!model_.groups[k].may_touch(i)) items_.push_back({bodies_.bodies[k].root, i, of_world});
+      }
     }
   }
   if (!options_.self) return;

@@ -106,10 +106,18 @@ class ConfigurationQuery {
   void set_base(const RigidTransform& base);
   /// Fastens an object to a link, such as a grasped part: its spheres move with it, in the link's axes, and count as
   /// that link's. They are tested against all other links with spheres except those in `touching`, and against what
-  /// these links hold; ignored pairs of links do not matter for them. The link needs no spheres of its own. Replaces
-  /// the object that this link held; no spheres: the link holds nothing. Throws std::invalid_argument for links that
-  /// the robot lacks, and for spheres that tree_from_spheres() rejects.
-  void attach(std::string_view link, std::span<const Sphere> spheres, std::span<const std::string> touching = {});
+  /// these links hold; ignored pairs of links do not matter for them. Contacts with the obstacles of these numbers do
+  /// not count, such as that with the table from which the object is lifted. The link needs no spheres of its own.
+  /// Replaces the object that this link held. Throws std::invalid_argument for links that the robot lacks, and for
+  /// spheres that tree_from_spheres() rejects.
+  void attach(std::string_view link, std::span<const Sphere> spheres, std::span<const std::string> touching = {},
+              std::span<const std::size_t> touching_obstacles = {});
+  /// The link holds nothing. Throws std::invalid_argument for a link that the robot lacks.
+  void detach(std::string_view link) { attach(link, {}); }
+  /// Contacts of the link's own spheres with the obstacles of these numbers do not count: those of a base with its
+  /// table. The numbers hold in every world that is given later; a world with fewer obstacles lacks some. Replaces the
+  /// numbers of an earlier call. Throws std::invalid_argument for a link that the robot lacks.
+  void allow_contacts(std::string_view link, std::span<const std::size_t> obstacles);
 
   /// Checks configurations. verdicts: one per configuration, whose count it gives. Throws std::invalid_argument unless
   /// there are verdicts.size() × coordinates() numbers of at most greatest_usable_scale.
