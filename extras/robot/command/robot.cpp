@@ -157,9 +157,15 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   if (spheres.links.empty()) {
     std::vector<std::string> left_out = robot.notes;
     left_out.insert(left_out.end(), spheres.notes.begin(), spheres.notes.end());
-    throw FileError(fmt::format("{}: no link has {} shapes{}; try --geometry {}", o.robot, o.geometry,
-                                left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
-                                o.geometry == "visual" ? "collision" : "visual"));
+    const bool is_visual = o.geometry == "visual";
+    const bool has_others = std::any_of(robot.links.begin(), robot.links.end(), [&](const robot::Link& link) {
+      return !(is_visual ? link.collision : link.visual).empty();
+    });
+    const char* other = is_visual ? "collision" : "visual";
+    throw FileError(fmt::format(
+        "{}: no link has {} shapes{}{}", o.robot, o.geometry,
+        left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
+        has_others ? fmt::format("; try --geometry {}", other) : fmt::format(", and none has {} shapes", other)));
   }
   std::vector<ToleranceRow> rows;
   for (const double tolerance : o.tolerances) {

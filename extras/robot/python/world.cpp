@@ -48,8 +48,8 @@ void bind_robot_world(nb::module_& m) {
           },
           nb::arg("mesh"), nb::arg("pose") = RigidTransform{},
           "Adds a mesh at a pose, and returns its number. It is solid if it is closed and oriented, otherwise its "
-          "surface alone. Cost: that of a SignedDistance, and of at most 33**3 of its distances, in a grid around the mesh "
-          "that makes queries faster; add a mesh once, not for each query.")
+          "surface alone. Cost: that of a SignedDistance, and of at most 33**3 of its distances, in a grid around the "
+          "mesh that makes queries faster; add a mesh once, not for each query.")
       .def(
           "add_height_field",
           [](GuardedWorld& self, ArrayGiven given, double spacing, TransformGiven pose) {

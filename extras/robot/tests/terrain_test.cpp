@@ -6,7 +6,7 @@
 #include "random_poses.hpp"
 #include "terrain_distance.hpp"
 
-namespace morula::test {
+namespace morula::test::terrain {
 namespace {
 
 using Wide = TerrainDistance::Point;
@@ -60,4 +60,4 @@ TEST(Terrain, nearest_places_are_those_of_all_triangles_and_walls) {
 }
 
 }  // namespace
-}  // namespace morula::test
+}  // namespace morula::test::terrain

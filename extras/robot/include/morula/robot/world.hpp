@@ -55,8 +55,8 @@ class World {
   std::size_t add(const Sphere& sphere);
   std::size_t add(const ObstacleBox& box);
   std::size_t add(const Capsule& capsule);
-  /// Copies the mesh. Cost: that of a SignedDistance, and of at most 33³ of its distances, in a grid around the mesh that
-  /// makes queries faster; add a mesh once, not for each query.
+  /// Copies the mesh. Cost: that of a SignedDistance, and of at most 33³ of its distances, in a grid around the mesh
+  /// that makes queries faster; add a mesh once, not for each query.
   std::size_t add(const MeshView& mesh, const RigidTransform& pose = {});
   std::size_t add(const HeightField& field);
   /// One obstacle: a sphere of this radius around each point, such as those of a depth camera.
