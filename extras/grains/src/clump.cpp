@@ -60,6 +60,7 @@ double rounding_allowance(const MeshView& mesh) {
 /// The leaves, which cover within the tolerance.
 std::vector<Sphere> leaves(const CoveredTree& model, double tolerance) {
   std::vector<Sphere> spheres = level_set_spheres(model.tree, model.tree.level_count() - 1);
+  // mutant clump-reduced-too-far: `reduced(s, tolerance)` -> `reduced(s, 1.01 * tolerance)`
   for (Sphere& s : spheres) s = reduced(s, tolerance);
   return spheres;
 }

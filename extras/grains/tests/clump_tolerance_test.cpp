@@ -87,6 +87,7 @@ TEST(ClumpTolerance, spheres_are_thinner_and_touch_the_limit) {
       ASSERT_TRUE(clump.outside_volume.has_value());
       EXPECT_LT(*clump.outside_volume, last) << body << tolerance;
       last = *clump.outside_volume;
+      EXPECT_TRUE(clump.proven);
       EXPECT_EQ(clump.within > 0, tolerance > 0);
       EXPECT_EQ(clump.uncovered_distance > 0, tolerance > 0);
       EXPECT_GE(clump.uncovered_distance, 0.9 * tolerance) << "what a tolerance allows is used";

@@ -72,6 +72,15 @@ TEST(FitTolerance, takes_less_space_the_larger_it_is) {
   }
 }
 
+TEST(FitTolerance, goes_with_a_total) {
+  for (const double tolerance : {0.01, 10.0}) {
+    const robot::RobotSpheres fitted = robot::fit_spheres(arm, {.max_total = 20, .tolerance = tolerance});
+    EXPECT_LE(fitted.sphere_count(), 20u);
+    EXPECT_LE(fitted.within(), tolerance);
+    for (const robot::LinkSpheres& link : fitted.links) EXPECT_LE(sampled_distance<float>(link), link.figures.within);
+  }
+}
+
 TEST(FitTolerance, zero_is_a_cover_and_others_are_none) {
   const robot::RobotSpheres zero = robot::fit_spheres(arm, {.spheres = 6, .tolerance = 0});
   EXPECT_TRUE(zero.covered());
