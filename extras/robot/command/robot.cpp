@@ -164,6 +164,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   for (const double tolerance : o.tolerances) {
     robot::FitOptions other = fit;
     other.tolerance = tolerance;
+    if (tolerance == 0) other.max_uncovered.reset();
     other.inner = 0;
     other.progress = {};
     rows.push_back(tolerance_row(tolerance, robot::fit_spheres(robot, other, workers)));
@@ -231,6 +232,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
                 {"spheres", spheres.sphere_count()},
                 {"covered", spheres.covered()},
                 {"within", spheres.within()},
+                {"uncovered_share", spheres.uncovered_share()},
                 {"inner_spheres", spheres.inner_count()},
                 {"links", robot_links_json(robot, spheres)},
                 {"self_collision", ignored_json(robot, self_collision)},

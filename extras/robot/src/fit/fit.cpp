@@ -22,6 +22,8 @@
 #include "fit/clip.hpp"
 #include "fit/inner.hpp"
 #include "fit/rounding.hpp"
+#include "fit/uncovered.hpp"
+#include "fit/within.hpp"
 
 namespace morula::robot {
 
@@ -406,6 +408,8 @@ class Fitter {
       for (const Sphere& leaf : leaves(*model)) link.spheres.push_back(reduced(leaf, o_.tolerance));
       link.tree = std::move(model);
     }
+    if (o_.tolerance > 0 && planes_of(link).empty())
+      grow_inside(link.surface.mesh, link.spheres, o_.max_radius ? *o_.max_radius - o_.padding : 1e30);
     for (Sphere& s : link.spheres) s.radius = padded_radius(s.radius);
     round_outward(link.spheres);
     remove_repeated(link.spheres);
@@ -542,6 +546,7 @@ class Fitter {
       const Coverage cover = coverage(surface.mesh, certified, serial_workers());
       figures.covered = figures.covered && cover.covered;
       figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
+      figures.uncovered_share = cover.uncovered_area;
       figures.within = std::max(figures.within, proven_distance(surface.mesh, certified, cover));
       const SignedDistance object(surface.mesh);
       for (const Sphere& s : link.spheres) {
@@ -589,6 +594,16 @@ double RobotSpheres::within() const {
   return largest;
 }
 
+double RobotSpheres::uncovered_share() const {
+  double uncovered = 0, all = 0;
+  for (const LinkSpheres& link : links) {
+    const double area = inspect(link.surface.mesh).area;
+    uncovered += area * link.figures.uncovered_share;
+    all += area;
+  }
+  return all > 0 ? uncovered / all : 0;
+}
+
 std::size_t RobotSpheres::inner_count() const {
   std::size_t count = 0;
   for (const LinkSpheres& link : links) count += link.inner.size();
@@ -620,6 +635,7 @@ const LinkSpheres* RobotSpheres::of(std::size_t link) const {
 RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   require_sense(robot, options);
+  if (options.max_uncovered) return fit_uncovered(robot, options, workers);
   return Fitter(robot, options, workers).run();
 }
 
