@@ -122,6 +122,13 @@ void PartialCover::set_spheres(std::span<const Sphere> spheres) {
 
 void PartialCover::set_tolerance(double tolerance) {
   tolerance_ = tolerance;
+  for (std::size_t i = 0; i < surface_.size(); ++i) {
+    const Vec3 p = Vec3{surface_.x[i], surface_.y[i], surface_.z[i]} + middle_;
+    const auto gap = [&](const Sphere& s) { return distance(p, s.center) - s.radius; };
+    Sphere& nearest = *std::min_element(spheres_.begin(), spheres_.end(),
+                                        [&](const Sphere& a, const Sphere& b) { return gap(a) < gap(b); });
+    nearest.radius += std::max(0.0, gap(nearest) - tolerance);
+  }
   count_all();
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <morula/accuracy/measure.hpp>
+#include <morula/geometry/inspect.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <stdexcept>
 #include <utility>
@@ -56,6 +57,7 @@ class UncoveredFit {
     if (o_.max_radius) whole.max_radius = std::max(*o_.max_radius - o_.padding, 1e-3 * *o_.max_radius);
     covering_ = fit_spheres(robot_, whole, workers_);
     make_parts();
+    measure_others();
     if (!parts_.empty()) place();
     return measured();
   }
@@ -70,6 +72,15 @@ class UncoveredFit {
         o_.progress(begin + (end - begin) * share, link);
       };
     }
+    return options;
+  }
+
+  /// The options with the same numbers of spheres for links that stay.
+  FitOptions of_others(FitOptions options) const {
+    options.max_uncovered.reset();
+    for (const LinkSpheres& link : covering_.links)
+      if (stays(link) && o_.fixed_spheres.count(name_of(link)) == 0)
+        options.link_spheres[name_of(link)] = link.spheres.size();
     return options;
   }
 
@@ -102,11 +113,26 @@ class UncoveredFit {
     }
   }
 
+  /// Adds what the links that stay leave of their surface.
+  void measure_others() {
+    FitOptions others = of_others(o_);
+    others.progress = {};
+    others.inner = 0;
+    for (const LinkSpheres& link : covering_.links)
+      if (!stays(link)) others.skip.insert(name_of(link));
+    if (others.skip.size() == covering_.links.size() + o_.skip.size()) return;
+    for (const LinkSpheres& link : fit_spheres(robot_, others, workers_).links) {
+      const double area = inspect(link.surface.mesh).area;
+      area_ += area;
+      others_uncovered_ += area * link.figures.uncovered_share;
+    }
+  }
+
   /// Moves all spheres for a worth, and returns the share of the surface that they leave, and the outside volume.
   std::pair<double, double> improve(double worth, int rounds) {
     workers_.run(parts_.size(), [&](std::size_t k) { parts_[k].cover.improve(worth, rounds, o_.stop); });
     if (o_.stop.stop_requested()) throw BuildStopped();
-    double uncovered = 0, outside = 0;
+    double uncovered = others_uncovered_, outside = 0;
     for (const Part& part : parts_) {
       uncovered += part.links * part.cover.uncovered_area();
       outside += part.links * part.cover.outside_volume();
@@ -139,7 +165,8 @@ class UncoveredFit {
     return result;
   }
 
-  /// Moves spheres until they are proven to cover within the tolerance; takes those that cover if that does not help.
+  /// Enlarges spheres until they are proven to cover within the tolerance; takes those that cover if that does not
+  /// help.
   void prove(Part& part) const {
     const Mesh& mesh = covering_.links[part.link].surface.mesh;
     double tolerance = o_.tolerance;
@@ -158,7 +185,6 @@ class UncoveredFit {
       }
       tolerance = std::max(0.0, tolerance - 1.2 * (within.uncovered_distance_upper + within.tolerance));
       part.cover.set_tolerance(tolerance);
-      part.cover.improve(worth_, 1, o_.stop);
     }
   }
 
@@ -170,7 +196,7 @@ class UncoveredFit {
     for (int k = 0; k <= most_corrections; ++k) {
       search(share);
       workers_.run(parts_.size(), [&](std::size_t i) { prove(parts_[i]); });
-      double uncovered = 0;
+      double uncovered = others_uncovered_;
       for (const Part& part : parts_) uncovered += part.links * part.uncovered_area;
       if (uncovered <= *o_.max_uncovered * area_) return;
       share = std::max(0.0, share - 1.2 * (uncovered / area_ - *o_.max_uncovered));
@@ -179,10 +205,7 @@ class UncoveredFit {
 
   /// The spheres with all figures, which the fit finds for given ones. Links that stay are fitted for the tolerance.
   RobotSpheres measured() const {
-    FitOptions given = with_progress(0.9, 1);
-    for (const LinkSpheres& link : covering_.links)
-      if (stays(link) && o_.fixed_spheres.count(name_of(link)) == 0)
-        given.link_spheres[name_of(link)] = link.spheres.size();
+    FitOptions given = of_others(with_progress(0.9, 1));
     for (const Part& part : parts_) {
       const std::size_t first = covering_.links[part.link].link;
       for (const LinkSpheres& link : covering_.links)
@@ -209,7 +232,7 @@ class UncoveredFit {
   Workers& workers_;
   RobotSpheres covering_;
   std::vector<Part> parts_;
-  double area_ = 0, worth_ = 0, first_worth_ = 0;
+  double area_ = 0, others_uncovered_ = 0, worth_ = 0, first_worth_ = 0;
 };
 
 }  // namespace
