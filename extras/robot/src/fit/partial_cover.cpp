@@ -14,7 +14,7 @@ namespace morula::robot {
 namespace {
 
 constexpr std::size_t surface_samples = 3000, bins = 256, most_seats = 4000;
-constexpr int cells_along = 28, moves = 16, jumps = 8;
+constexpr int cells_along = 34, moves = 16, jumps = 8;
 constexpr double margin_share = 0.25;
 
 /// Squared distances of the points from a center.

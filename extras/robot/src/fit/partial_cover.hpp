@@ -36,6 +36,8 @@ class PartialCover {
   double area() const { return area_; }  ///< of the mesh, mesh units²
   double uncovered_area() const;         ///< by the samples, mesh units²
   double outside_volume() const;         ///< by the samples, mesh units³
+  /// What improve() reduces.
+  double cost(double worth) const { return outside_volume() + worth * uncovered_area(); }
 
  private:
   struct Points {

@@ -36,13 +36,20 @@ void require_sense(const FitOptions& o) {
   }
 }
 
+/// The outside volume of the links where it is known.
+double outside_volume(const RobotSpheres& spheres) {
+  double sum = 0;
+  for (const LinkSpheres& link : spheres.links) sum += link.figures.outside_volume.value_or(0);
+  return sum;
+}
+
 /// The spheres of one link, and how much of its surface they leave.
 struct Part {
   std::size_t link = 0;  // of RobotSpheres::links
   double links = 1;      // links that share the spheres
   PartialCover cover;
-  std::vector<Sphere> start, best{}, last{};  // last: as in files
-  double uncovered_area = 0;                  // of the last ones, exact
+  std::vector<Sphere> start, other_start, best{}, last{};  // last: as in files
+  double uncovered_area = 0;                               // of the last ones, exact
 };
 
 class UncoveredFit {
@@ -51,13 +58,13 @@ class UncoveredFit {
       : robot_(robot), o_(options), workers_(workers) {}
 
   RobotSpheres run() {
-    FitOptions whole = with_progress(0, 0.5);
+    FitOptions whole = with_progress(0, 0.3);
     whole.tolerance = whole.padding = whole.min_radius = 0;
     whole.inner = 0;
     if (o_.max_radius) whole.max_radius = std::max(*o_.max_radius - o_.padding, 1e-3 * *o_.max_radius);
     covering_ = fit_spheres(robot_, whole, workers_);
+    within_ = fit_spheres(robot_, with_progress(0.3, 0.6), workers_);
     make_parts();
-    measure_others();
     if (!parts_.empty()) place();
     return measured();
   }
@@ -72,15 +79,6 @@ class UncoveredFit {
         o_.progress(begin + (end - begin) * share, link);
       };
     }
-    return options;
-  }
-
-  /// The options with the same numbers of spheres for links that stay.
-  FitOptions of_others(FitOptions options) const {
-    options.max_uncovered.reset();
-    for (const LinkSpheres& link : covering_.links)
-      if (stays(link) && o_.fixed_spheres.count(name_of(link)) == 0)
-        options.link_spheres[name_of(link)] = link.spheres.size();
     return options;
   }
 
@@ -103,7 +101,7 @@ class UncoveredFit {
       const SignedDistance object(link.surface.mesh);
       parts[k] = {places[k], 1,
                   PartialCover(link.surface.mesh, object, link.spheres, o_.tolerance, most_radius, o_.seed),
-                  link.spheres};
+                  link.spheres, within_.links[places[k]].spheres};
     });
     for (std::optional<Part>& part : parts) {
       for (const LinkSpheres& link : covering_.links)
@@ -111,17 +109,8 @@ class UncoveredFit {
       area_ += part->links * part->cover.area();
       parts_.push_back(std::move(*part));
     }
-  }
-
-  /// Adds what the links that stay leave of their surface.
-  void measure_others() {
-    FitOptions others = of_others(o_);
-    others.progress = {};
-    others.inner = 0;
-    for (const LinkSpheres& link : covering_.links)
-      if (!stays(link)) others.skip.insert(name_of(link));
-    if (others.skip.size() == covering_.links.size() + o_.skip.size()) return;
-    for (const LinkSpheres& link : fit_spheres(robot_, others, workers_).links) {
+    for (const LinkSpheres& link : within_.links) {
+      if (!stays(link)) continue;
       const double area = inspect(link.surface.mesh).area;
       area_ += area;
       others_uncovered_ += area * link.figures.uncovered_share;
@@ -140,11 +129,24 @@ class UncoveredFit {
     return {uncovered / area_, outside};
   }
 
+  /// Starts a part from the spheres that cover, or from those of the tolerance, whichever are worth more when moved.
+  void start(Part& part) const {
+    part.cover.improve(first_worth_, first_rounds, o_.stop);
+    const std::vector<Sphere> one(part.cover.spheres().begin(), part.cover.spheres().end());
+    const double cost = part.cover.cost(first_worth_);
+    const std::size_t given = part.other_start.size();
+    for (std::size_t k = 0; part.other_start.size() < one.size(); ++k)
+      part.other_start.push_back(part.other_start[k % given]);
+    part.cover.set_spheres(part.other_start);
+    part.cover.improve(first_worth_, first_rounds, o_.stop);
+    if (cost < part.cover.cost(first_worth_)) part.cover.set_spheres(one);
+  }
+
   /// Searches the worth at which the spheres leave the share by the samples, and the best spheres that leave no more.
   void search(double share) {
     double low = 0, high = std::numeric_limits<double>::infinity(), least = high;
     for (int step = 0; step < most_steps; ++step) {
-      const auto [uncovered, outside] = improve(worth_, step == 0 ? first_rounds : rounds_of_a_step);
+      const auto [uncovered, outside] = improve(worth_, rounds_of_a_step);
       const bool enough = uncovered <= share;
       if (enough && outside < least) {
         least = outside;
@@ -192,6 +194,7 @@ class UncoveredFit {
     double outside = 0;
     for (const Part& part : parts_) outside += part.links * part.cover.outside_volume();
     worth_ = first_worth_ = outside > 0 ? outside / area_ : 0.01 * std::sqrt(area_);
+    workers_.run(parts_.size(), [&](std::size_t i) { start(parts_[i]); });
     double share = sampled_part * *o_.max_uncovered;
     for (int k = 0; k <= most_corrections; ++k) {
       search(share);
@@ -203,23 +206,34 @@ class UncoveredFit {
     }
   }
 
-  /// The spheres with all figures, which the fit finds for given ones. Links that stay are fitted for the tolerance.
+  /// The spheres with all figures, which the fit finds for given ones. Where the fit for the tolerance alone keeps the
+  /// share and has less outside volume, that is the result.
   RobotSpheres measured() const {
-    FitOptions given = of_others(with_progress(0.9, 1));
-    for (const Part& part : parts_) {
-      const std::size_t first = covering_.links[part.link].link;
-      for (const LinkSpheres& link : covering_.links)
+    FitOptions given = with_progress(0.9, 1);
+    for (std::size_t i = 0; i < covering_.links.size(); ++i) {
+      const LinkSpheres& link = covering_.links[i];
+      if (stays(link)) {
+        given.skip.insert(name_of(link));
+        continue;
+      }
+      for (const Part& part : parts_) {
+        const std::size_t first = covering_.links[part.link].link;
         if (link.link == first || link.same_shape_as == first) given.fixed_spheres[name_of(link)] = part.last;
+      }
     }
-    RobotSpheres result = fit_spheres(robot_, given, workers_);
+    RobotSpheres result = within_;
+    const RobotSpheres placed = fit_spheres(robot_, given, workers_);
     for (std::size_t i = 0; i < result.links.size(); ++i) {
-      LinkSpheres& link = result.links[i];
-      const LinkSpheres& before = covering_.links[i];
-      if (stays(before)) continue;
-      link.same_shape_as = before.same_shape_as;
-      link.tree = before.tree;
-      link.notes.insert(link.notes.begin(), before.notes.begin(), before.notes.end());
+      const LinkSpheres* const link = placed.of(result.links[i].link);
+      if (link == nullptr) continue;
+      result.links[i] = *link;
+      result.links[i].same_shape_as = covering_.links[i].same_shape_as;
+      result.links[i].tree = covering_.links[i].tree;
+      std::vector<std::string>& notes = result.links[i].notes;
+      notes.insert(notes.begin(), covering_.links[i].notes.begin(), covering_.links[i].notes.end());
     }
+    if (within_.uncovered_share() <= *o_.max_uncovered && outside_volume(within_) < outside_volume(result))
+      return within_;
     if (result.uncovered_share() > *o_.max_uncovered) {
       result.notes.push_back(fmt::format("{:.3g} % of the surface are in no sphere, more than {:.3g} %",
                                          100 * result.uncovered_share(), 100 * *o_.max_uncovered));
@@ -230,7 +244,7 @@ class UncoveredFit {
   const Robot& robot_;
   const FitOptions& o_;
   Workers& workers_;
-  RobotSpheres covering_;
+  RobotSpheres covering_, within_;  // fitted to cover, and for the tolerance alone
   std::vector<Part> parts_;
   double area_ = 0, others_uncovered_ = 0, worth_ = 0, first_worth_ = 0;
 };
