@@ -13,7 +13,7 @@ namespace morula::robot {
 
 namespace {
 
-constexpr std::size_t surface_samples = 3000, bins = 256, most_seats = 4000;
+constexpr std::size_t surface_samples = 3000, bins = 256;
 constexpr int cells_along = 34, moves = 16, jumps = 8;
 constexpr double margin_share = 0.25;
 
@@ -89,6 +89,7 @@ void PartialCover::sample_space(const Mesh& mesh, const SignedDistance& object) 
   for (const Vec3& p : mesh.positions) box.add(p);
   const Vec3 extent = box.upper - box.lower;
   const double longest = std::max({extent.x, extent.y, extent.z}), margin = margin_share * longest;
+  if (!(longest > 0)) return;
   reach_ = 0.5 * box.diagonal() + margin;
   const double cell = (longest + 2 * margin) / cells_along;
   const Vec3 low = box.lower - Vec3{margin, margin, margin};
@@ -140,10 +141,10 @@ void PartialCover::count_all() {
 }
 
 void PartialCover::count(const Sphere& s, int change) {
-  const auto change_where = [&](std::vector<std::uint16_t>& counts, double radius) {
+  const auto change_where = [&](std::vector<std::uint32_t>& counts, double radius) {
     const auto square = static_cast<float>(radius * radius);
     for (std::size_t i = 0; i < counts.size(); ++i)
-      if (squares_[i] <= square) counts[i] = static_cast<std::uint16_t>(counts[i] + change);
+      if (squares_[i] <= square) counts[i] = static_cast<std::uint32_t>(counts[i] + change);
   };
   squared_distances(surface_.x, surface_.y, surface_.z, s.center - middle_, squares_);
   change_where(surface_in_, s.radius);

@@ -61,8 +61,8 @@ class PartialCover {
 
   Vec3 middle_{};  // of the mesh; points are relative to it, as floats
   Points surface_, space_;
-  std::vector<std::uint16_t> surface_in_, space_in_;  // number of spheres that contain a point
-  std::vector<std::uint16_t> near_;                   // number of spheres within the tolerance of a surface point
+  std::vector<std::uint32_t> surface_in_, space_in_;  // number of spheres that contain a point
+  std::vector<std::uint32_t> near_;                   // number of spheres within the tolerance of a surface point
   Points bare_, free_, far_;                          // points that only the sphere in turn may cover, have, or reach
   std::vector<float> squares_;
   std::vector<Sphere> spheres_;
