@@ -36,8 +36,9 @@ std::string cover_text(const robot::RobotSpheres& spheres, bool proven) {
   if (spheres.covered()) return "yes: every point of every link is in a sphere, with the numbers of the files";
   if (!proven) return "no: a link is uncovered where its uncovered distance is above 0";
   return fmt::format(
-      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files",
-      figure(spheres.within()));
+      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files; {:.3g} % of "
+      "the surface is in no sphere",
+      figure(spheres.within()), 100 * spheres.uncovered_share());
 }
 
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
