@@ -44,7 +44,7 @@ double known_outside(const RobotSpheres& spheres) {
 }
 
 /// The spheres of one link, and how much of its surface they leave.
-struct PlacedLink {
+struct UncoveredPart {
   std::size_t link = 0;  // of RobotSpheres::links
   double links = 1;      // links that share the spheres
   PartialCover cover;
@@ -93,7 +93,7 @@ class UncoveredFit {
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < covering_.links.size(); ++i)
       if (covering_.links[i].same_shape_as == none && !stays(covering_.links[i])) places.push_back(i);
-    std::vector<std::optional<PlacedLink>> parts(places.size());
+    std::vector<std::optional<UncoveredPart>> parts(places.size());
     const double most_radius =
         o_.max_radius ? std::max(0.0, *o_.max_radius - o_.padding) : std::numeric_limits<double>::infinity();
     workers_.run(places.size(), [&](std::size_t k) {
@@ -103,7 +103,7 @@ class UncoveredFit {
                   PartialCover(link.surface.mesh, object, link.spheres, o_.tolerance, most_radius, o_.seed),
                   link.spheres, within_.links[places[k]].spheres};
     });
-    for (std::optional<PlacedLink>& part : parts) {
+    for (std::optional<UncoveredPart>& part : parts) {
       for (const LinkSpheres& link : covering_.links)
         if (link.same_shape_as == covering_.links[part->link].link) ++part->links;
       area_ += part->links * part->cover.area();
@@ -122,7 +122,7 @@ class UncoveredFit {
     workers_.run(parts_.size(), [&](std::size_t k) { parts_[k].cover.improve(worth, rounds, o_.stop); });
     if (o_.stop.stop_requested()) throw BuildStopped();
     double uncovered = others_uncovered_, outside = 0;
-    for (const PlacedLink& part : parts_) {
+    for (const UncoveredPart& part : parts_) {
       uncovered += part.links * part.cover.uncovered_area();
       outside += part.links * part.cover.outside_volume();
     }
@@ -130,7 +130,7 @@ class UncoveredFit {
   }
 
   /// Starts a part from the spheres that cover, or from those of the tolerance, whichever are worth more when moved.
-  void start(PlacedLink& part) const {
+  void start(UncoveredPart& part) const {
     part.cover.improve(first_worth_, first_rounds, o_.stop);
     const std::vector<Sphere> one(part.cover.spheres().begin(), part.cover.spheres().end());
     const double cost = part.cover.cost(first_worth_);
@@ -150,14 +150,14 @@ class UncoveredFit {
       const bool enough = uncovered <= share;
       if (enough && outside < least) {
         least = outside;
-        for (PlacedLink& part : parts_) part.best.assign(part.cover.spheres().begin(), part.cover.spheres().end());
+        for (UncoveredPart& part : parts_) part.best.assign(part.cover.spheres().begin(), part.cover.spheres().end());
       }
       (enough ? high : low) = worth_;
       if (low > 0 && high < low * worth_precision) break;
       worth_ = low == 0 ? 0.5 * high : std::isinf(high) ? 2 * low : std::sqrt(low * high);
       if (worth_ < first_worth_ / worth_range || worth_ > first_worth_ * worth_range) break;
     }
-    for (PlacedLink& part : parts_) part.cover.set_spheres(part.best.empty() ? part.start : part.best);
+    for (UncoveredPart& part : parts_) part.cover.set_spheres(part.best.empty() ? part.start : part.best);
   }
 
   std::vector<Sphere> as_in_files(std::span<const Sphere> spheres) const {
@@ -169,7 +169,7 @@ class UncoveredFit {
 
   /// Enlarges spheres until they are proven to cover within the tolerance; takes those that cover if that does not
   /// help.
-  void prove(PlacedLink& part) const {
+  void prove(UncoveredPart& part) const {
     const Mesh& mesh = covering_.links[part.link].surface.mesh;
     double tolerance = o_.tolerance;
     for (int k = 0;; ++k) {
@@ -192,7 +192,7 @@ class UncoveredFit {
 
   void place() {
     double outside = 0;
-    for (const PlacedLink& part : parts_) outside += part.links * part.cover.outside_volume();
+    for (const UncoveredPart& part : parts_) outside += part.links * part.cover.outside_volume();
     worth_ = first_worth_ = outside > 0 ? outside / area_ : 0.01 * std::sqrt(area_);
     workers_.run(parts_.size(), [&](std::size_t i) { start(parts_[i]); });
     double share = sampled_part * *o_.max_uncovered;
@@ -200,7 +200,7 @@ class UncoveredFit {
       search(share);
       workers_.run(parts_.size(), [&](std::size_t i) { prove(parts_[i]); });
       double uncovered = others_uncovered_;
-      for (const PlacedLink& part : parts_) uncovered += part.links * part.uncovered_area;
+      for (const UncoveredPart& part : parts_) uncovered += part.links * part.uncovered_area;
       if (uncovered <= *o_.max_uncovered * area_) return;
       share = std::max(0.0, share - 1.2 * (uncovered / area_ - *o_.max_uncovered));
     }
@@ -216,7 +216,7 @@ class UncoveredFit {
         given.skip.insert(name_of(link));
         continue;
       }
-      for (const PlacedLink& part : parts_) {
+      for (const UncoveredPart& part : parts_) {
         const std::size_t first = covering_.links[part.link].link;
         if (link.link == first || link.same_shape_as == first) given.fixed_spheres[name_of(link)] = part.last;
       }
@@ -245,7 +245,7 @@ class UncoveredFit {
   const FitOptions& o_;
   Workers& workers_;
   RobotSpheres covering_, within_;  // fitted to cover, and for the tolerance alone
-  std::vector<PlacedLink> parts_;
+  std::vector<UncoveredPart> parts_;
   double area_ = 0, others_uncovered_ = 0, worth_ = 0, first_worth_ = 0;
 };
 
