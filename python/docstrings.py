@@ -15,6 +15,9 @@ import sys
 # What is said in C++ and means something else here.
 WORDS = {
     "std::invalid_argument": "ValueError",
+    "std::bad_alloc": "MemoryError",
+    "std::logic_error": "RuntimeError",
+    "std::runtime_error": "RuntimeError",
     "FileError": "OSError",
     "nullptr": "None",
     "`true`": "True",
@@ -88,6 +91,9 @@ def paragraphs(lines: list[str]) -> str:
     text = "\n\n".join(" ".join(part.split("\n")) for part in "\n".join(lines).split("\n\n"))
     for word, here in WORDS.items():
         text = text.replace(word, here)
+    # Options are keyword arguments.
+    text = re.sub(r"`?\b[A-Z]\w*Options::(\w+)`?", r"`\1`", text)
+    text = re.sub(r"\b([A-Z]\w*)::(?=\w)", r"\1.", text)
     return text[:1].upper() + text[1:]
 
 

@@ -67,9 +67,15 @@ const arm = await open(browser, robot, { width: 1200, height: 720 });
 await settled(arm.page);
 for (const [joint, value] of [[0, 0.9], [1, 1.5], [2, 2.5], [3, 0.02]]) await slide(arm.page, `joint-${joint}`, value);
 await arm.page.keyboard.press('f');
+// A sphere of the base, made smaller: what it left uncovered is red.
+await arm.page.locator('#figures tbody tr', { hasText: 'base' }).click();
+await arm.page.locator('#picked footer button').nth(1).click();
+const radius = arm.page.locator('#edit-r');
+await radius.fill(String(0.75 * (await radius.evaluate((input) => input.valueAsNumber))));
+await arm.page.waitForFunction(() => document.getElementById('edit-cover').dataset.bare === 'true');
 await arm.page.click('#rate-run');
 await arm.page.waitForFunction(() => document.getElementById('rate-run').textContent === 'Count');
-await arm.page.locator('#joints-section').evaluate((section) => section.scrollIntoView());
+await arm.page.locator('#pairs-section').evaluate((section) => section.scrollIntoView());
 await settled(arm.page);
 await arm.page.screenshot({ path: join(folder, 'robot_page.png') });
 await browser.close();

@@ -3,6 +3,7 @@
 // A planner over the spheres of a robot: RRT-Connect finds a path of an arm around a wall. Its configurations and edges
 // are checked by ConfigurationQuery. At the end, exact tests of the links' surfaces, which know nothing of spheres,
 // look for contacts along the path.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -15,7 +16,6 @@ namespace {
 using morula::Vec3;
 using namespace morula::robot;
 
-// [plan]
 using Configuration = std::vector<double>;
 using Path = std::vector<Configuration>;
 
@@ -29,14 +29,14 @@ class Planner {
   }
 
   std::optional<Path> connect(const Configuration& start, const Configuration& goal, int rounds) {
-    Tree a{{start}, {0}}, b{{goal}, {0}};
+    Tree a{{start, 0}}, b{{goal, 0}};
     for (int i = 0; i < rounds; ++i) {
       Configuration target;
       for (auto& range : ranges_) target.push_back(range(random_));
-      if (extend(a, target) && reach(b, a.nodes.back())) {
-        const bool is_swapped = i % 2 == 1;
-        Path path = branch(is_swapped ? b : a), rest = branch(is_swapped ? a : b);
-        path.insert(path.end(), rest.rbegin() + 1, rest.rend());
+      if (extend(a, target) && reach(b, a.back().at)) {
+        Path path = branch(a), rest = branch(b);
+        path.insert(path.begin(), rest.rbegin(), rest.rend() - 1);
+        if (path.front() != start) std::reverse(path.begin(), path.end());
         return path;
       }
       std::swap(a, b);
@@ -44,18 +44,12 @@ class Planner {
     return std::nullopt;
   }
 
-  /// Proven for the whole edge.
-  bool is_free(const Configuration& from, const Configuration& to) const {
-    MotionVerdict verdict;
-    query_.check_motions(from, to, world_, {&verdict, 1}, {}, morula::serial_workers());
-    return verdict.result == MotionResult::free;
-  }
-
  private:
-  struct Tree {
-    Path nodes;
-    std::vector<std::size_t> parents;
+  struct Node {
+    Configuration at;
+    std::size_t parent;  // index in the tree; the root's is 0
   };
+  using Tree = std::vector<Node>;
   static constexpr double step = 0.5;  // distance of configurations, radians
 
   static double distance(const Configuration& a, const Configuration& b) {
@@ -67,30 +61,31 @@ class Planner {
   /// Adds a node one step from the nearest node toward the target, if the edge is free.
   bool extend(Tree& tree, const Configuration& target) {
     std::size_t nearest = 0;
-    for (std::size_t i = 1; i < tree.nodes.size(); ++i)
-      if (distance(tree.nodes[i], target) < distance(tree.nodes[nearest], target)) nearest = i;
+    for (std::size_t i = 1; i < tree.size(); ++i)
+      if (distance(tree[i].at, target) < distance(tree[nearest].at, target)) nearest = i;
+    const Configuration& from = tree[nearest].at;
     Configuration next = target;
-    const double share = step / distance(tree.nodes[nearest], target);
-    for (std::size_t k = 0; share < 1 && k < next.size(); ++k)
-      next[k] = std::lerp(tree.nodes[nearest][k], target[k], share);
-    if (!is_free(tree.nodes[nearest], next)) return false;
-    tree.nodes.push_back(std::move(next));
-    tree.parents.push_back(nearest);
+    const double share = step / distance(from, target);
+    for (std::size_t k = 0; share < 1 && k < next.size(); ++k) next[k] = std::lerp(from[k], target[k], share);
+    MotionVerdict edge;  // proven for the whole edge
+    query_.check_motions(from, next, world_, {&edge, 1}, {}, morula::serial_workers());
+    if (edge.result != MotionResult::free) return false;
+    tree.push_back({std::move(next), nearest});
     return true;
   }
 
   bool reach(Tree& tree, const Configuration& target) {
     while (extend(tree, target))
-      if (tree.nodes.back() == target) return true;
+      if (tree.back().at == target) return true;
     return false;
   }
 
-  /// From the root to the last node.
+  /// From the last node to the root.
   static Path branch(const Tree& tree) {
     Path path;
-    for (std::size_t i = tree.nodes.size() - 1; i != 0; i = tree.parents[i]) path.push_back(tree.nodes[i]);
-    path.push_back(tree.nodes[0]);
-    return {path.rbegin(), path.rend()};
+    for (std::size_t i = tree.size() - 1; i != 0; i = tree[i].parent) path.push_back(tree[i].at);
+    path.push_back(tree[0].at);
+    return path;
   }
 
   const ConfigurationQuery& query_;
@@ -98,7 +93,6 @@ class Planner {
   std::vector<std::uniform_real_distribution<double>> ranges_;
   std::mt19937_64 random_{1};
 };
-// [end]
 
 constexpr double fine = 0.002;  // radians between the poses of the last test
 

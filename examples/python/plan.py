@@ -9,17 +9,19 @@ import numpy
 import morula
 from morula import robot as robots
 
-arm = robots.read_robot(pathlib.Path(__file__).parents[1] / "plan" / "arm.urdf")
+urdf = pathlib.Path(__file__).parents[1] / "plan" / "arm.urdf"
+# [query]
+arm = robots.read_robot(urdf)
 spheres = robots.fit_spheres(arm, spheres=16)
-ignored = robots.find_ignored(arm, spheres, samples=10_000)
+ignored = robots.find_ignored(arm, spheres)
 query = robots.ConfigurationQuery(arm, spheres, ignored)
+# [end]
 boxes = [((0.45, 0, 0.25), (0.25, 0.02, 0.25)), ((0.45, 0, 0.95), (0.25, 0.02, 0.1))]  # center and half lengths
 world = robots.World()
 for center, half in boxes:
     world.add(robots.ObstacleBox(half, pose=morula.RigidTransform(translation=center)))
 
 
-# [plan]
 def plan(start, goal, lower, upper, step=0.5, rounds=10_000, seed=1):
     """Two trees grow toward each other. (J. J. Kuffner, S. M. LaValle: RRT-Connect, ICRA 2000.)"""
     random = numpy.random.default_rng(seed)
@@ -56,7 +58,6 @@ def plan(start, goal, lower, upper, step=0.5, rounds=10_000, seed=1):
                     return numpy.array(branch(first)[::-1] + branch(second)[1:])
         a, b = b, a
     return None
-# [end]
 
 
 limits = numpy.array([(arm.joints[j].lower, arm.joints[j].upper) for j in arm.independent_joints])

@@ -17,6 +17,7 @@
 #include <morula/collide/containment.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
+#include <morula/collide/moving_spheres.hpp>
 #include <morula/collide/pair_walk.hpp>
 #include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>

@@ -89,6 +89,7 @@ NB_MODULE(_morula, m) {
   bind_contact_query(m);
   bind_crossings(m);
   bind_distance(m);
+  bind_moving_spheres(m);
   bind_touch(m);
   bind_rays(m);
   bind_inside(m);

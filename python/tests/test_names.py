@@ -32,7 +32,7 @@ ELSEWHERE = {
     "ContactPatchOptions": "ContactPatchQuery", "ContactPatch": "ContactPatches", "PatchSide": "PatchRegions",
     "PatchFacet": "PatchRegions", "VertexGradient": "PatchRegions", "PatchPoint": "PatchPoints",
     "ContactSurface": "ContactSurfaces", "Crossing": "Crossings", "FrontPair": "FrontPairs",
-    "HapticOptions": "HapticProbe", "HapticToolOptions": "HapticTool", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
+    "EarliestTouchOptions": "earliest_touch", "EarliestTouchQuery": "earliest_touch", "HapticOptions": "HapticProbe", "HapticToolOptions": "HapticTool", "PairWalkOptions": "walk_pairs", "Step": "walk_pairs", "NodePair": "walk_pairs", "Priority": "collide",
     "ClosestFacetPoint": "ClosestPoints", "SignMethod": "SignedDistance", "CutPoint": "Cover", "Segment": "intersection",
     "VtpArray": "write_vtp", "VtpData": "write_vtp", "PvdEntry": "write_pvd", "MeshFileKind": "file_formats",
     "mesh_file_kinds": "file_formats", "MeshInfo": "read_mesh", "SphereState": "PosedSpheres", "Method": "all_methods",
@@ -106,7 +106,7 @@ def test_names_of_a_header_are_in_the_package(header):
     words = {
         "FitOptions": "fit_spheres", "ReadOptions": "read_robot", "SelfCollisionOptions": "find_ignored", "OutputOptions": "OutputFormat",
         "Description": "OutputFormat", "OutputFile": "OutputFormat", "IgnoreReason": "IgnoredPair", "ClipPlane": "fit_spheres", "RoundShapes": "surface_of", "none": "Robot", "name": "IgnoredPair",
-        "ConfigurationVerdict": "ConfigurationQuery", "HeightField": "World", "NearestObstacle": "World",
+        "ConfigurationVerdict": "ConfigurationVerdicts", "HeightField": "World", "NearestObstacle": "World",
         "Clearance": "Clearances", "ClearanceOptions": "ConfigurationQuery", "MotionVerdict": "MotionVerdicts", "MotionOptions": "ConfigurationQuery",
         "SelfRateOptions": "self_collision_rates", "SelfFitOptions": "fit_for_self_collision",
     } if robots else ELSEWHERE

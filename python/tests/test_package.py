@@ -53,6 +53,13 @@ def test_the_example_in_the_docstring_runs():
     assert doctest.testmod(morula).failed == 0
 
 
+def test_docstrings_speak_of_python():
+    modules = [morula] + ([morula.robot] if hasattr(morula._morula, "robot") else [])
+    things = [(name, getattr(module, name)) for module in modules for name in module.__all__]
+    parts = [(f"{name}.{part}", value) for name, thing in things if isinstance(thing, type) for part, value in vars(thing).items()]
+    assert [name for name, thing in things + parts if re.search(r"\w::\w", str(thing.__doc__))] == []
+
+
 def test_type_checkers_accept_stubs_and_a_script(tmp_path):
     pytest.importorskip("mypy")
     script = tmp_path / "script.py"

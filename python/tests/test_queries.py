@@ -190,6 +190,58 @@ def test_distance_lies_between_its_bounds(limb, model):
     assert bounds.certified and bounds.complete and not bounds.crossing
 
 
+def test_moving_spheres_contain_vertices_on_straight_lines(limb, model, motion):
+    body = morula.Body(limb, model)
+    moving = morula.MovingSpheres()
+    with pytest.raises(ValueError, match="cover"):
+        moving.set_end(body)
+    moving.set_start(body)
+    body.update(motion[1])
+    moving.set_end(body)
+    assert len(moving) == model.tree.node_count and moving.covers
+    # Every vertex lies in a leaf's sphere, at any time.
+    leaves = numpy.flatnonzero(numpy.asarray(model.tree.child_count) == 0)
+    for t in (0.0, 0.3, 1.0):
+        positions = limb.positions + t * (motion[1] - limb.positions)
+        spheres = moving.spheres(t)
+        assert spheres.shape == (len(moving), 4)
+        away = numpy.linalg.norm(positions[:, None] - spheres[None, leaves, :3], axis=2) - spheres[leaves, 3]
+        assert (away.min(axis=1) <= 0).all()
+        swept, boxes = moving.swept_spheres(), moving.swept_boxes()
+        assert (numpy.linalg.norm(swept[:, :3] - spheres[:, :3], axis=1) + spheres[:, 3] <= swept[:, 3]).all()
+        assert (boxes[:, 0] <= spheres[:, :3] - spheres[:, 3:]).all() and (boxes[:, 1] >= spheres[:, :3] + spheres[:, 3:]).all()
+    wide = moving.spheres(0.5)[:, 3]
+    moving.widen(0.25)
+    assert numpy.allclose(moving.spheres(0.5)[:, 3], wide + 0.25)
+    moving.advance()
+    assert numpy.array_equal(moving.spheres(0.0), moving.spheres(1.0))
+    with pytest.raises(ValueError, match="t is not a number"):
+        moving.spheres(float("nan"))
+    assert morula.arc_deviation(numpy.array([0.8]), numpy.array([2.0])) == pytest.approx(0.8**2 * 2 / 8)
+
+
+def test_the_earliest_touch_is_that_of_two_balls():
+    ball = morula.sample_body("blob", 12)
+    model = morula.build(ball, quality="fast")
+    root = model.tree.spheres[0]
+    a, b = morula.Collider(morula.Body(ball, model)), morula.Collider(morula.Body(ball, model))
+    first, second = morula.MovingSpheres(), morula.MovingSpheres()
+    b.set_transform((0.0, 0.0, 5 * root[3]))
+    first.set_start(a)
+    second.set_start(b)
+    assert morula.earliest_touch(first, second).apart
+    b.set_transform((0.0, 0.0, 0.0))
+    second.set_end(b)
+    touch = morula.earliest_touch(first, second)
+    # They move five radii: the roots touch after three, the surfaces no earlier.
+    assert not touch.apart and touch.certified and touch.complete and 0.6 <= touch.time < 1
+    whole = morula.earliest_touch(first, second, distance=root[3]).time
+    assert whole < touch.time
+    cut = morula.earliest_touch(first, second, budget=1)
+    assert not cut.complete and cut.time == pytest.approx(0.6, abs=1e-3) and cut.nodes == (0, 0)
+    assert morula.earliest_touch(first, first).time == 0
+
+
 def test_a_box_is_where_it_is():
     bar = morula.sample_body("bar", 8)
     body = morula.Body(bar, morula.build(bar, quality="fast"))

@@ -61,6 +61,7 @@ def instances(folder):
     yield from [
         mesh, model, model.tree, model.cover, body, body.spheres, morula.Collider(body), morula.SurfaceTree(mesh), contacts,
         morula.ContactQuery(), morula.CrossingQuery(), morula.DistanceQuery(), morula.HapticProbe(), morula.HapticTool(spheres[:2]), morula.InsideQuery(body),
+        morula.MovingSpheres(),
         morula.PenetrationQuery(body, body), morula.ContactPatchQuery(body, body), morula.ProximityQuery(distance=0.1),
         morula.SweptQuery(),
         morula.SurfaceCrossingQuery(), morula.LayerPatchQuery(thickness=0.1), morula.ObstacleQuery(), morula.SweptObstacleQuery(), morula.Scene(),

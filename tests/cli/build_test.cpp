@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <morula/generators/build.hpp>
 #include <morula/io/tree_file.hpp>
 
@@ -30,6 +31,65 @@ TEST(BuildCommand, writes_the_tree_that_the_library_builds) {
     EXPECT_EQ(json["levels"][0]["nodes"], 1);
     EXPECT_EQ(json["levels"][0]["largest_radius"].get<double>(), model.tree.spheres[0].radius);
   }
+}
+
+// The largest distance of the corners and the middles of facets from the spheres of a file.
+double sampled_gap(const Mesh& mesh, const SphereTree& tree, std::size_t level) {
+  double largest = 0;
+  const auto look_at = [&](const Vec3& p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Sphere& s : level_set_spheres(tree, level)) least = std::min(least, distance(s.center, p) - s.radius);
+    largest = std::max(largest, least);
+  };
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
+    const auto [a, b, c] = mesh.corners(f);
+    for (const Vec3& p : {a, b, c, (a + b + c) / 3.0}) look_at(p);
+  }
+  return largest;
+}
+
+TEST(BuildCommand, covers_within_a_tolerance_and_reports_the_spheres_of_the_file) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 12");
+  const Mesh mesh = read_mesh(bench / "limb.obj");
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::string tolerance : {"0", "0.02", "0.08"}) {
+    const nlohmann::json report =
+        bench.require("build limb.obj -o t.json --quality draft --spheres 8 --report --json --tolerance " + tolerance)
+            .json();
+    const SphereTree tree = read_tree(bench / "t.json").tree;
+    EXPECT_EQ(report["covered"], tolerance == "0");
+    EXPECT_EQ(report.contains("within"), tolerance != "0");
+    EXPECT_LE(report.value("within", 0.0), std::stod(tolerance));
+    EXPECT_LE(report["worst_excess"].get<double>(), std::stod(tolerance));
+    EXPECT_EQ(report["tree_hash"], bench.require("info t.json --json").json()["tree_hash"]);
+    for (std::size_t level = 0; level < tree.level_count(); ++level) {
+      EXPECT_LE(sampled_gap(mesh, tree, level), std::stod(tolerance) + 1e-12) << level;
+      EXPECT_EQ(sampled_gap(mesh, tree, level) > 1e-12, tolerance != "0" && level > 0);
+    }
+    EXPECT_EQ(report["levels"][0]["largest_radius"].get<double>(), tree.spheres[0].radius);
+    const double now = report["levels"].back()["looseness"];
+    EXPECT_LT(now, last);
+    last = now;
+  }
+  // One flat list, trees, and a tolerance beyond the body.
+  for (const char* output : {"t.ply", "t.npz", "t.sph", "t.json"}) {
+    const std::string build = std::string("build limb.obj --quality draft --spheres 4 -o ") + output;
+    const std::string text = bench.require(build + " --tolerance 0.02").out;
+    EXPECT_NE(text.find("covers        within 0.0200: "), std::string::npos) << text;
+    EXPECT_EQ(bench.require(build).out.find(" within "), std::string::npos);
+  }
+  EXPECT_EQ(bench.require("build limb.obj -o t.json --spheres 4 --tolerance 50 --json").json()["within"], 50);
+}
+
+TEST(BuildCommand, refuses_tolerances_that_it_cannot_keep) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 4");
+  for (const char* length : {"-1", "nan", "inf", "x", "1e31"})
+    bench.expect_refused(std::string("build bar.obj -o t.json --tolerance ") + length, "--tolerance");
+  bench.expect_refused("build bar.obj -o t.json --tolerance 0.1 --method grid", "belongs to the method optimized");
+  bench.expect_refused("build bar.obj -o t.json --tolerance 0.1 --nested", "without --nested");
+  bench.expect_refused("build bar.obj -o t.morula --tolerance 0.1", ".morula holds trees that cover");
 }
 
 void expect_same_file_for_any_number_of_threads(const std::string& options) {

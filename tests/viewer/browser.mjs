@@ -16,7 +16,7 @@ export function chromiumPath() {
 export async function launch(packages, options = {}) {
   const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
   const drawing = options.webgl === false ? ['--disable-gpu', '--disable-3d-apis'] : ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
-  return chromium.launch({ executablePath: chromiumPath(), args: ['--no-sandbox', '--disable-dev-shm-usage', '--hide-scrollbars', ...drawing] });
+  return chromium.launch({ executablePath: chromiumPath(), timeout: 180_000, args: ['--no-sandbox', '--disable-dev-shm-usage', '--hide-scrollbars', ...drawing] });
 }
 
 /** A page from disk. Returns {page, complaints}: what it wrote as errors, and what it asked the network for. */
@@ -24,6 +24,7 @@ export async function open(browser, file, { width = 1440, height = 900, dark = f
   const context = await browser.newContext({
     viewport: { width, height }, colorScheme: dark ? 'dark' : 'light', deviceScaleFactor: scale, hasTouch: touch, reducedMotion: motion,
   });
+  context.setDefaultTimeout(180_000); // other work may share the processors; ctest has a limit for all
   const page = await context.newPage();
   const complaints = [];
   page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));

@@ -42,13 +42,22 @@ await claim('colliding_links_are_red_and_listed', () =>
 
 await claim('random_configurations_are_counted_while_the_page_answers', () =>
   opened('arm/robot.html', large, async (page) => {
-    await page.fill('#rate-count', '1000000');
-    await page.click('#rate-run');
-    await page.waitForFunction(() => document.getElementById('rate').textContent.includes('%'));
-    await slide(page, 'joint-0', 0.5);
-    equal(await page.locator('#joints output').first().innerText(), '28.6°', 'a slider moves meanwhile');
-    equal(await words(page, '#rate-run'), 'Stop', 'it still counts');
-    await page.click('#rate-run');
+    // In the page, between two slices of the count: it could end while this program waits for an answer.
+    const meanwhile = await page.evaluate(async () => {
+      const at = (id) => document.getElementById(id);
+      at('rate-count').value = '1000000';
+      const counted = new Promise((done) => new MutationObserver(() => at('rate').textContent.includes('%') && done()).observe(at('rate'), { childList: true }));
+      at('rate-run').click();
+      await counted;
+      at('joint-0').value = '0.5';
+      at('joint-0').dispatchEvent(new Event('input', { bubbles: true }));
+      const seen = { angle: document.querySelector('#joints output').textContent, button: at('rate-run').textContent };
+      at('rate-run').click();
+      return { ...seen, after: at('rate-run').textContent };
+    });
+    equal(meanwhile.angle, '28.6°', 'a slider moves meanwhile');
+    equal(meanwhile.button, 'Stop', 'it still counts');
+    equal(meanwhile.after, 'Count', 'until it is stopped');
     await page.fill('#rate-count', '200');
     await page.click('#rate-run');
     await page.waitForFunction(() => document.getElementById('rate').textContent.includes('of 200 collide') && document.getElementById('rate-run').textContent === 'Count');
@@ -79,6 +88,17 @@ await claim('spheres_are_moved_added_and_removed_and_all_is_undone', () =>
     await page.keyboard.press('Control+y');
     await isCovered(page, false);
     await page.keyboard.press('Control+z');
+    await isCovered(page, true);
+    // An estimate that has not begun counts for Add.
+    await page.evaluate((r) => {
+      const radius = document.getElementById('edit-r');
+      radius.value = String(r);
+      radius.dispatchEvent(new Event('input', { bubbles: true }));
+      document.getElementById('edit-add').click();
+    }, first[3] / 4);
+    const added = await fields(page);
+    check(Math.hypot(...[0, 1, 2].map((k) => added[k] - first[k])) > first[3] / 4, 'added where it is uncovered');
+    for (let k = 0; k < 2; ++k) await page.keyboard.press('Control+z');
     await page.fill('#edit-r', '-1');
     equal(await page.getAttribute('#edit-r', 'aria-invalid'), 'true', 'no sphere');
     check(await page.isDisabled('#edit-undo'), 'and no change');
@@ -145,6 +165,69 @@ await claim('edits_are_saved_and_the_shown_command_certifies_them', () =>
     }
     check(refused, 'an uncovered link is told');
   }));
+
+/** many/robot.html: a link with a mesh of more than 10,000 facets, and a small one that turns on it. */
+function writeManyFacets() {
+  const rings = 100;
+  const point = (i, k) => {
+    const [u, v] = [(Math.PI * (i + 0.5)) / rings, (Math.PI * k) / rings];
+    return `v ${Math.sin(u) * Math.cos(v)} ${Math.sin(u) * Math.sin(v)} ${2 * Math.cos(u)}\n`;
+  };
+  const corner = (i, k) => 1 + 2 * rings * i + (k % (2 * rings));
+  const each = (count, f) => Array.from({ length: count }, (_, i) => Array.from({ length: 2 * rings }, (__, k) => f(i, k)).join('')).join('');
+  const sides = each(rings - 1, (i, k) => `f ${corner(i, k)} ${corner(i + 1, k)} ${corner(i + 1, k + 1)} ${corner(i, k + 1)}\n`);
+  const ends = [0, rings - 1].map((i) => `f ${Array.from({ length: 2 * rings }, (_, k) => corner(i, i === 0 ? k : 2 * rings - k)).join(' ')}\n`);
+  writeFileSync(at('egg.obj'), each(rings, point) + sides + ends.join(''));
+  const shape = (inside) => `<collision><geometry>${inside}</geometry></collision>`;
+  writeFileSync(at('many.urdf'), `<robot name="many"><link name="egg">${shape('<mesh filename="egg.obj"/>')}</link><link name="knob">${shape('<box size="0.2 0.2 0.2"/>')}</link>
+    <joint name="turn" type="revolute"><parent link="egg"/><child link="knob"/><origin xyz="0 0 3"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>`);
+  run(['robot', 'many.urdf', '-o', 'many', '--link', 'egg=48', '--samples', '20', '--page', '--format', 'json']);
+}
+await claim('the_cover_of_many_facets_is_estimated_while_the_page_answers', () => {
+  writeManyFacets();
+  return opened('many/robot.html', large, async (page) => {
+    await pickSphere(page, 'egg');
+    await isCovered(page, true);
+    const radius = (await fields(page))[3];
+    // Said in the page, as the radius is typed: no other program has to be in time.
+    const seen = await page.evaluate(async (r) => {
+      const cover = document.getElementById('edit-cover');
+      const type = (id, value) => {
+        const input = document.getElementById(id);
+        input.value = String(value);
+        input.dispatchEvent(new Event('input', { bubbles: true }));
+      };
+      const verdicts = [];
+      const changed = () => cover.dataset.bare !== undefined && verdicts.push(cover.dataset.bare);
+      const observer = new MutationObserver(changed);
+      observer.observe(cover, { attributes: true, attributeFilter: ['data-bare'] });
+      const rest = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+      type('edit-r', 0.5 * r);
+      const at = { once: [cover.dataset.bare, cover.textContent] };
+      let turns = 0;
+      while (cover.dataset.bare === undefined) {
+        await rest(0);
+        if (cover.dataset.bare === undefined) type('joint-0', 0.01 * (++turns % 50));
+      }
+      // Another change ends an estimate that has begun, and its verdict is never told.
+      await rest(0);
+      at.first = verdicts.splice(0).join();
+      type('edit-r', 0.4 * r);
+      await rest(60);
+      at.begun = cover.dataset.bare === undefined;
+      type('edit-r', r);
+      while (cover.dataset.bare === undefined) await rest(0);
+      await rest(100);
+      observer.disconnect();
+      return { ...at, turns, second: verdicts.join() };
+    }, radius);
+    equal(seen.once.join(), ',Estimating the cover…', 'no verdict of other spheres remains');
+    check(seen.turns > 5, `the joint turned ${seen.turns} times meanwhile`);
+    equal(seen.first, 'true', 'uncovered');
+    check(seen.begun, 'the second estimate takes longer than it was given');
+    equal(seen.second, 'false', 'covered');
+  });
+});
 
 await claim('a_phone_has_room_for_it', () =>
   opened('arm/robot.html', { width: 390, height: 844, touch: true }, async (page) => {

@@ -31,12 +31,12 @@ function samples(triangles, each, seed = 7) {
     return a.map((x, k) => x + u * (b[k] - x) + v * (c[k] - x));
   }));
 }
-function fitted(...args) {
-  const rounds = refit(...args);
+function finished(rounds) {
   let step = rounds.next();
   while (!step.done) step = rounds.next();
   return step.value;
 }
+const fitted = (...args) => finished(refit(...args));
 const margin = 0.51 * scene.tolerance + 2e-6;
 
 await claim('the_page_counts_the_spheres_of_the_files', () => {
@@ -94,11 +94,11 @@ await claim('bare_surface_is_found_where_samples_find_it', () => {
   for (const part of scene.entry.parts) {
     const facets = scene.facetsOf(part);
     const whole = joints.parts[part].spheres;
-    const none = bareSurface(facets, whole, scene.tolerance, 0.01);
+    const none = finished(bareSurface(facets, whole, scene.tolerance, 0.01));
     equal(none.triangles.length, 0, `bare pieces of ${joints.parts[part].name}, which is proven to be covered`);
     for (let without = 0; without < Math.min(3, whole.length) && whole.length > 1; ++without) {
       const list = whole.filter((_, k) => k !== without).map((s) => [s[0], s[1], s[2], s[3] * (1 - 0.1 * random())]);
-      const bare = bareSurface(facets, list, scene.tolerance, 0.02);
+      const bare = finished(bareSurface(facets, list, scene.tolerance, 0.02));
       const points = samples(facets, Math.ceil(1000 / facets.length)).filter((p) => outside(p, list) > scene.tolerance).filter((_, k) => k % 5 === 0);
       if (points.length > 0) ++bareOnes;
       for (const p of points) {
@@ -111,6 +111,38 @@ await claim('bare_surface_is_found_where_samples_find_it', () => {
   }
   check(bareOnes > 10, `some were bare: ${bareOnes}`);
   equal(missing, 0, 'bare points in no bare piece');
+});
+
+/** Facets of a ball around the origin, 4 * rings². */
+function ball(radius, rings) {
+  const point = (i, k) => {
+    const [u, v] = [(Math.PI * i) / rings, (Math.PI * k) / rings];
+    return [Math.sin(u) * Math.cos(v), Math.sin(u) * Math.sin(v), Math.cos(u)].map((x) => radius * x);
+  };
+  const ring = (i) => Array.from({ length: 2 * rings }, (_, k) => [point(i, k), point(i + 1, k), point(i + 1, k + 1), point(i, k + 1)]);
+  return Array.from({ length: rings }, (_, i) => ring(i)).flat().flatMap(([a, b, c, d]) => [[a, b, c], [a, c, d]]);
+}
+await claim('bare_surface_of_many_facets_is_found_bit_by_bit', () => {
+  const facets = ball(1, 60);
+  check(facets.length > 10_000, 'many facets');
+  // The sphere leaves the cap above z = h uncovered, whose share of the surface is (1 - h) / 2.
+  const h = 0.6;
+  const [down, within] = [0.5, 1e-3];
+  const sphere = [0, 0, -down, Math.sqrt(1 + down * down + 2 * down * h)];
+  const search = bareSurface(facets, [sphere], within, 0.02);
+  let [yields, before] = [0, 0];
+  let step = search.next();
+  for (; !step.done; step = search.next()) {
+    ++yields;
+    check(step.value.area >= before, 'what is found stays');
+    before = step.value.area;
+  }
+  check(yields >= facets.length / 200, `${yields} pauses`);
+  const { triangles, area, deepest } = step.value;
+  check(triangles.every((triangle) => Math.max(...triangle.map((p) => p[2])) > h - 0.01), 'none below the cap');
+  const share = area / (4 * Math.PI);
+  check(share > 0.98 * (1 - h) / 2 && share < 1.1 * (1 - h) / 2, `share of the cap: ${share}`);
+  check(Math.abs(deepest - (1 + down - sphere[3])) < 1e-6, `depth of the pole: ${deepest}`);
 });
 function isOn(p, [a, b, c]) {
   if (p.some((x, k) => x < Math.min(a[k], b[k], c[k]) - 1e-9 || x > Math.max(a[k], b[k], c[k]) + 1e-9)) return false;
@@ -158,6 +190,13 @@ await claim('a_new_fit_leaves_kept_spheres_alone', () => {
   const worst = Math.max(...samples(facets, 40).map((p) => outside(p, list)));
   check(worst <= 0, `a sample is ${worst} outside`);
   equal(fitted(facets, [], before, before.map(() => true), margin), null, 'without a free sphere');
+});
+
+await claim('a_link_of_many_facets_gets_a_new_fit', () => {
+  const facets = ball(1, 120);
+  const list = fitted(facets, [], [[0.4, 0, 0, 1], [-0.4, 0, 0, 1]], [false, false], 1e-6, 2);
+  const worst = Math.max(...samples(facets.filter((_, k) => k % 20 === 0), 3).map((p) => outside(p, list)));
+  check(worst <= 0, `a sample is ${worst} outside`);
 });
 
 await claim('the_sphere_around_balls_contains_them_and_is_small', () => {

@@ -8,18 +8,20 @@ export const area = ([a, b, c]) => {
   const [u, v] = [b, c].map((p) => p.map((x, k) => x - a[k]));
   return 0.5 * Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
 };
-const most = 300_000; // triangles looked at; the rest counts as uncovered
+const slice = 200; // triangles looked at between two results
 
 /**
  * triangles: [[a, b, c], …] of points; spheres: [[x, y, z, r], …]. Every point that is farther than `within` from all
- * spheres lies in one of the triangles that are returned; a triangle in one sphere is never among them.
- * Returns {triangles, area, deepest}: deepest is the largest distance of their corners from the spheres. coarse: edges of
- * triangles with an uncovered corner are not divided below it.
+ * spheres lies in one of the triangles that are found; a triangle in one sphere is never among them.
+ * Finds {triangles, area, deepest}: deepest is the largest distance of their corners from the spheres. coarse: edges of
+ * triangles with an uncovered corner are not divided below it. Yields what is found so far, often; the last value is all.
  */
-export function bareSurface(triangles, spheres, within, coarse) {
+export function* bareSurface(triangles, spheres, within, coarse) {
+  const most = 300_000 + 10 * triangles.length; // triangles looked at; the rest counts as uncovered
   const found = { triangles: [], area: 0, deepest: 0 };
   const stack = triangles.map((triangle) => [triangle, spheres]);
-  for (let steps = 0; stack.length > 0; ++steps) {
+  for (let steps = 1; stack.length > 0; ++steps) {
+    if (steps % slice === 0) yield found;
     const [triangle, around] = stack.pop();
     const edges = triangle.map((p, k) => distance(p, triangle[(k + 1) % 3]));
     const longest = edges.indexOf(Math.max(...edges));

@@ -9,12 +9,15 @@ export class BareView {
     this.mesh.frustumCulled = false;
     this.mesh.matrixAutoUpdate = false;
     this.mesh.visible = false;
+    this.shown = null;
   }
   theme(color) {
     this.mesh.material.color.copy(color);
   }
   /** triangles: [[a, b, c], …] in the link's axes. */
   show(triangles) {
+    if (triangles === this.shown) return;
+    this.shown = triangles;
     this.mesh.geometry.dispose();
     this.mesh.geometry = new BufferGeometry();
     this.mesh.geometry.setAttribute('position', new BufferAttribute(new Float32Array(triangles.flat(2)), 3));

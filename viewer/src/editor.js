@@ -10,6 +10,9 @@ import { refit, sphereAround } from './refit.js';
 import { offer } from './save.js';
 
 const axes = ['x', 'y', 'z', 'r'];
+const pause = 40; // milliseconds from a change to the estimate of its cover
+const slice = 12; // milliseconds of that estimate between two pictures
+const soon = 100; // slices of its search that Add waits for
 const sizeOf = (triangles) => {
   const points = triangles.flat();
   return Math.hypot(...[0, 1, 2].map((k) => points.reduce((most, p) => Math.max(most, p[k]), -Infinity) - points.reduce((least, p) => Math.min(least, p[k]), Infinity)));
@@ -20,7 +23,7 @@ const largest = (triangles) => triangles.reduce((a, b) => (area(b) > area(a) ? b
 export class Editor {
   /** onbare(triangles, part): called with the uncovered surface of the link, none for part -1. */
   constructor(state, robot, onbare) {
-    Object.assign(this, { state, robot, onbare, scene: null, edits: null, waiting: 0, fitting: 0, facets: new Map() });
+    Object.assign(this, { state, robot, onbare, scene: null, edits: null, waiting: 0, fitting: 0, facets: new Map(), cover: null, drawn: null });
     byId('edit-fields').replaceChildren(...axes.map((axis, k) => {
       const input = element('input', { type: 'number', step: 'any', id: `edit-${axis}`, onchange: () => this.edits.seal(), oninput: () => this.typed(k, input.valueAsNumber) });
       return element('label', {}, element('span', {}, axis === 'r' ? 'radius' : axis), input);
@@ -77,8 +80,9 @@ export class Editor {
     const { part, index } = this.picked;
     if (part < 0) return;
     const list = this.edits.spheres[part];
-    // In the largest uncovered triangle, or at the picked sphere.
-    const bare = this.lastBare?.part === part ? this.lastBare.triangles : [];
+    // In the largest uncovered triangle, on links of many facets of those found soon; else at the picked sphere.
+    for (let k = 0; k < soon && !this.cover.found; ++k) this.search();
+    const bare = (this.cover.found ?? this.cover.soFar).triangles;
     const base = list[Math.max(index, 0)];
     const at = bare.length > 0 ? sphereAround(largest(bare)).slice(0, 3) : base.slice(0, 3);
     if (this.edits.add(part, [...at, 0.5 * base[3]])) this.apply(part, list.length);
@@ -128,7 +132,7 @@ export class Editor {
   }
   /** Vertices are off by half the diagonal of a rounding step; files are read as floats. */
   margin(part) {
-    const reach = Math.max(...this.facetsOf(part).flat(2).map(Math.abs), ...this.edits.spheres[part].flat().map(Math.abs));
+    const reach = [...this.facetsOf(part), this.edits.spheres[part]].flat(2).reduce((most, x) => Math.max(most, Math.abs(x)), 0);
     return 0.51 * this.scene.tolerance + 2e-6 * reach;
   }
   facetsOf(part) {
@@ -155,7 +159,7 @@ export class Editor {
     byId('edit-command-row').hidden = false;
   }
 
-  /** Updates fields and buttons for the picked node; the cover a moment later. */
+  /** Updates fields and buttons for the picked node, and starts the estimate of its link's cover. */
   follow() {
     if (!this.active) {
       this.onbare([], -1);
@@ -175,30 +179,60 @@ export class Editor {
     for (const [name, on] of [['copy', sphere], ['remove', sphere && this.edits.spheres[part].length > 1], ['undo', this.edits.past.length], ['redo', this.edits.future.length]]) {
       byId(`edit-${name}`).disabled = !on;
     }
-    clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.judge(part), 40);
+    this.judge(part);
   }
+
+  /** Starts the estimate of the link's cover, unless it is of the same spheres; one of other spheres ends. */
   judge(part) {
+    const list = part < 0 ? null : this.edits.spheres[part];
+    if ((this.cover?.list ?? null) !== list) {
+      clearTimeout(this.waiting);
+      this.cover = list && { part, list, rounds: null, soFar: null, found: null };
+      if (list) this.waiting = setTimeout(() => this.judgeOn(), pause);
+    }
+    this.tell();
+  }
+  judgeOn() {
+    const { cover } = this;
+    const end = performance.now() + slice;
+    while (!cover.found && performance.now() < end) this.search();
+    if (cover.found) this.tell();
+    else this.waiting = setTimeout(() => this.judgeOn(), 0);
+  }
+  /** Some more triangles of the estimate. */
+  search() {
+    const { cover } = this;
+    const { part, list } = cover;
+    const facets = this.facetsOf(part);
+    cover.rounds ??= bareSurface(facets, list, this.scene.tolerance, sizeOf(facets) / 150);
+    const { done, value } = cover.rounds.next();
+    cover.soFar = value;
+    if (!done) return;
+    cover.balls = bareBalls(this.scene.joints.parts[part].balls ?? [], list, this.scene.tolerance);
+    cover.share = value.area / (areaOf(facets) || 1);
+    cover.found = value;
+  }
+  /** Says and draws the estimate. While it runs, uncovered facets of the same link's last one remain. */
+  tell() {
+    const { cover } = this;
     const place = byId('edit-cover');
-    this.lastBare = null;
-    if (part < 0) {
+    if (!cover) {
+      this.drawn = null;
       this.onbare([], -1);
       return;
     }
-    const list = this.edits.spheres[part];
-    if (this.lastJudged?.list !== list || this.lastJudged?.part !== part) {
-      const facets = this.facetsOf(part);
-      const bare = bareSurface(facets, list, this.scene.tolerance, sizeOf(facets) / 150);
-      const balls = bareBalls(this.scene.joints.parts[part].balls ?? [], list, this.scene.tolerance);
-      this.lastJudged = { part, list, bare, balls, share: bare.area / (areaOf(facets) || 1) };
+    const { part, found, balls, share } = cover;
+    if (found) this.drawn = { part, triangles: found.triangles };
+    this.onbare(this.drawn?.part === part ? this.drawn.triangles : [], part);
+    if (!found) {
+      delete place.dataset.bare;
+      place.textContent = 'Estimating the cover…';
+      return;
     }
-    const { bare, balls, share } = this.lastJudged;
-    const isBare = bare.triangles.length > 0 || balls.length > 0;
-    this.lastBare = { part, triangles: bare.triangles };
+    const isBare = found.triangles.length > 0 || balls.length > 0;
     place.dataset.bare = String(isBare);
     place.textContent = !isBare ? 'Covered (estimate); the command proves it'
-      : bare.triangles.length > 0 ? `Uncovered (estimate): ${percent(share)} of the surface, up to ${figure(bare.deepest)} deep`
+      : found.triangles.length > 0 ? `Uncovered (estimate): ${percent(share)} of the surface, up to ${figure(found.deepest)} deep`
         : 'Uncovered (estimate): a ball of the link lies in no single sphere';
-    this.onbare(bare.triangles, part);
   }
 }

@@ -112,7 +112,7 @@ function spread(points, count) {
   const seeds = [[middle[0], middle[1], middle[2], 0]];
   const apart = points.map((p) => square(p, middle));
   while (seeds.length < count) {
-    const far = points[apart.indexOf(Math.max(...apart))];
+    const far = points[apart.indexOf(apart.reduce((most, x) => Math.max(most, x), 0))];
     seeds.push([far[0], far[1], far[2], 0]);
     points.forEach((p, i) => (apart[i] = Math.min(apart[i], square(p, far))));
   }

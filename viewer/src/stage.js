@@ -250,6 +250,8 @@ export class Stage {
     const x = ((event.clientX - rect.left) / rect.width) * 2 - 1;
     const y = 1 - ((event.clientY - rect.top) / rect.height) * 2;
     const caster = new Raycaster();
+    // Where the camera stands since it was drawn last.
+    this.camera.updateWorldMatrix(true, false);
     caster.setFromCamera(new Vector2(x, y), this.camera);
     return caster.ray;
   }
@@ -265,13 +267,13 @@ export class Stage {
       const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), center);
       const from = onPlane(event, plane);
       if (!from || from.distanceTo(center) > 1.1 * sphere[3]) return;
-      drag = { plane, from, center, radius: sphere[3], isRim: from.distanceTo(center) > 0.75 * sphere[3] };
+      drag = { id: event.pointerId, plane, from, center, radius: sphere[3], isRim: from.distanceTo(center) > 0.75 * sphere[3] };
       canvas.setPointerCapture(event.pointerId);
       event.stopPropagation();
     }, { capture: true });
     this.place.addEventListener('pointermove', (event) => {
-      const at = drag && onPlane(event, drag.plane);
-      if (!drag) return;
+      if (event.pointerId !== drag?.id) return;
+      const at = onPlane(event, drag.plane);
       event.stopPropagation();
       if (!at) return;
       const { center, from, radius, isRim } = drag;
@@ -281,7 +283,7 @@ export class Stage {
     }, { capture: true });
     for (const name of ['pointerup', 'pointercancel']) {
       this.place.addEventListener(name, (event) => {
-        if (!drag) return;
+        if (event.pointerId !== drag?.id) return;
         drag = null;
         event.stopPropagation();
         this.grip.end();

@@ -120,9 +120,10 @@ struct Seconds {
   double read, build, check, report, write;
 };
 
-Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model, const Certificate& certificate,
-                 const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& seconds,
-                 const Workers& workers) {
+/// written: the tree of the file, which has smaller spheres than the model if there is a tolerance.
+Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model, const SphereTree& written,
+                 const Certificate& certificate, const std::vector<LevelFigures>& figures,
+                 const KnownPosesReport& poses, const Seconds& seconds, const Workers& workers) {
   Json json{{"mesh", o.mesh},
             {"vertices", mesh.vertex_count()},
             {"facets", mesh.facet_count()},
@@ -132,7 +133,7 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& m
             {"branching", model.report.branching},
             {"depth", model.report.depth},
             {"seed", model.report.seed},
-            {"tree_hash", hash_text(tree_hash(model.tree))},
+            {"tree_hash", hash_text(tree_hash(written))},
             {"spheres", model.tree.leaf_count()}};
   if (o.nested) json["nested"] = model.tree.nested;
   if (o.spheres) json["spheres_asked"] = *o.spheres;
@@ -140,15 +141,15 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& m
   if (o.max_protrusion) json["max_protrusion_asked"] = *o.max_protrusion;
   if (model.report.protrusion_bound) json["protrusion_bound"] = *model.report.protrusion_bound;
   json.update(
-      {{"levels", build_levels_json(model, figures)},
+      {{"levels", build_levels_json(written, model.report, figures)},
        {"early_leaves", model.report.early_leaves},
        {"leftover_patches", model.report.leftover_patches},
        {"patches", model.cover.patch_count()},
        {"most_patches_of_a_facet", model.report.most_patches_of_a_facet},
        {"notes", model.report.notes},
        {"complete", model.report.complete},
-       {"covered", certificate.covered},
-       {"worst_excess", certificate.worst_excess},
+       {"covered", certificate.covered && o.tolerance == 0},
+       {"worst_excess", certificate.worst_excess + o.tolerance},
        {"threads", workers.thread_count()},
        {"seconds",
         {{"read", seconds.read}, {"build", seconds.build}, {"check", seconds.check}, {"write", seconds.write}}}});
@@ -161,10 +162,10 @@ Json json_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& m
   return json;
 }
 
-void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model,
+void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& model, const SphereTree& written,
                   const std::vector<LevelFigures>& figures, const KnownPosesReport& poses, const Seconds& s,
                   const Workers& workers) {
-  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(model, figures));
+  fmt::print("{}\n\n{}\n", mesh_line(o.mesh, mesh), build_table(written, model.report, figures));
   if (o.flat()) {
     fmt::print("flat set      {}, sticking out by at most {}\n", counted(model.tree.leaf_count(), "sphere"),
                figure(model.report.protrusion_bound.value_or(0)));
@@ -178,8 +179,13 @@ void print_report(const BuildArguments& o, const Mesh& mesh, const CoveredTree& 
                counted(names.size(), "more tree"), names.empty() ? "" : ": ", fmt::join(names, ", "),
                figure(poses.worst));
   }
-  fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n",
-             counted(model.cover.patch_count(), "patch", "patches"));
+  const std::string patches = counted(model.cover.patch_count(), "patch", "patches");
+  if (o.tolerance > 0) {
+    fmt::print("covers        within {}: every corner of {} is that near to its spheres, at every level\n",
+               figure(o.tolerance), patches);
+  } else {
+    fmt::print("covers        yes: every corner of {} lies in its spheres, at every level\n", patches);
+  }
   fmt::print("patches       at most {} of one facet\n", model.report.most_patches_of_a_facet);
   if (o.nested) fmt::print("nested        yes: every sphere contains its children's\n");
   fmt::print("seconds       read {}, build {}, check {}, {}write {} ({})\n", seconds(s.read), seconds(s.build),
@@ -277,9 +283,9 @@ int build_unless_stopped(const BuildArguments& o, const Interrupt& interrupt) {
   seconds.write = watch.lap();
 
   if (o.json) {
-    print_json(json_report(o, mesh, model, certificate, figures, poses, seconds, workers));
+    print_json(json_report(o, mesh, model, written, certificate, figures, poses, seconds, workers));
   } else {
-    print_report(o, mesh, model, figures, poses, seconds, workers);
+    print_report(o, mesh, model, written, figures, poses, seconds, workers);
   }
   return model.report.complete ? exit_done : exit_check_failed;
 }

@@ -57,20 +57,20 @@ std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tre
   return levels;
 }
 
-std::string build_table(const CoveredTree& model, const std::vector<LevelFigures>& figures) {
+std::string build_table(const SphereTree& tree, const BuildReport& report, const std::vector<LevelFigures>& figures) {
   std::vector<std::string> header{"level", "nodes", "leaves", "largest radius", "mean radius"};
   if (!figures.empty()) header.insert(header.end(), {"spheres", "looseness", "protrusion", "mean"});
   // Below the root, which is far larger and looser than all the rest.
-  const bool draws_looseness = !figures.empty() && model.tree.level_count() > 1 && figures[1].looseness.has_value();
+  const bool draws_looseness = !figures.empty() && tree.level_count() > 1 && figures[1].looseness.has_value();
   header.insert(header.end(), {"seconds", draws_looseness ? "looseness below the root" : "mean radius below the root"});
   const auto drawn = [&](std::size_t level) {
-    return draws_looseness ? figures[level].looseness.value_or(0) : summary(model.tree, level).mean_radius;
+    return draws_looseness ? figures[level].looseness.value_or(0) : summary(tree, level).mean_radius;
   };
   double largest = 0;
-  for (std::size_t level = 1; level < model.tree.level_count(); ++level) largest = std::max(largest, drawn(level));
+  for (std::size_t level = 1; level < tree.level_count(); ++level) largest = std::max(largest, drawn(level));
   Table table(header, 0, true);
-  for (std::size_t level = 0; level < model.tree.level_count(); ++level) {
-    const LevelSummary s = summary(model.tree, level);
+  for (std::size_t level = 0; level < tree.level_count(); ++level) {
+    const LevelSummary s = summary(tree, level);
     std::vector<std::string> row{std::to_string(level), std::to_string(s.nodes), std::to_string(s.leaves),
                                  figure(s.largest_radius), figure(s.mean_radius)};
     if (!figures.empty()) {
@@ -81,15 +81,15 @@ std::string build_table(const CoveredTree& model, const std::vector<LevelFigures
       row.insert(row.end(), {std::to_string(f.spheres), figure_or_na(f.looseness), of_protrusion(&Protrusion::worst),
                              of_protrusion(&Protrusion::mean)});
     }
-    row.push_back(seconds(model.report.level_seconds[level]));
+    row.push_back(seconds(report.level_seconds[level]));
     row.push_back(level > 0 && largest > 0 ? bar(drawn(level) / largest, 24) : std::string());
     table.add(std::move(row));
   }
   return table.text();
 }
 
-Json build_levels_json(const CoveredTree& model, const std::vector<LevelFigures>& figures) {
-  Json levels = level_json(model.tree);
+Json build_levels_json(const SphereTree& tree, const BuildReport& report, const std::vector<LevelFigures>& figures) {
+  Json levels = level_json(tree);
   for (std::size_t level = 0; level < levels.size(); ++level) {
     if (!figures.empty()) {
       const LevelFigures& f = figures[level];
@@ -98,7 +98,7 @@ Json build_levels_json(const CoveredTree& model, const std::vector<LevelFigures>
       levels[level]["protrusion_worst"] = f.protrusion ? Json(f.protrusion->worst) : Json(nullptr);
       levels[level]["protrusion_mean"] = f.protrusion ? Json(f.protrusion->mean) : Json(nullptr);
     }
-    levels[level]["seconds"] = model.report.level_seconds[level];
+    levels[level]["seconds"] = report.level_seconds[level];
   }
   return levels;
 }

@@ -23,8 +23,8 @@ struct LevelFigures {
 std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const std::stop_token& stop,
                                          Workers& workers);
 
-/// figures: empty, or one entry per level.
-std::string build_table(const CoveredTree& model, const std::vector<LevelFigures>& figures);
-Json build_levels_json(const CoveredTree& model, const std::vector<LevelFigures>& figures);
+/// tree: as written. figures: empty, or one entry per level.
+std::string build_table(const SphereTree& tree, const BuildReport& report, const std::vector<LevelFigures>& figures);
+Json build_levels_json(const SphereTree& tree, const BuildReport& report, const std::vector<LevelFigures>& figures);
 
 }  // namespace morula::cli

@@ -31,7 +31,7 @@ struct ClumpArguments {
   std::string kind{name(ClumpOptions{}.kind)};
   std::optional<std::size_t> spheres;
   std::optional<double> max_protrusion, max_radius;
-  double min_radius = 0, density = ClumpOptions{}.density;
+  double tolerance = ClumpOptions{}.tolerance, min_radius = 0, density = ClumpOptions{}.density;
   std::string method{name(ClumpOptions{}.method)}, quality{name(ClumpOptions{}.quality)};
   std::size_t candidates = ClumpOptions{}.candidates;
   std::uint64_t seed = 1;
@@ -62,10 +62,14 @@ ClumpOptions clump_options(const ClumpArguments& o) {
   if (inner && o.max_protrusion) {
     throw UsageError("--max-protrusion belongs to covers: inner spheres stick out nowhere");
   }
+  if (o.tolerance > 0 && (inner || parse_method(o.method) != Method::optimized)) {
+    throw UsageError("--tolerance belongs to covers of the method optimized");
+  }
   if (o.max_radius && *o.max_radius < o.min_radius) throw UsageError("--max-radius is below --min-radius");
   return {.kind = inner ? ClumpKind::inner : ClumpKind::cover,
           .spheres = o.spheres.value_or(o.max_protrusion ? 0 : default_spheres),
           .max_protrusion = o.max_protrusion,
+          .tolerance = o.tolerance,
           .min_radius = o.min_radius,
           .max_radius = o.max_radius,
           .density = o.density,
@@ -94,6 +98,7 @@ Json clump_json(const Clump& clump) {
   return {{"kind", name(clump.kind)},
           {"spheres", clump.spheres.size()},
           {"proven", clump.proven},
+          {"within", clump.kind == ClumpKind::cover ? Json(clump.within) : Json(nullptr)},
           {"uncovered_distance", clump.uncovered_distance},
           {"protrusion", clump.protrusion_max},
           {"radius", {{"smallest", smallest}, {"largest", largest}}},
@@ -113,6 +118,9 @@ Json clump_json(const Clump& clump) {
 std::string promise(const Clump& clump) {
   if (clump.kind == ClumpKind::inner) {
     return clump.proven ? "yes: no sphere reaches out of the mesh" : "no: a sphere reaches out of the mesh";
+  }
+  if (clump.proven && clump.within > 0) {
+    return fmt::format("within {}: every point of the surface is that near to a sphere", figure(clump.within));
   }
   return clump.proven ? "yes: every point of the surface is in a sphere"
                       : fmt::format("no: surface lies {} outside", figure(clump.uncovered_distance));
@@ -203,6 +211,11 @@ static void add_clump(CLI::App& app, Run& run) {
              "Protrusion of at most LENGTH, mesh units, with as few spheres as possible")
       ->type_name("LENGTH")
       ->transform(number_above_zero());
+  add_option(*command, "--tolerance", o->tolerance,
+             "Cover within LENGTH only, mesh units: every point of the surface is proven to be that near to a sphere; "
+             "spheres are thinner for it")
+      ->type_name("LENGTH")
+      ->transform(real_number(0, 1e30));
   add_option(*command, "--min-radius", o->min_radius,
              "Smallest radius: smaller spheres of a cover are enlarged, smaller inner ones are dropped")
       ->type_name("LENGTH")

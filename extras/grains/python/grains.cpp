@@ -54,6 +54,7 @@ void bind_grains_extra(nb::module_& m) {
           "spheres", [](nb::handle self) { return sphere_rows(nb::cast<Clump&>(self).spheres, self); },
           "(n, 4) float64: x, y, z, radius in mesh units, read-only; no copy.")
       .field("proven", &Clump::proven, doc::Clump_proven)
+      .field("within", &Clump::within, doc::Clump_within)
       .field("uncovered_distance", &Clump::uncovered_distance, doc::Clump_uncovered_distance)
       .field("protrusion_max", &Clump::protrusion_max, doc::Clump_protrusion_max)
       .field("object_volume", &Clump::object_volume, doc::Clump_object_volume)
@@ -96,12 +97,13 @@ void bind_grains_extra(nb::module_& m) {
   m.def(
       "fit_clump",
       [](MeshGiven given, std::string_view kind, std::size_t spheres, std::optional<double> max_protrusion,
-         double min_radius, std::optional<double> max_radius, double density, MethodName method, QualityName quality,
-         std::size_t candidates, std::uint64_t seed, nb::object progress, Threads* workers) {
+         double tolerance, double min_radius, std::optional<double> max_radius, double density, MethodName method,
+         QualityName quality, std::size_t candidates, std::uint64_t seed, nb::object progress, Threads* workers) {
         ClumpOptions options;
         options.kind = choice<ClumpKind>(kind, "kind", clump_kind_choices);
         options.spheres = spheres;
         options.max_protrusion = max_protrusion;
+        options.tolerance = tolerance;
         options.min_radius = min_radius;
         options.max_radius = max_radius;
         options.density = density;
@@ -114,13 +116,14 @@ void bind_grains_extra(nb::module_& m) {
         return without_gil([&] { return fit_clump(*mesh, options, CallWorkers(workers)); });
       },
       nb::arg("mesh"), nb::kw_only(), nb::arg("kind") = "cover", nb::arg("spheres") = 16,
-      nb::arg("max_protrusion") = nb::none(), nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(),
-      nb::arg("density") = 1000.0, nb::arg("method") = "optimized", nb::arg("quality") = "default",
-      nb::arg("candidates") = 2000, nb::arg("seed") = 1, nb::arg("progress").none().sig("None") = nb::none(),
-      nb::arg("workers") = nb::none(),
+      nb::arg("max_protrusion") = nb::none(), nb::arg("tolerance") = 0.0, nb::arg("min_radius") = 0.0,
+      nb::arg("max_radius") = nb::none(), nb::arg("density") = 1000.0, nb::arg("method") = "optimized",
+      nb::arg("quality") = "default", nb::arg("candidates") = 2000, nb::arg("seed") = 1,
+      nb::arg("progress").none().sig("None") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig(
           "def fit_clump(mesh: morula.typing.MeshLike, *, kind: morula.typing.ClumpKind = 'cover', spheres: int = 16, "
-          "max_protrusion: float | None = None, min_radius: float = 0.0, max_radius: float | None = None, "
+          "max_protrusion: float | None = None, tolerance: float = 0.0, min_radius: float = 0.0, max_radius: float | "
+          "None = None, "
           "density: float = 1000.0, "
           "method: morula.typing.Method = 'optimized', quality: morula.typing.Quality = 'default', candidates: int = "
           "2000, seed: int = 1, "
@@ -132,6 +135,7 @@ void bind_grains_extra(nb::module_& m) {
                      {{"kind", "cover: the spheres contain the surface; inner: every sphere is inside the grain"},
                       {"spheres", doc::ClumpOptions_spheres},
                       {"max_protrusion", doc::ClumpOptions_max_protrusion},
+                      {"tolerance", doc::ClumpOptions_tolerance},
                       {"min_radius", doc::ClumpOptions_min_radius},
                       {"max_radius", doc::ClumpOptions_max_radius},
                       {"density", doc::ClumpOptions_density},

@@ -8,7 +8,9 @@
 #include <morula/grains/clump.hpp>
 #include <morula/medial/medial_balls.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <morula/tree/cover.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "geometry/principal_axes.hpp"
 #include "parallel/interruption.hpp"
@@ -25,6 +27,12 @@ void require_sense(const ClumpOptions& o) {
   const auto is_length = [](const std::optional<double>& value) { return !value || (*value > 0 && *value < 1e30); };
   if (!is_length(o.max_protrusion) || !is_length(o.max_radius) || !(o.min_radius >= 0 && o.min_radius < 1e30)) {
     throw std::invalid_argument("clump: the largest radius and protrusion are numbers above 0, the least not below 0");
+  }
+  if (!(o.tolerance >= 0 && o.tolerance < 1e30)) {
+    throw std::invalid_argument("clump: the tolerance is not a number from 0 on");
+  }
+  if (o.tolerance > 0 && (o.kind == ClumpKind::inner || o.method != Method::optimized)) {
+    throw std::invalid_argument("clump: a tolerance is for covers of the method optimized");
   }
   if (!(o.density > 0 && o.density < 1e30)) throw std::invalid_argument("clump: the density is a number above 0");
   if (o.max_radius && *o.max_radius < o.min_radius) {
@@ -43,17 +51,20 @@ void require_sense(const ClumpOptions& o) {
 /// radius, each off by 2⁻²⁴ of a number, twice. Numbers grow at most by the distance to the center of mass.
 double rounding_allowance(const MeshView& mesh) {
   double extent = 0;
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) extent = std::max(extent, max_norm(mesh.positions[v]));
+  for (std::size_t f = 0; f < mesh.facet_count(); ++f)
+    for (const Vec3& p : mesh.corners(f)) extent = std::max(extent, max_norm(p));
   // mutant clump-allowance: `16 * 0x1p-24` -> `0`
   return 16 * 0x1p-24 * extent;
 }
 
-std::vector<Sphere> leaves(const CoveredTree& model) {
-  return level_set_spheres(model.tree, model.tree.level_count() - 1);
+/// The leaves, which cover within the tolerance.
+std::vector<Sphere> leaves(const CoveredTree& model, double tolerance) {
+  std::vector<Sphere> spheres = level_set_spheres(model.tree, model.tree.level_count() - 1);
+  for (Sphere& s : spheres) s = reduced(s, tolerance);
+  return spheres;
 }
 
-bool none_larger(const CoveredTree& model, double radius) {
-  const std::vector<Sphere> spheres = leaves(model);
+bool none_larger(const std::vector<Sphere>& spheres, double radius) {
   return std::all_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return s.radius <= radius; });
 }
 
@@ -64,30 +75,57 @@ std::vector<Sphere> covering_spheres(const MeshView& mesh, const ClumpOptions& o
       .method = o.method, .seed = o.seed, .quality = o.quality, .stop = o.stop, .progress = o.progress};
   if (o.spheres > 0) options.spheres = o.spheres;
   options.max_protrusion = o.max_protrusion;
+  options.tolerance = o.tolerance;
   CoveredTree model = build(mesh, options, workers);
   const bool complete = model.report.complete;
   if (o.max_radius) {
-    const double largest = *o.max_radius - allowance;
+    const auto fits = [&](const CoveredTree& tree) {
+      return none_larger(leaves(tree, o.tolerance), *o.max_radius - allowance);
+    };
     std::size_t spheres = options.spheres.value_or(model.tree.leaf_count());
-    while (!none_larger(model, largest) && spheres < most_spheres_for_radius) {
+    while (!fits(model) && spheres < most_spheres_for_radius) {
       options.spheres = spheres *= 2;
       model = build(mesh, options, workers);
     }
     // A thick body is covered best by spheres that fill it, for any number of them. The spheres of an octree are as
     // small as its cells.
-    for (int depth = 1; !none_larger(model, largest) && depth <= max_depth; ++depth) {
+    for (int depth = 1; !fits(model) && depth <= max_depth; ++depth) {
       model = build(mesh, {.method = Method::octree, .depth = depth, .seed = o.seed, .stop = o.stop}, workers);
     }
-    if (!none_larger(model, largest)) clump.notes.emplace_back("spheres exceed the largest radius; allow larger ones");
+    if (!fits(model)) clump.notes.emplace_back("spheres exceed the largest radius; allow larger ones");
     if (o.spheres != 0 && model.tree.leaf_count() > o.spheres) {
       clump.notes.emplace_back("more spheres than requested: that many keep the radius below its limit");
     }
   } else if (!complete) {
     clump.notes.emplace_back("spheres exceed the largest protrusion; allow more of them");
   }
-  std::vector<Sphere> spheres = leaves(model);
+  std::vector<Sphere> spheres = leaves(model, o.tolerance);
+  if (const auto points = std::count_if(spheres.begin(), spheres.end(), [](const Sphere& s) { return s.radius == 0; });
+      points > 0 && o.tolerance > 0 && o.min_radius == 0) {
+    clump.notes.push_back(
+        std::to_string(points) +
+        (points == 1 ? " sphere is hardly more than a point" : " spheres are hardly more than points") +
+        ": the tolerance exceeds the radius that covers; lower it, or set a smallest radius");
+  }
   for (Sphere& s : spheres) s.radius = std::max(s.radius + allowance, o.min_radius);
   return spheres;
+}
+
+/// Proves what the spheres cover when rounding reduces every radius by the allowance.
+void certify_cover(const MeshView& mesh, double tolerance, double allowance, Clump& clump, Workers& workers) {
+  std::vector<Sphere> certified = clump.spheres;
+  for (Sphere& s : certified) s.radius = std::max(0.0, s.radius - allowance);
+  const Coverage cover = coverage(mesh, certified, workers);
+  clump.uncovered_distance = cover.uncovered_distance;
+  clump.proven = cover.covered;
+  if (cover.covered) return;
+  clump.within = cover.uncovered_distance_upper + cover.tolerance;
+  clump.proven = clump.within <= tolerance;
+  if (clump.proven || tolerance == 0) return;
+  // The bound is a little too large. Spheres that are larger by the tolerance decide.
+  for (Sphere& s : certified) s.radius += tolerance;
+  clump.proven = coverage(mesh, certified, workers).covered;
+  if (clump.proven) clump.within = tolerance;
 }
 
 void measure(const MeshView& mesh, const SignedDistance& object, Clump& clump, Workers& workers) {
@@ -95,13 +133,7 @@ void measure(const MeshView& mesh, const SignedDistance& object, Clump& clump, W
     check_interrupt();
     clump.protrusion_max = std::max(clump.protrusion_max, object.protrusion_bound(s));
   }
-  if (clump.kind == ClumpKind::cover) {
-    const Coverage cover = coverage(mesh, clump.spheres, workers);
-    clump.proven = cover.covered;
-    clump.uncovered_distance = cover.uncovered_distance;
-  } else {
-    clump.proven = clump.protrusion_max == 0;
-  }
+  if (clump.kind == ClumpKind::inner) clump.proven = clump.protrusion_max == 0;
   const Looseness loose = looseness(mesh, clump.spheres, {.resolution = 128}, workers);
   if (loose.looseness) {
     clump.object_volume = loose.object_volume;
@@ -129,14 +161,15 @@ Clump fit_clump(const MeshView& mesh, const ClumpOptions& options, WorkersOrAll 
   Clump clump;
   clump.kind = options.kind;
   clump.density = options.density;
+  require_usable(mesh);
+  require_usable_scale(mesh);
   const double allowance = rounding_allowance(mesh);
   if (options.kind == ClumpKind::cover) {
     clump.spheres = covering_spheres(mesh, options, allowance, clump, workers);
+    certify_cover(mesh, options.tolerance, allowance, clump, workers);
     measure(mesh, SignedDistance(mesh, workers), clump, workers);
     return clump;
   }
-  require_usable(mesh);
-  require_usable_scale(mesh);
   const SignedDistance object(mesh, workers);
   if (!object.has_volume()) {
     throw std::invalid_argument(

@@ -33,6 +33,12 @@ std::array<double, 6> inertia(const Clump& clump) {
   return result;
 }
 
+/// A line of a comment for spheres that leave surface uncovered; "" for all others.
+std::string distance_line(const Clump& clump, const std::string& comment) {
+  if (!(clump.within > 0)) return "";
+  return comment + " every point of the surface lies within " + digits(clump.within) + " of a sphere\n";
+}
+
 std::string joined(std::span<const double> values, const char* between) {
   std::string text;
   for (const double value : values) text += (text.empty() ? "" : between) + digits(value);
@@ -44,7 +50,7 @@ std::string joined(std::span<const double> values, const char* between) {
 std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "# x y z radius about the center of mass\n";
   text += "# nspheres " + std::to_string(clump.spheres.size()) + " mass " + digits(clump.mass()) + " inertia_tensor " +
-          joined(inertia(clump), " ") + " use_density\n";
+          joined(inertia(clump), " ") + " use_density\n" + distance_line(clump, "#");
   for (const Sphere& s : clump.spheres) text += row(about_center(clump, s.center), s.radius, ' ') + '\n';
   return text;
 }
@@ -53,7 +59,7 @@ std::string liggghts_text(const Clump& clump, std::string_view /*name*/) {
 /// error.
 std::string yade_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "#format x_y_z_r_clumpId\n";
-  text += "# about the center of mass; volume " + digits(clump.solid.volume) + "\n";
+  text += "# about the center of mass; volume " + digits(clump.solid.volume) + "\n" + distance_line(clump, "#");
   for (const Sphere& s : clump.spheres) text += row(about_center(clump, s.center), s.radius, ' ') + " 0\n";
   return text;
 }
@@ -82,7 +88,8 @@ std::string kratos_text(const Clump& clump, std::string_view name) {
     rows += row(center, s.radius, ' ') + '\n';
   }
   const double volume = clump.solid.volume;
-  std::string text = "// Spheres about the center of mass, along principal axes\n\nName\n" + word + "\n\n";
+  std::string text = "// Spheres about the center of mass, along principal axes\n" + distance_line(clump, "//");
+  text += "\nName\n" + word + "\n\n";
   text += "Begin centers_and_radii\n" + rows + "End centers_and_radii\n\n";
   text += "Particle_center_and_diameter\n" + row({}, 2 * reach, ' ') + "\n\n";
   text += "Size\n" + digits(2 * reach) + "\n\nVolume\n" + digits(volume) + "\n\nInertia per unit mass\n";
@@ -97,7 +104,9 @@ std::string list(const Vec3& v) {
 std::string json_text(const Clump& clump, std::string_view /*name*/) {
   std::string text = "{\n  \"format\": \"morula-clump\",\n  \"version\": 1,\n  \"kind\": \"";
   text += name(clump.kind);
-  text += "\",\n  \"density\": " + digits(clump.density) + ",\n  \"mass\": " + digits(clump.mass()) +
+  text += std::string("\",\n  \"proven\": ") + (clump.proven ? "true" : "false");
+  if (clump.kind == ClumpKind::cover) text += ",\n  \"within\": " + digits(clump.within);
+  text += ",\n  \"density\": " + digits(clump.density) + ",\n  \"mass\": " + digits(clump.mass()) +
           ",\n  \"volume\": " + digits(clump.solid.volume) + ",\n  \"center_of_mass\": " + list(clump.solid.center) +
           ",\n  \"inertia\": [" + joined(inertia(clump), ", ") + "],\n  \"principal_axes\": [";
   for (std::size_t i = 0; i < 3; ++i) text += (i == 0 ? "" : ", ") + list(clump.principal.rows[i]);

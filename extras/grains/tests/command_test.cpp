@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "workbench.hpp"
 
 namespace morula::test {
@@ -44,6 +46,29 @@ TEST(ClumpCommand, writes_every_format_the_same_for_any_number_of_threads) {
   EXPECT_LT(inner["union_volume"], inner["object_volume"]);
 }
 
+TEST(ClumpCommand, covers_within_a_tolerance_and_says_so) {
+  const Workbench bench;
+  bench.require("sample limb -o limb.obj --resolution 12");
+  const std::string clump = "clump limb.obj --spheres 6 --quality draft ";
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::string tolerance : {"0", "0.02", "0.08"}) {
+    const nlohmann::json report = bench.require(clump + "--json -o limb.json --tolerance " + tolerance).json();
+    EXPECT_EQ(report["proven"], true);
+    EXPECT_LE(report["within"].get<double>(), std::stod(tolerance));
+    EXPECT_EQ(report["within"] == 0, tolerance == "0");
+    EXPECT_LE(report["uncovered_distance"], report["within"]);
+    EXPECT_LT(report["outside_volume"].get<double>(), last);
+    last = report["outside_volume"];
+    EXPECT_EQ(nlohmann::json::parse(bench.read("limb.json"))["within"], report["within"]);
+  }
+  EXPECT_NE(bench.require(clump + "-o limb.clu --tolerance 0.02").out.find("covers   within 0.0"), std::string::npos);
+  EXPECT_NE(bench.read("limb.clu").find("// every point of the surface lies within 0.0"), std::string::npos);
+  const nlohmann::json points = bench.require(clump + "-o limb.clu --tolerance 50 --json").json();
+  EXPECT_EQ(points["proven"], true) << "a tolerance may exceed the body";
+  EXPECT_EQ(points["notes"].size(), 1u);
+  EXPECT_TRUE(bench.require("clump limb.obj -o in.csv --kind inner --spheres 3 --json").json()["within"].is_null());
+}
+
 TEST(ClumpCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   const Workbench bench;
   bench.require("sample bar -o bar.obj --resolution 4");
@@ -58,6 +83,10 @@ TEST(ClumpCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   bench.expect_refused("clump bar.obj -o bar.clu --density 0", "--density");
   bench.expect_refused("clump bar.obj -o bar.clu --spheres 0", "--spheres");
   bench.expect_refused("clump bar.obj -o nowhere/bar.clu", "there is no folder nowhere");
+  for (const char* length : {"-1", "nan", "inf", "1e31", "x"})
+    bench.expect_refused(std::string("clump bar.obj -o bar.clu --tolerance ") + length, "--tolerance");
+  bench.expect_refused("clump bar.obj -o bar.clu --kind inner --tolerance 1", "belongs to covers");
+  bench.expect_refused("clump bar.obj -o bar.clu --method grid --tolerance 1", "method optimized");
   bench.expect_refused("clump none.obj -o bar.clu", "none.obj");
   bench.expect_refused("clump bar.obj -o bar.obj --format yade", "is also what is read");
 }

@@ -52,6 +52,23 @@ def test_a_cover_contains_the_grain_and_inner_spheres_are_in_it(grain):
     assert abs(turned - numpy.diag(numpy.diag(turned))).max() < 0.02 * numpy.trace(turned)
 
 
+def test_a_cover_within_a_tolerance_is_near_every_point_and_thinner(grain):
+    tight = morula.fit_clump(grain, spheres=8)
+    loose = morula.fit_clump(grain, spheres=8, tolerance=0.05)
+    assert tight.within == 0 < loose.within <= 0.05 and loose.proven
+    assert loose.uncovered_distance <= loose.within and loose.outside_volume < tight.outside_volume
+    corners = grain.positions[grain.facets].mean(axis=1)
+    for points in (grain.positions, corners):
+        gaps = numpy.linalg.norm(points[:, None] - loose.spheres[:, :3], axis=2) - loose.spheres[:, 3]
+        assert gaps.min(axis=1).max() <= loose.within
+    assert json.loads(loose.text("json"))["within"] == loose.within == loose.to_dict()["within"]
+    for wrong in (-1, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="tolerance"):
+            morula.fit_clump(grain, tolerance=wrong)
+    with pytest.raises(ValueError, match="tolerance"):
+        morula.fit_clump(grain, kind="inner", tolerance=0.1)
+
+
 def test_inner_balls_are_inside(grain):
     object = morula.SignedDistance(grain)
     balls = morula.inner_ball_candidates(grain, object, candidates=300, margin=0.01)

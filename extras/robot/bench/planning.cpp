@@ -337,6 +337,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
   }
   results.push_back(check_in_one_call(configurations, settings));
   results.push_back(run_clearance(configurations, settings));
+  for (const bool is_short : {true, false}) results.push_back(run_motions(configurations, settings, is_short));
   return results;
 }
 

@@ -32,5 +32,7 @@ struct ArmAmongObstacles {
 };
 /// Clearances of so many configurations among boxes and the rock, against a plain loop.
 Result run_clearance(std::size_t configurations, const Settings& settings);
+/// Certified edges from the free ones of a tenth of so many configurations, in turn: up to 1 rad long, or to the next.
+Result run_motions(std::size_t configurations, const Settings& settings, bool is_short);
 
 }  // namespace morula::bench

@@ -129,6 +129,9 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
   for (const std::string& name : o.tools) check_name("link", name, names);
   for (const std::string& text : o.clips) {
     const auto [name, plane] = clip_plane(text, names);
+    const robot::Link& link = robot.links[robot.find_link(name)];
+    if ((fit.visual ? link.visual : link.collision).empty())
+      throw UsageError(fmt::format("--clip {}: link {} has no {} shapes", text, name, o.geometry));
     fit.clip[name].push_back(plane);
   }
   fit.clip_margin = o.clip_margin;

@@ -134,7 +134,9 @@ std::string ignored_text(const robot::SelfCollision& self_collision) {
   parts.push_back(counted(count(IgnoreReason::adjacent), "neighbor"));
   parts.push_back(fmt::format("{} touching at rest", count(IgnoreReason::rest)));
   parts.push_back(fmt::format("{} proven apart", count(IgnoreReason::apart)));
-  if (self_collision.samples > 0) {
+  if (self_collision.samples > 0 && count(IgnoreReason::never) == 0) {
+    parts.push_back(fmt::format("0 apart in {}", counted(self_collision.samples, "sample")));
+  } else if (self_collision.samples > 0) {
     parts.push_back(fmt::format("{} apart in {} (each meets in less than {:.2g} of all, 95 %)",
                                 count(IgnoreReason::never), counted(self_collision.samples, "sample"),
                                 self_collision.never_bound()));

@@ -83,6 +83,7 @@ void require_inputs_stay(const RobotArguments& o, const robot::Robot& robot,
                          const std::vector<const robot::OutputFormat*>& formats) {
   std::vector<fs::path> inputs{o.robot, o.keep, o.srdf};
   inputs.insert(inputs.end(), robot.included.begin(), robot.included.end());
+  for (const std::string& argument : o.xacro_arguments) inputs.push_back(argument.substr(argument.find(":=") + 2));
   for (const robot::Link& link : robot.links) {
     for (const auto* shapes : {&link.collision, &link.visual}) {
       for (const robot::Shape& shape : *shapes) inputs.push_back(shape.file);
@@ -157,9 +158,15 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   if (spheres.links.empty()) {
     std::vector<std::string> left_out = robot.notes;
     left_out.insert(left_out.end(), spheres.notes.begin(), spheres.notes.end());
-    throw FileError(fmt::format("{}: no link has {} shapes{}; try --geometry {}", o.robot, o.geometry,
-                                left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
-                                o.geometry == "visual" ? "collision" : "visual"));
+    const bool is_visual = o.geometry == "visual";
+    const bool has_others = std::any_of(robot.links.begin(), robot.links.end(), [&](const robot::Link& link) {
+      return !(is_visual ? link.collision : link.visual).empty();
+    });
+    const char* other = is_visual ? "collision" : "visual";
+    throw FileError(fmt::format(
+        "{}: no link has {} shapes{}{}", o.robot, o.geometry,
+        left_out.empty() ? "" : fmt::format(" ({})", fmt::join(left_out, "; ")),
+        has_others ? fmt::format("; try --geometry {}", other) : fmt::format(", and none has {} shapes", other)));
   }
   std::vector<ToleranceRow> rows;
   for (const double tolerance : o.tolerances) {

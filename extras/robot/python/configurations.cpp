@@ -3,7 +3,6 @@
 // Checks of many configurations.
 #include <morula/morula.hpp>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "planning.hpp"
@@ -16,10 +15,15 @@ namespace {
 using robot::ConfigurationQuery;
 using robot::ConfigurationVerdict;
 
-using Verdicts = std::tuple<Copy<bool, -1>, Copy<std::int64_t, -1>, Copy<std::int64_t, -1>, Copy<std::int64_t, -1>>;
+/// One entry per configuration.
+struct ConfigurationVerdicts {
+  Copy<bool, -1> free;
+  Copy<std::int64_t, -1> link, other_link, obstacle;
+};
 
 template <class Check>
-Verdicts check_with(const GuardedQuery& held, const ArrayGiven& given, Threads* threads, const Check& check) {
+ConfigurationVerdicts check_with(const GuardedQuery& held, const ArrayGiven& given, Threads* threads,
+                                 const Check& check) {
   const ConfigurationQuery query = held.copy();
   std::size_t count = 0;
   const std::vector<double> values = configurations_of(given, "configurations", query, count);
@@ -31,16 +35,30 @@ Verdicts check_with(const GuardedQuery& held, const ArrayGiven& given, Threads* 
           column_of<std::int64_t>(verdicts, [](const auto& v) { return number_or_less(v.obstacle); })};
 }
 
-constexpr const char* results =
-    " Returns arrays of one entry per configuration: free (bool), link, other_link and obstacle (int64, -1 for none). "
-    "The contact is that of the lowest link that touches an obstacle, with the lowest obstacle that it touches; "
-    "otherwise the first pair of links that touch. workers: threads; by default the caller's alone.";
+constexpr std::initializer_list<std::pair<const char*, const char*>> check_arguments = {
+    {"configurations", "(n, coordinates), float32 or float64; for one configuration q[None]"},
+    {"workers", "threads; by default the caller's alone"}};
 
 }  // namespace
 
 void bind_robot_configurations(nb::module_& m) {
+  Record<ConfigurationVerdicts>(
+      m, "ConfigurationVerdicts",
+      "Arrays of one entry per configuration, from ConfigurationQuery.check() and check_self(). The contact is that of "
+      "the lowest link that touches an obstacle, with the lowest obstacle that it touches; otherwise that of the first "
+      "pair of links that touch.")
+      .field("free", &ConfigurationVerdicts::free, "bool: nothing touches.")
+      .field("link", &ConfigurationVerdicts::link, "Index in Robot.links; -1: no contact.")
+      .field("other_link", &ConfigurationVerdicts::other_link,
+             "Second link, for a contact of the robot with itself; otherwise -1.")
+      .field("obstacle", &ConfigurationVerdicts::obstacle, "Number of the obstacle in the world; otherwise -1.");
   nb::class_<GuardedQuery> query(m, "ConfigurationQuery", doc::ConfigurationQuery);
+  bind_copies(query, "ConfigurationQuery");
   query
+      .def("__repr__",
+           [](const GuardedQuery& self) {
+             return "ConfigurationQuery(coordinates=" + std::to_string(self.copy().coordinates()) + ")";
+           })
       .def(
           "__init__",
           [](GuardedQuery* self, const robot::Robot& robot, const robot::RobotSpheres& spheres,
@@ -63,12 +81,25 @@ void bind_robot_configurations(nb::module_& m) {
           nb::arg("base"), doc::ConfigurationQuery_set_base)
       .def(
           "attach",
-          [](GuardedQuery& self, const std::string& link, ArrayGiven given, const std::vector<std::string>& touching) {
+          [](GuardedQuery& self, const std::string& link, ArrayGiven given, const std::vector<std::string>& touching,
+             const std::vector<std::size_t>& obstacles) {
             const std::vector<Sphere> spheres = spheres_of(given.object, "spheres");
-            self.change([&](ConfigurationQuery& query) { query.attach(link, spheres, touching); });
+            self.change([&](ConfigurationQuery& query) { query.attach(link, spheres, touching, obstacles); });
           },
           nb::arg("link"), nb::arg("spheres"), nb::arg("touching") = std::vector<std::string>{},
-          doc::ConfigurationQuery_attach)
+          nb::arg("touching_obstacles") = std::vector<std::size_t>{}, doc::ConfigurationQuery_attach)
+      .def(
+          "detach",
+          [](GuardedQuery& self, const std::string& link) {
+            self.change([&](ConfigurationQuery& query) { query.detach(link); });
+          },
+          nb::arg("link"), doc::ConfigurationQuery_detach)
+      .def(
+          "allow_contacts",
+          [](GuardedQuery& self, const std::string& link, const std::vector<std::size_t>& obstacles) {
+            self.change([&](ConfigurationQuery& query) { query.allow_contacts(link, obstacles); });
+          },
+          nb::arg("link"), nb::arg("obstacles"), doc::ConfigurationQuery_allow_contacts)
       .def(
           "check",
           [](const GuardedQuery& self, ArrayGiven given, const GuardedWorld& world, Threads* workers) {
@@ -79,8 +110,7 @@ void bind_robot_configurations(nb::module_& m) {
                                   Workers& threads) { query.check(values, obstacles, verdicts, threads); });
           },
           nb::arg("configurations"), nb::arg("world"), nb::kw_only(), nb::arg("workers") = nb::none(),
-          (std::string("Checks configurations, (n, coordinates), in a world and against the robot itself.") + results)
-              .c_str())
+          with_arguments("Checks configurations in a world and against the robot itself.", check_arguments).c_str())
       .def(
           "check_self",
           [](const GuardedQuery& self, ArrayGiven given, Threads* workers) {
@@ -90,8 +120,7 @@ void bind_robot_configurations(nb::module_& m) {
                                   Workers& threads) { query.check_self(values, verdicts, threads); });
           },
           nb::arg("configurations"), nb::kw_only(), nb::arg("workers") = nb::none(),
-          (std::string("Checks configurations, (n, coordinates), of the robot against itself alone.") + results)
-              .c_str());
+          with_arguments("Checks the robot against itself alone.", check_arguments).c_str());
   bind_robot_clearance(m, query);
   bind_robot_motions(m, query);
 }

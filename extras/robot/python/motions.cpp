@@ -64,13 +64,19 @@ void bind_robot_motions(nb::module_& m, nb::class_<GuardedQuery>& query) {
       nb::arg("start"), nb::arg("end"), nb::arg("world"), nb::kw_only(), nb::arg("resolution") = 0.0,
       nb::arg("tolerance") = 1e-4, nb::arg("with_world") = true, nb::arg("with_self") = true,
       nb::arg("workers") = nb::none(),
-      with_arguments(doc::ConfigurationQuery_check_motions, {{"start", "(n, coordinates)"},
-                                                             {"end", "(n, coordinates)"},
-                                                             {"resolution", doc::MotionOptions_resolution},
-                                                             {"tolerance", doc::MotionOptions_tolerance},
-                                                             {"with_world", "False: obstacles do not count"},
-                                                             {"with_self", "False: pairs of links do not count"},
-                                                             {"workers", "threads; by default the caller's alone"}})
+      with_arguments(
+          "Checks edges: row i of `start` to row i of `end`, along the straight line between them.\n\nA "
+          "certified edge is halved until bounds of each sphere's motion prove its parts free; `free` holds "
+          "for every configuration of it. Results are the same for any number of workers. Throws ValueError for "
+          "arrays of other shapes, numbers that are not finite, options out of range, and edges of more than a "
+          "billion configurations at a resolution.",
+          {{"start", "(n, coordinates)"},
+           {"end", "(n, coordinates)"},
+           {"resolution", doc::MotionOptions_resolution},
+           {"tolerance", doc::MotionOptions_tolerance},
+           {"with_world", "False: obstacles do not count"},
+           {"with_self", "False: pairs of links do not count"},
+           {"workers", "threads; by default the caller's alone"}})
           .c_str());
 }
 

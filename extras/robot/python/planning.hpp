@@ -3,8 +3,10 @@
 // What planners' queries share: a world and a query, which several threads of Python may use at once.
 #pragma once
 
+#include <memory>
 #include <morula/robot/configurations.hpp>
 #include <mutex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,7 +22,11 @@ class Guarded {
   Guarded() = default;
   explicit Guarded(Value&& value) : value_(std::move(value)) {}
   Value copy() const {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_, std::try_to_lock);
+    if (lock) return value_;
+    // A change that takes long acquires the GIL to check for signals, so nobody may wait for it with the GIL.
+    const nb::gil_scoped_release released;
+    const std::scoped_lock waited(mutex_);
     return value_;
   }
   /// Runs f on the value without the GIL, which a thread that holds the value does not need.
@@ -36,6 +42,16 @@ class Guarded {
   Value value_;
   mutable std::mutex mutex_;
 };
+
+/// copy.copy() and copy.deepcopy(): both give an independent object.
+template <class Value>
+void bind_copies(nb::class_<Guarded<Value>>& type, const char* name) {
+  const auto copied = [](const Guarded<Value>& self) { return std::make_unique<Guarded<Value>>(self.copy()); };
+  type.def("__copy__", copied);
+  type.def(
+      "__deepcopy__", [copied](const Guarded<Value>& self, nb::handle) { return copied(self); }, nb::arg("memo"),
+      nb::sig((std::string("def __deepcopy__(self, memo: object) -> ") + name).c_str()));
+}
 
 using GuardedWorld = Guarded<robot::World>;
 using GuardedQuery = Guarded<robot::ConfigurationQuery>;

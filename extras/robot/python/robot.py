@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robots from URDF, MJCF and SDF: spheres for their links, and collisions of these; extras/robot/docs/robots.md.
+"""Robots from URDF, MJCF and SDF: spheres for their links, and planners' queries; extras/robot/docs/planning.md.
 
 >>> robot = morula.robot.read_robot("arm.urdf")                                             # doctest: +SKIP
 >>> spheres = morula.robot.fit_spheres(robot, spheres=16)                                   # doctest: +SKIP
->>> moving = morula.robot.SphereRobot(robot, spheres, morula.robot.find_ignored(robot, spheres))    # doctest: +SKIP
+>>> ignored = morula.robot.find_ignored(robot, spheres)                                     # doctest: +SKIP
+>>> query = morula.robot.ConfigurationQuery(robot, spheres, ignored)                        # doctest: +SKIP
+>>> free = query.check(configurations, morula.robot.World()).free                           # doctest: +SKIP
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from .typing import FloatArray
 
 from ._morula.robot import *  # noqa: E402, F403
+
+__all__ = [name for name in dir(_morula.robot) if not name.startswith("_")] + ["float_spheres", "page"]
 
 
 def page(robot: _morula.robot.Robot, spheres: _morula.robot.RobotSpheres, self_collision: _morula.robot.SelfCollision | None = None) -> Page:

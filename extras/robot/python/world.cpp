@@ -22,8 +22,8 @@ std::size_t add_obstacle(GuardedWorld& self, nb::handle obstacle) {
   Sphere sphere;
   if (!nb::try_cast(obstacle, sphere))
     throw nb::type_error(("obstacle: " + describe(obstacle) +
-                          ", but a sphere (x, y, z, radius), an ObstacleBox or a Capsule is needed; meshes, points, "
-                          "spheres and height fields have functions of their own")
+                          ", but a sphere (x, y, z, radius), an ObstacleBox or a Capsule is needed; for others use "
+                          "add_mesh, add_points, add_spheres or add_height_field")
                              .c_str());
   return self.change([&](robot::World& w) { return w.add(sphere); });
 }
@@ -32,8 +32,11 @@ std::size_t add_obstacle(GuardedWorld& self, nb::handle obstacle) {
 
 void bind_robot_world(nb::module_& m) {
   using robot::World;
-  nb::class_<GuardedWorld>(m, "World", doc::World)
-      .def(nb::init<>())
+  nb::class_<GuardedWorld> type(m, "World", doc::World);
+  bind_copies(type, "World");
+  type.def(nb::init<>())
+      .def("__repr__",
+           [](const GuardedWorld& self) { return "World(obstacles=<" + std::to_string(self.copy().size()) + ">)"; })
       .def("add", add_obstacle, nb::arg("obstacle"),
            "Adds a sphere (x, y, z, radius), an ObstacleBox or a Capsule, and returns its number.")
       .def(
@@ -45,7 +48,8 @@ void bind_robot_world(nb::module_& m) {
           },
           nb::arg("mesh"), nb::arg("pose") = RigidTransform{},
           "Adds a mesh at a pose, and returns its number. It is solid if it is closed and oriented, otherwise its "
-          "surface alone.")
+          "surface alone. Cost: that of a SignedDistance, and of at most 33**3 of its distances, in a grid around the "
+          "mesh that makes queries faster; add a mesh once, not for each query.")
       .def(
           "add_height_field",
           [](GuardedWorld& self, ArrayGiven given, double spacing, TransformGiven pose) {
@@ -73,7 +77,7 @@ void bind_robot_world(nb::module_& m) {
             return self.change([&](World& w) { return w.add_spheres(spheres); });
           },
           nb::arg("spheres"), doc::World_add_spheres)
-      .def("__len__", [](GuardedWorld& self) { return self.copy().size(); })
+      .def("__len__", [](const GuardedWorld& self) { return self.copy().size(); })
       .def(
           "nearest",
           [](GuardedWorld& self, Vec3 p, double within) {

@@ -12,6 +12,7 @@
 #include <morula/robot/configurations.hpp>
 
 #include "random_poses.hpp"
+#include "terrain_distance.hpp"
 
 namespace morula::test::clearance {
 namespace {
@@ -175,6 +176,7 @@ struct Scene {
     base.translation = base.translation + center;
     add_links(random);
     for (int k = 0; k < 3; ++k) add_obstacles(random, center);
+    add_terrain(random, center);
   }
 
   void add_links(Random& random) {
@@ -231,10 +233,23 @@ struct Scene {
     obstacles.push_back(of_spheres(cloud));
   }
 
+  /// A small terrain whose open side faces the center: its solid has no lower end.
+  void add_terrain(Random& random, const Vec3& center) {
+    const Vec3 up = normalized(random_point(random, 1)), side = normalized(cross(up, {0.3, -0.5, 0.8}));
+    const Vec3 along = cross(up, side);
+    RigidTransform pose{{Vec3{side.x, along.x, up.x}, {side.y, along.y, up.y}, {side.z, along.z, up.z}}};
+    pose.translation = center - (0.7 * scale) * up;
+    std::vector<double> heights;
+    for (int k = 0; k < 20; ++k) heights.push_back(random.uniform(-0.1, 0.1) * scale);
+    const robot::HeightField field{heights, 5, 4, 0.15 * scale, pose};
+    add(field, TerrainDistance(field));
+  }
+
   void hold(ConfigurationQuery& query) {
     holder = 7, touched = 2;
     object = {{{0.1 * scale, 0, 0}, 0.06 * scale}, {{0.2 * scale, 0.05 * scale, 0}, 0.05 * scale}};
-    query.attach("link7", object, std::array<std::string, 1>{"link2"});
+    query.attach("link7", object, std::array<std::string, 1>{"link2"}, std::array<std::size_t, 2>{6, 1});
+    query.allow_contacts("link0", std::array<std::size_t, 3>{0, 3, 99});
   }
   ConfigurationQuery query() const {
     ConfigurationQuery result(robot, spheres, self);
@@ -298,8 +313,10 @@ struct Scene {
     Exact result;
     const std::vector<Ball> all = balls(values);
     for (const Ball& ball : all) {
-      for (std::size_t o = 0; with_world && o < obstacles.size(); ++o)
+      for (std::size_t o = 0; with_world && o < obstacles.size(); ++o) {
+        if (holder != robot::none && (ball.held ? o == 1 || o == 6 : ball.link == 0 && (o == 0 || o == 3))) continue;
         result.add(obstacles[o](ball.center) - ball.radius, ball.link, no_link, static_cast<std::uint32_t>(o));
+      }
     }
     for (const Ball& a : all) {
       for (const Ball& b : all) {
@@ -342,7 +359,7 @@ const std::array places{Place{1, {}}, Place{1, {1e6, -2e6, 3e5}}, Place{1e-9, {}
                         Place{1e5, {}}};
 
 TEST(Clearance, is_that_of_all_spheres_and_obstacles_one_by_one) {
-  std::size_t contacts = 0, of_links = 0, count = 0;
+  std::size_t contacts = 0, of_links = 0, of_terrain = 0, count = 0;
   for (const Place& place : places) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       Scene scene(seed, place.scale, place.center);
@@ -357,6 +374,7 @@ TEST(Clearance, is_that_of_all_spheres_and_obstacles_one_by_one) {
         const Clearance found = one(query, values, scene.world, {.world = with_world, .self = with_self});
         expect_same(found, exact, width);
         contacts += found.distance < 0, of_links += found.other_link != no_link, ++count;
+        of_terrain += found.obstacle + 1 == scene.obstacles.size();
       }
     }
   }
@@ -364,6 +382,7 @@ TEST(Clearance, is_that_of_all_spheres_and_obstacles_one_by_one) {
   EXPECT_LT(contacts, count);
   EXPECT_GT(of_links, count / 10);
   EXPECT_LT(of_links, count);
+  EXPECT_GT(of_terrain, count / 50);
 }
 
 TEST(Clearance, a_gradient_is_the_limit_of_differences) {
@@ -484,6 +503,13 @@ TEST(Clearance, of_a_ball_among_known_shapes) {
   two.add(Sphere{{-5, 0, 0}, 1}), two.add(Sphere{{5, 0, 0}, 1});
   EXPECT_EQ(at(0, two).obstacle, 0U);
   EXPECT_EQ(gradient, 1);
+  // Also if the link itself is near to another one than the object that it holds.
+  ConfigurationQuery holding = query;
+  holding.attach("slider", std::vector<Sphere>{{{4, 0, 0}, 1}});
+  World apart;
+  apart.add(Sphere{{9, 0, 0}, 1}), apart.add(Sphere{{-5, 0, 0}, 1});
+  EXPECT_EQ(one(holding, {0}, apart).distance, 3);
+  EXPECT_EQ(one(holding, {0}, apart).obstacle, 0U);
   // Of overlapping ones, that which the ball is deepest in.
   two.add(Sphere{{1, 0, 0}, 4});
   EXPECT_EQ(at(0, two).obstacle, 2U);
@@ -504,16 +530,19 @@ TEST(Clearance, bounds_contain_what_rounding_of_obstacles_does) {
   for (int k = 0; k < 200; ++k) {
     const Sphere sphere{random_point(random, 1e6), random.uniform(0.1, 1)};
     ObstacleBox box{random_pose(random, 1e6), {1, 2, 3}};
-    World balls, boxes;
-    balls.add(sphere), boxes.add(box);
-    const Real from_ball = of_sphere(sphere)({}) - 1, from_box = of_box(box)({}) - 1;
-    const Clearance a = one(query, {0}, balls), b = one(query, {0}, boxes);
-    EXPECT_LE(a.lower, from_ball);
-    EXPECT_GE(a.upper, from_ball);
-    EXPECT_LE(b.lower, from_box);
-    EXPECT_GE(b.upper, from_box);
-    EXPECT_LE(a.upper - a.lower, 1e-7);
-    EXPECT_LE(b.upper - b.lower, 1e-7);
+    const std::vector<double> heights{0.3, -0.2, 0.1, 0.4};
+    const robot::HeightField field{heights, 2, 2, 1.5, random_pose(random, 1e6)};
+    World balls, boxes, fields;
+    balls.add(sphere), boxes.add(box), fields.add(field);
+    for (const auto& [world, distance] : {std::pair{&balls, of_sphere(sphere)}, std::pair{&boxes, of_box(box)},
+                                          std::pair{&fields, Distance(TerrainDistance(field))}}) {
+      const Clearance found = one(query, {0}, *world);
+      const Real exact = distance({}) - 1;
+      EXPECT_LE(found.lower, exact);
+      EXPECT_GE(found.upper, exact);
+      // Searches of triangles have wider bounds.
+      EXPECT_LE(found.upper - found.lower, world == &fields ? 1e-5 : 1e-7);
+    }
   }
 }
 

@@ -33,7 +33,8 @@ TEST(RobotCommand, one_line_covers_every_link_and_writes_the_usual_files) {
   EXPECT_EQ(report["files"], nlohmann::json({"spheres.json", "spheres.csv", "links.csv", "curobo.yml",
                                              "gripper_spherized.urdf", "gripper.srdf"}));
   const std::string text = bench.require("robot gripper.urdf -o out").out;
-  for (const char* words : {"0, proven", "covers   yes", "proven apart", "95 %", "--tool LINK says otherwise"}) {
+  for (const char* words :
+       {"0, proven", "covers   yes", "proven apart", "0 apart in 100000 samples\n", "--tool LINK says otherwise"}) {
     EXPECT_NE(text.find(words), std::string::npos) << text;
   }
 }
@@ -81,6 +82,7 @@ TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,0,1", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip palm=0,0,1,nan", "as --clip base=0,0,1,0.02");
   bench.expect_refused("robot gripper.urdf -o out --clip plam=0,0,1,0", "did you mean palm?");
+  bench.expect_refused("robot gripper.urdf -o out --clip grasp=0,0,1,0", "link grasp has no collision shapes");
   bench.expect_refused("robot gripper.urdf -o out --clip-margin 0.01", "add it");
 }
 
@@ -132,6 +134,62 @@ TEST(RobotCommand, same_files_for_any_number_of_threads_and_one_link_refitted_al
   EXPECT_EQ(bench.run("robot gripper.urdf -o less --keep less.json").exit_code, 1);
 }
 
+TEST(RobotCommand, covers_within_a_tolerance_and_a_table_shows_what_that_saves) {
+  Workbench bench;
+  with_gripper(bench);
+  const std::string robot = "robot gripper.urdf -o out --spheres 5 --samples 100 ";
+  const nlohmann::json report = bench.require(robot + "--tolerances 0,0.002,0.005 0.01 --json").json();
+  EXPECT_EQ(report["covered"], true) << "the files have no tolerance";
+  EXPECT_EQ(report["within"], 0);
+  ASSERT_EQ(report["tolerances"].size(), 4u);
+  const std::vector<double> tolerances{0, 0.002, 0.005, 0.01};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const nlohmann::json& row = report["tolerances"][k];
+    EXPECT_EQ(row["tolerance"], tolerances[k]);
+    EXPECT_LE(row["within"], row["tolerance"]);
+    EXPECT_EQ(row["within"] > 0, k > 0);
+    EXPECT_LE(row["spheres"], 4 * 5u);
+    if (k == 0) continue;
+    EXPECT_LT(row["outside_volume"], report["tolerances"][k - 1]["outside_volume"]);
+  }
+  // A row is what a run with this tolerance has.
+  const nlohmann::json one = bench.require(robot + "--tolerance 0.005 --json").json();
+  EXPECT_EQ(one["covered"], false);
+  EXPECT_EQ(one["within"], report["tolerances"][2]["within"]);
+  EXPECT_EQ(one["spheres"], report["tolerances"][2]["spheres"]);
+  EXPECT_TRUE(one["tolerances"].empty());
+  double outside = 0, within = 0;
+  for (const nlohmann::json& link : one["links"]) {
+    EXPECT_LE(link["uncovered_distance"], link["within"]);
+    outside += link["outside_volume"].get<double>();
+    within = std::max(within, link["within"].get<double>());
+  }
+  EXPECT_EQ(within, one["within"]);
+  EXPECT_NEAR(outside, report["tolerances"][2]["outside_volume"].get<double>(), 1e-12 * outside);
+  EXPECT_EQ(nlohmann::json::parse(bench.read("out/spheres.json"))["links"].size(), 4u);
+  const std::string text = bench.require(robot + "--tolerance 0.005 --tolerances 0,0.01").out;
+  for (const char* words : {"covers   within 0.00500: every point of every link",
+                            "tolerance  proven within  spheres  outside volume", "\n0.0100 "})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+  // A tolerance beyond the robot, and a total that links share.
+  EXPECT_LE(bench.require("robot gripper.urdf -o out --samples 10 --tolerance 10 --json").json()["within"], 10);
+  const nlohmann::json shared =
+      bench.require("robot gripper.urdf -o out --samples 10 --total 14 --tolerance 0.004 --json").json();
+  EXPECT_LE(shared["spheres"], 14);
+  EXPECT_LE(shared["within"], 0.004);
+}
+
+TEST(RobotCommand, refuses_tolerances_that_are_none) {
+  Workbench bench;
+  with_gripper(bench);
+  for (const char* option : {"--tolerance", "--tolerances"})
+    for (const char* length : {"-1", "nan", "inf", "1e31", "x"})
+      bench.expect_refused(std::string("robot gripper.urdf -o out ") + option + " " + length, option);
+  bench.expect_refused("robot gripper.urdf -o out --tolerances 0.001,-1", "--tolerances");
+  bench.expect_refused("robot gripper.urdf -o out --tolerance 0.01 --method grid", "use optimized");
+  bench.expect_refused("robot gripper.urdf -o out --tolerances 0,0.01 --method octree", "use optimized");
+}
+
 TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   Workbench bench;
   with_gripper(bench);
@@ -141,7 +199,11 @@ TEST(RobotCommand, bad_use_is_one_line_with_a_remedy_and_nothing_is_written) {
   bench.write("bare.urdf", "<robot name='r'><link name='l'/></robot>");
   bench.expect_refused("robot none.urdf -o out", "none.urdf: there is no such file");
   bench.expect_refused("robot lost.urdf -o out", "lost.urdf:2: mesh \"package://p/m.stl\" is missing; searched:");
-  bench.expect_refused("robot bare.urdf -o out", "no link has collision shapes; try --geometry visual");
+  bench.expect_refused("robot bare.urdf -o out", "no link has collision shapes, and none has visual shapes");
+  bench.write(
+      "seen.urdf",
+      "<robot name='r'><link name='l'><visual><geometry><sphere radius='1'/></geometry></visual></link></robot>");
+  bench.expect_refused("robot seen.urdf -o out", "no link has collision shapes; try --geometry visual");
   bench.write(
       "nothing.urdf",
       "<robot name='r'><link name='l'><collision><geometry><sphere radius='0'/></geometry></collision></link></robot>");
@@ -192,7 +254,9 @@ TEST(RobotCommand, xacro_is_expanded_by_the_program_without_a_shell) {
   Workbench bench;
   with_gripper(bench);
   // A stand-in: it writes down its arguments and prints the gripper.
-  bench.write("fake xacro", "#!/bin/sh\nprintf '%s\\n' \"$@\" > \"${0%/*}/said\"\ncat \"${0%/*}/gripper.urdf\"\n");
+  bench.write("fake xacro",
+              "#!/bin/sh\n[ \"$1\" = --deps ] && exit\n"
+              "printf '%s\\n' \"$@\" > \"${0%/*}/said\"\ncat \"${0%/*}/gripper.urdf\"\n");
   bench.write("fails", "#!/bin/sh\necho 'name x is not defined' >&2\necho 'when processing it' >&2\nexit 2\n");
   bench.write("silent", "#!/bin/sh\nexit 0\n");
   bench.write("loud",
@@ -226,6 +290,16 @@ TEST(RobotCommand, xacro_is_expanded_by_the_program_without_a_shell) {
               "<robot name='d' xmlns:xacro='x'><link name='l'><collision><geometry><sphere radius='1'/>"
               "</geometry></collision></link></robot>");
   bench.require("robot d.urdf -o d --format csv --xacro ./fails");
+  // Files that the xacro file reads stay, and those that its arguments name.
+  bench.write("lists", "#!/bin/sh\nif [ \"$1\" = --deps ]; then echo \"" + (bench / "parts.xacro").string() + " " +
+                           (bench / "out/spheres.csv").string() + "\"; else cat \"${0%/*}/gripper.urdf\"; fi\n");
+  bench.write("keeps", "#!/bin/sh\n[ \"$1\" = --deps ] || cat \"${0%/*}/gripper.urdf\"\n");
+  for (const char* name : {"lists", "keeps"})
+    std::filesystem::permissions(bench / name, std::filesystem::perms::owner_all);
+  bench.expect_refused("robot g.urdf.xacro -o out --spheres 2 --xacro ./lists", "is also what is read");
+  bench.expect_refused("robot g.urdf.xacro -o out --spheres 2 --xacro ./keeps --xacro-arg p:=out/spheres.csv",
+                       "is also what is read");
+  bench.require("robot g.urdf.xacro -o out --spheres 2 --xacro ./keeps");
 }
 
 TEST(RobotCommand, never_replaces_what_it_reads) {

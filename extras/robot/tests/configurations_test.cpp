@@ -63,6 +63,7 @@ struct Sample {
   robot::Robot robot;
   robot::RobotSpheres spheres;
   robot::SelfCollision self{};
+  std::vector<std::array<std::size_t, 2>> allowed{};  // a link and an obstacle whose contact does not count
   double scale = 1;
 
   Sample(Random& random, std::size_t links, double size, std::size_t count = 5) : scale(size) {
@@ -210,7 +211,7 @@ struct Scene {
 struct Held {
   std::size_t link;
   std::vector<Sphere> spheres;
-  std::vector<std::size_t> touching;
+  std::vector<std::size_t> touching{}, touching_obstacles{};
 };
 
 /// The first contact, by every pair; no value if one is within `doubt` of touching.
@@ -244,9 +245,15 @@ std::optional<ConfigurationVerdict> plain_verdict(const Sample& sample, std::spa
     if (best.is_free() || key(found) < key(best)) best = found;
   };
   for (const Ball& ball : balls) {
-    for (std::size_t i = 0; i < scene.distances.size(); ++i)
+    for (std::size_t i = 0; i < scene.distances.size(); ++i) {
+      const bool counts =
+          ball.of == nullptr
+              ? std::count(sample.allowed.begin(), sample.allowed.end(), std::array{ball.link, i}) == 0
+              : std::count(ball.of->touching_obstacles.begin(), ball.of->touching_obstacles.end(), i) == 0;
+      if (!counts) continue;
       least({.link = static_cast<std::uint32_t>(ball.link), .obstacle = static_cast<std::uint32_t>(i)},
             scene.distances[i](ball.sphere.center) - ball.sphere.radius);
+    }
   }
   const auto allowed = [](const Ball& a, const Ball& b) {
     return a.of != nullptr && std::count(a.of->touching.begin(), a.of->touching.end(), b.link) > 0;
@@ -274,18 +281,23 @@ std::vector<ConfigurationVerdict> verdicts_of(const ConfigurationQuery& query, s
 void expect_plain_verdicts(std::uint64_t seed, std::size_t links, double size, const RigidTransform& base,
                            bool holds = false) {
   Random random(seed);
-  const Sample sample(random, links, size);
+  Sample sample(random, links, size);
   const Scene scene(random, base.translation, size);
   ConfigurationQuery query(sample.robot, sample.spheres, sample.self);
   query.set_base(base);
   std::vector<Held> held;
   if (holds) {
+    const std::size_t terrain = scene.distances.size() - 1;
     held.push_back({links - 1, {{random_point(random, 0.2 * size), 0.05 * size}, {{}, 0.03 * size}}, {links - 2}});
-    held.push_back({0, {{{0, 0, 0.3 * size}, 0.05 * size}}, {}});
+    held.push_back({0, {{{0, 0, 0.3 * size}, 0.05 * size}}, {}, {terrain, 1}});
+    sample.allowed = {{0, 0}, {0, terrain}, {links - 1, 2}, {links - 1, terrain}};
+    query.allow_contacts("link0", std::vector<std::size_t>{terrain, 0, terrain + 5});
+    query.allow_contacts(sample.robot.links[links - 1].name, std::vector<std::size_t>{0, 1});  // replaced
+    query.allow_contacts(sample.robot.links[links - 1].name, std::vector<std::size_t>{2, terrain});
     for (const Held& object : held) {
       std::vector<std::string> touching;
       for (const std::size_t link : object.touching) touching.push_back(sample.robot.links[link].name);
-      query.attach(sample.robot.links[object.link].name, object.spheres, touching);
+      query.attach(sample.robot.links[object.link].name, object.spheres, touching, object.touching_obstacles);
     }
   }
   constexpr std::size_t count = 333;
@@ -333,7 +345,7 @@ TEST(Configurations, AgreeWithEveryPairWhereverTheBaseIs) {
 TEST(Configurations, AgreeWithEveryPairAtEveryScale) {
   for (const double scale : {1e-20, 1e-6, 1e6, 1e20}) expect_plain_verdicts(40, 7, scale, {});
 }
-TEST(Configurations, AgreeWithEveryPairOfHeldObjects) {
+TEST(Configurations, AgreeWithEveryPairOfHeldObjectsAndAllowedContacts) {
   for (std::uint64_t seed = 50; seed < 54; ++seed) expect_plain_verdicts(seed, 7, 1, {}, true);
 }
 
@@ -428,6 +440,46 @@ TEST(Configurations, AgreeWithSphereRobotsAboutThemselves) {
   }
 }
 
+// Poses with ten digits stretch lengths by less than 1e-9. The spheres around groups, and boxes around obstacles, must
+// leave out no contact of single spheres.
+TEST(Configurations, MissNoContactByPosesThatAreNotQuiteRotations) {
+  RigidTransform longer, shorter;
+  for (int k = 0; k < 3; ++k) {
+    longer.rows[static_cast<std::size_t>(k)][k] = 1 + 4e-10;
+    shorter.rows[static_cast<std::size_t>(k)][k] = 1 - 4e-10;
+  }
+  Slider slider;
+  slider.spheres.links[0].spheres = {{{1, 0, 0}, 0.1}, {{-1, 0, 0}, 0.1}};
+  Slider stretched = slider;
+  stretched.robot.joints[0].origin = longer;
+  ConfigurationQuery based(slider.robot, slider.spheres);
+  based.set_base(longer);
+  ConfigurationQuery jointed(stretched.robot, stretched.spheres);
+  for (const ConfigurationQuery* query : {&based, &jointed}) {
+    for (double gap = -1e-9; gap < 1e-9; gap += 0.7e-10) {
+      World world;
+      world.add(Sphere{{2 + gap, 0, 0}, 0.9});
+      const double at = 0;
+      ConfigurationVerdict verdict;
+      robot::Clearance clearance;
+      query->check({&at, 1}, world, {&verdict, 1});
+      query->clearance({&at, 1}, world, {&clearance, 1});
+      EXPECT_EQ(verdict.is_free(), clearance.distance > 0) << gap;
+      EXPECT_NEAR(clearance.distance, gap, 1e-14);
+    }
+  }
+  World box;
+  box.add(ObstacleBox{shorter, {1, 1, 1}});
+  Slider point;
+  point.spheres.links[0].spheres = {{{}, 0}};
+  const ConfigurationQuery query(point.robot, point.spheres);
+  for (double at = 1 - 1e-9; at < 1 + 1e-9; at += 0.7e-10) {
+    ConfigurationVerdict verdict;
+    query.check({&at, 1}, box, {&verdict, 1});
+    EXPECT_EQ(verdict.is_free(), at > 1) << at - 1;
+  }
+}
+
 TEST(Configurations, RejectWhatTheyCannotUse) {
   const Slider slider;
   ConfigurationQuery query(slider.robot, slider.spheres);
@@ -439,9 +491,29 @@ TEST(Configurations, RejectWhatTheyCannotUse) {
   EXPECT_THROW(query.check_self(std::vector<double>{0, 0, 0}, two), std::invalid_argument);
   EXPECT_THROW(query.attach("nobody", std::vector<Sphere>{{{}, 1}}), std::invalid_argument);
   EXPECT_THROW(query.attach("slide", std::vector<Sphere>{{{}, -1}}), std::invalid_argument);
+  EXPECT_THROW(query.detach("nobody"), std::invalid_argument);
+  EXPECT_THROW(query.allow_contacts("nobody", {}), std::invalid_argument);
   RigidTransform mirror;
   mirror.rows[0].x = -1;
   EXPECT_THROW(query.set_base(mirror), std::invalid_argument);
+  const auto refuses = [](const std::function<void(robot::Robot&)>& change) {
+    Slider changed;
+    change(changed.robot);
+    EXPECT_THROW(ConfigurationQuery(changed.robot, changed.spheres), std::invalid_argument);
+  };
+  refuses([](robot::Robot& robot) { robot.root = robot::none; });
+  refuses([](robot::Robot& robot) { robot.joints[0].axis.y = std::nan(""); });
+  refuses([](robot::Robot& robot) { robot.joints[0].origin.translation.x = std::numeric_limits<double>::infinity(); });
+  refuses([](robot::Robot& robot) { robot.joints[0].origin.translation.x = 1e200; });
+  refuses([&](robot::Robot& robot) { robot.joints[0].origin = mirror; });
+  // A multiplier that makes a pose infinite, which would touch nothing.
+  refuses([](robot::Robot& robot) {
+    robot.links.emplace_back().name = "follower";
+    robot.joints.push_back(robot.joints[0]);
+    robot.joints[1].child = 2;
+    robot.joints[1].mimic = robot::Joint::Mimic{0, 1e300, 0};
+    robot.order.push_back(1);
+  });
   World bad;
   EXPECT_THROW(bad.add(Sphere{{}, -1}), std::invalid_argument);
   EXPECT_THROW(bad.add(ObstacleBox{{}, {1, std::nan(""), 1}}), std::invalid_argument);
@@ -449,6 +521,13 @@ TEST(Configurations, RejectWhatTheyCannotUse) {
   EXPECT_THROW(bad.add(Mesh{}), std::invalid_argument);
   EXPECT_THROW(bad.add_points({}, 1), std::invalid_argument);
   EXPECT_THROW(bad.add(robot::HeightField{std::vector<double>(3), 2, 2}), std::invalid_argument);
+  const std::vector<Vec3> unseen{{}, {}, {0, std::nan(""), 0}};
+  try {
+    bad.add_points(unseen, 1);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string_view(error.what()).find("point number 2 needs finite"), std::string_view::npos);
+  }
   EXPECT_EQ(bad.size(), 0u);
 }
 
@@ -459,8 +538,13 @@ TEST(Worlds, CopiesKeepWhatTheyHave) {
   EXPECT_EQ(second.add(Sphere{{9, 0, 0}, 1}), 1u);
   EXPECT_EQ(first.size(), 1u);
   EXPECT_EQ(second.nearest({8, 0, 0}).obstacle, 1u);
-  const World moved = std::move(second);
+  World moved = std::move(second);
   EXPECT_EQ(moved.size(), 2u);
+  // A world that was moved from is empty, also where the other one was not.
+  World third = first;
+  third = std::move(moved);
+  EXPECT_EQ(third.size(), 2u);
+  EXPECT_EQ(moved.size(), 0u);  // NOLINT(bugprone-use-after-move)
 }
 
 TEST(Worlds, FindTheNearestObstacle) {
@@ -538,6 +622,22 @@ TEST(Worlds, TerrainIsTheSolidBelowItsSurface) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p = Vec3{1, 0.75, 0} + random_point(random, 1.5);
     ASSERT_NEAR(world.nearest(pose(p)).distance, plain(p), 1e-9);
+  }
+}
+
+TEST(Worlds, BordersOfTerrainLeadOutward) {
+  World world;
+  world.add(robot::HeightField{std::vector<double>(4), 2, 2});
+  const std::array<std::pair<Vec3, Vec3>, 4> borders{{{{0, 0.5, -0.3}, {-1, 0, 0}},
+                                                      {{1, 0.5, -0.3}, {1, 0, 0}},
+                                                      {{0.5, 0, -0.3}, {0, -1, 0}},
+                                                      {{0.5, 1, -0.3}, {0, 1, 0}}}};
+  for (const auto& [on, outward] : borders) {
+    for (const double out : {-1e-3, 0.0, 1e-200, 1e-3}) {
+      const robot::NearestObstacle found = world.nearest(on + out * outward);
+      EXPECT_NEAR(found.distance, out, 1e-15);
+      EXPECT_EQ(found.direction, outward) << out;
+    }
   }
 }
 

@@ -3,55 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <morula/geometry/reproducible.hpp>
-#include <morula/robot/self_collision.hpp>
-#include <numbers>
+#include <morula/robot/fit.hpp>
 #include <support/scratch_folder.hpp>
 
-#include "fit/budget.hpp"
+#include "expect_covered.hpp"
 
 namespace morula::test {
 namespace {
 
 const robot::Robot arm_robot = robot::read_robot(MORULA_ROBOTS "/arm_description/urdf/arm.urdf");
 const robot::Robot gripper_robot = robot::read_robot(MORULA_ROBOTS "/gripper_description/urdf/gripper.urdf");
-
-/// Is every one of many points of the surface in a sphere, whose numbers are read as Scalar?
-template <class Scalar>
-void expect_covered(const robot::LinkSpheres& link, std::uint64_t seed) {
-  Random random(seed);
-  const auto is_in = [&](const Vec3& p) {
-    return std::any_of(link.spheres.begin(), link.spheres.end(), [&](const Sphere& s) {
-      const Vector3<Scalar> center(s.center);
-      const auto radius = static_cast<double>(static_cast<Scalar>(s.radius));
-      return distance(Vec3(center), p) <= radius;
-    });
-  };
-  const Mesh& mesh = link.surface.mesh;
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    const auto [a, b, c] = mesh.corners(f);
-    for (int k = 0; k < 40; ++k) {
-      double u = k < 3 ? (k == 1) : random.uniform(), v = k < 3 ? (k == 2) : random.uniform();
-      if (u + v > 1) u = 1 - u, v = 1 - v;
-      EXPECT_TRUE(is_in(a + u * (b - a) + v * (c - a))) << f;
-    }
-  }
-  for (const Sphere& own : link.surface.spheres) {
-    for (int k = 0; k < 200; ++k) {
-      const Vec3 way = normalized(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
-      EXPECT_TRUE(is_in(own.center + own.radius * way));
-    }
-  }
-}
-
-void expect_covered(const robot::RobotSpheres& fitted) {
-  EXPECT_TRUE(fitted.covered());
-  for (const robot::LinkSpheres& link : fitted.links) {
-    expect_covered<double>(link, 1);
-    expect_covered<float>(link, 2);
-    EXPECT_EQ(link.figures.uncovered_distance, 0);
-  }
-}
 
 TEST(FitSpheres, cover_every_link_also_when_numbers_are_read_as_float) {
   for (const std::size_t count : {1, 2, 7, 24}) {
@@ -112,133 +73,6 @@ TEST(FitSpheres, protrusion_asked_for_is_reached) {
   const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 0, .max_protrusion = 0.01});
   expect_covered(fitted);
   for (const robot::LinkSpheres& link : fitted.links) EXPECT_LE(link.figures.protrusion_max, 0.01 + 1e-6);
-}
-
-TEST(FitSpheres, a_common_budget_is_kept_and_goes_where_it_helps) {
-  for (const std::size_t total : {7, 40, 90}) {
-    const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.max_total = total});
-    EXPECT_LE(fitted.sphere_count(), std::max<std::size_t>(total, 8))
-        << "one each, and the flange has a sphere of its own";
-    EXPECT_GE(fitted.sphere_count(), total * 7 / 10);
-    expect_covered(fitted);
-  }
-  const robot::RobotSpheres shared = robot::fit_spheres(arm_robot, {.max_total = 60});
-  const robot::RobotSpheres even = robot::fit_spheres(arm_robot, {.spheres = 60 / 7});
-  const auto volume = [](const robot::RobotSpheres& fitted) {
-    double sum = 0;
-    for (const robot::LinkSpheres& link : fitted.links) sum += link.figures.solid.volume;
-    return sum;
-  };
-  EXPECT_LT(volume(shared), volume(even));
-}
-
-TEST(FitSpheres, a_common_budget_includes_links_with_a_number_or_spheres_of_their_own) {
-  const robot::RobotSpheres some = robot::fit_spheres(arm_robot, {.spheres = 6, .quality = Quality::draft});
-  robot::FitOptions o{.max_total = 40, .quality = Quality::draft};
-  o.fixed_spheres["upper"] = some.of(arm_robot.find_link("upper"))->spheres;
-  o.link_spheres = {{"forearm", 9}};
-  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, o);
-  EXPECT_EQ(fitted.of(arm_robot.find_link("upper"))->spheres, o.fixed_spheres["upper"]);
-  EXPECT_LE(fitted.of(arm_robot.find_link("forearm"))->spheres.size(), 9u);
-  EXPECT_LE(fitted.sphere_count(), 40u);
-  EXPECT_GE(fitted.sphere_count(), 28u);
-  EXPECT_TRUE(fitted.notes.empty()) << fitted.notes[0];
-  o.max_total = 12;
-  const robot::RobotSpheres more = robot::fit_spheres(arm_robot, o);
-  EXPECT_GT(more.sphere_count(), 12u);
-  ASSERT_EQ(more.notes.size(), 1u);
-  EXPECT_TRUE(more.notes[0].starts_with("the robot has " + std::to_string(more.sphere_count()) +
-                                        " spheres, and the largest total is 12: "))
-      << more.notes[0];
-}
-
-/// A robot of boxes, one per link, which no joint carries.
-robot::Robot robot_of_boxes(const std::vector<Vec3>& sizes) {
-  robot::Robot made;
-  made.name = "boxes";
-  made.root = 0;
-  for (const Vec3& size : sizes) {
-    robot::Link& link = made.links.emplace_back();
-    link.name = "l" + std::to_string(made.links.size());
-    robot::Shape shape;
-    shape.kind = robot::Shape::Kind::box;
-    shape.size = size;
-    link.collision = {shape};
-  }
-  return made;
-}
-
-std::vector<std::size_t> counts_of(const robot::RobotSpheres& fitted) {
-  std::vector<std::size_t> counts;
-  for (const robot::LinkSpheres& link : fitted.links) counts.push_back(link.spheres.size());
-  return counts;
-}
-
-TEST(FitSpheres, by_default_the_number_follows_the_size_of_a_link) {
-  // An upper arm, a small sensor, and a hand: the same at every scale and far from the links' origins.
-  for (const double scale : {1e-6, 1.0, 1e6}) {
-    robot::Robot made = robot_of_boxes({{0.1 * scale, 0.1 * scale, 0.5 * scale},
-                                        {0.001 * scale, 0.001 * scale, 0.001 * scale},
-                                        {0.05 * scale, 0.1 * scale, 0.1 * scale}});
-    made.links[2].collision[0].origin.translation = {4 * scale, 0, 0};
-    const robot::RobotSpheres fitted = robot::fit_spheres(made, {.quality = Quality::draft});
-    const std::vector<std::size_t> counts = counts_of(fitted);
-    EXPECT_EQ(counts[1], 1u);
-    EXPECT_GT(counts[0], counts[2]);
-    EXPECT_GT(counts[2], 4u);
-    EXPECT_LE(fitted.sphere_count(), 48u);
-    EXPECT_TRUE(fitted.covered());
-  }
-  // Links of one size have 16 each, whatever their number; a link with a number of its own leaves the others alone.
-  const robot::Robot alike = robot_of_boxes({{1, 2, 3}, {3, 2, 1}, {2, 3, 1}, {1, 2, 3}});
-  robot::FitOptions o{.quality = Quality::draft};
-  EXPECT_EQ(counts_of(robot::fit_spheres(alike, o)), (std::vector<std::size_t>{16, 16, 16, 16}));
-  o.link_spheres = {{"l2", 3}};
-  EXPECT_EQ(counts_of(robot::fit_spheres(alike, o)), (std::vector<std::size_t>{16, 3, 16, 16}));
-  o.skip = {"l1"};
-  EXPECT_EQ(counts_of(robot::fit_spheres(alike, o)), (std::vector<std::size_t>{3, 16, 16}));
-  // A number of spheres, or a largest protrusion, takes the place of sizes.
-  EXPECT_EQ(counts_of(robot::fit_spheres(alike, {.spheres = 2, .quality = Quality::draft}))[0], 2u);
-  const robot::FitOptions close{.max_protrusion = 0.2, .quality = Quality::draft};
-  robot::FitOptions also_close = close;
-  also_close.spheres = 0;
-  EXPECT_EQ(counts_of(robot::fit_spheres(alike, close)), counts_of(robot::fit_spheres(alike, also_close)));
-  EXPECT_GT(counts_of(robot::fit_spheres(alike, close))[0], 16u);
-}
-
-TEST(FitSpheres, by_default_links_without_extent_and_spheres_among_shapes_have_their_part) {
-  robot::Robot made = robot_of_boxes({{1, 1, 1}, {1, 1, 0}, {0, 0, 0}});
-  robot::Shape ball;
-  ball.kind = robot::Shape::Kind::sphere;
-  ball.radius = 0.1;
-  made.links[0].collision.push_back(ball);
-  robot::Link& only = made.links.emplace_back();
-  only.name = "ball";
-  only.collision = {ball};
-  const robot::RobotSpheres fitted = robot::fit_spheres(made, {.quality = Quality::draft});
-  EXPECT_EQ(fitted.of(3)->spheres.size(), 1u);
-  EXPECT_TRUE(fitted.covered());
-  EXPECT_LE(fitted.sphere_count(), 3 * 16u + 2);
-}
-
-TEST(ShareBySize, is_monotone_in_the_total_and_shares_as_the_areas_say) {
-  const std::vector<robot::MeshSize> sizes{{16, 1}, {1, 2}, {1e-9, 1}, {0, 3}};
-  std::vector<std::size_t> before(4, 1);
-  for (std::size_t total = 0; total < 400; ++total) {
-    const std::vector<std::size_t> counts = robot::share_by_size(sizes, total);
-    std::size_t sum = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      EXPECT_GE(counts[i], before[i]) << total;
-      sum += counts[i] * sizes[i].links;
-    }
-    EXPECT_LE(sum, std::max<std::size_t>(total, 7));
-    before = counts;
-  }
-  // 16 to the power 3/4 is 8.
-  EXPECT_NEAR(static_cast<double>(before[0]) / static_cast<double>(before[1]), 8, 0.3);
-  EXPECT_EQ(before[2], 1u);
-  EXPECT_TRUE(robot::share_by_size({}, 5).empty());
-  EXPECT_EQ(robot::share_by_size(std::vector<robot::MeshSize>{{0, 1}, {0, 1}}, 6), (std::vector<std::size_t>{3, 3}));
 }
 
 TEST(FitSpheres, messages_name_the_arguments) {
@@ -393,68 +227,6 @@ TEST(FitSpheres, every_method_fits_with_the_options_as_they_are) {
   }
 }
 
-/// All pairs of all spheres, nothing left out.
-bool touch_anyhow(const robot::LinkSpheres& a, const robot::LinkSpheres& b, const std::vector<RigidTransform>& poses) {
-  for (const Sphere& s : a.spheres) {
-    for (const Sphere& t : b.spheres) {
-      if (distance(poses[a.link](s.center), poses[b.link](t.center)) <= s.radius + t.radius) return true;
-    }
-  }
-  return false;
-}
-
-TEST(SelfCollision, lists_neighbors_what_touches_at_rest_and_what_never_meets) {
-  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 8});
-  const robot::SelfCollision found =
-      robot::find_ignored(arm_robot, fitted, {.samples = 300, .seed = 5, .given = {{"base", "flange"}, {"x", "y"}}});
-  EXPECT_EQ(found.pairs, 21u);
-  std::map<std::pair<std::size_t, std::size_t>, robot::IgnoreReason> reasons;
-  for (const robot::IgnoredPair& pair : found.ignored) {
-    EXPECT_LT(pair.a, pair.b);
-    EXPECT_TRUE(reasons.emplace(std::pair(pair.a, pair.b), pair.reason).second) << "no pair twice";
-  }
-  const auto reason = [&](const char* a, const char* b) {
-    const auto at = reasons.find(std::minmax(arm_robot.find_link(a), arm_robot.find_link(b)));
-    return at == reasons.end() ? std::string_view("none") : robot::name(at->second);
-  };
-  EXPECT_EQ(reason("base", "flange"), "User");
-  EXPECT_EQ(reason("base", "shoulder"), "Adjacent");
-  EXPECT_EQ(reason("forearm", "wrist"), "Adjacent");
-  // Configurations of another seed, tested without any shortcut.
-  Random random(77);
-  std::vector<std::vector<RigidTransform>> poses;
-  for (int k = 0; k < 3000; ++k) {
-    std::vector<double> values;
-    for (const std::size_t joint : arm_robot.independent_joints)
-      values.push_back(random.uniform(arm_robot.joints[joint].lower, arm_robot.joints[joint].upper));
-    poses.push_back(robot::link_poses(arm_robot, values));
-  }
-  const std::vector<RigidTransform> rest = robot::link_poses(arm_robot, robot::rest_values(arm_robot));
-  std::size_t apart = 0, tested = 0;
-  for (const robot::LinkSpheres& a : fitted.links) {
-    for (const robot::LinkSpheres& b : fitted.links) {
-      if (a.link >= b.link) continue;
-      const auto at = reasons.find({a.link, b.link});
-      const bool met =
-          std::any_of(poses.begin(), poses.end(), [&](const auto& pose) { return touch_anyhow(a, b, pose); });
-      if (at == reasons.end()) {
-        ++tested;
-      } else if (at->second == robot::IgnoreReason::never || at->second == robot::IgnoreReason::apart) {
-        EXPECT_FALSE(met || touch_anyhow(a, b, rest));
-        ++apart;
-      } else if (at->second == robot::IgnoreReason::rest) {
-        EXPECT_TRUE(touch_anyhow(a, b, rest));
-      }
-      const bool overlapping = std::any_of(found.overlapping.begin(), found.overlapping.end(), [&](const auto& pair) {
-        return pair.a == a.link && pair.b == b.link && pair.rest_distance;
-      });
-      EXPECT_EQ(overlapping, at == reasons.end() && touch_anyhow(a, b, rest));
-    }
-  }
-  EXPECT_GT(tested, 0u);
-  EXPECT_GT(apart, 0u);
-}
-
 TEST(FitSpheres, flat_shapes_are_covered_and_empty_ones_passed_over) {
   const ScratchFolder scratch;
   scratch.file("nothing.stl", std::string(80, ' '));
@@ -491,17 +263,6 @@ TEST(FitSpheres, flat_shapes_are_covered_and_empty_ones_passed_over) {
   // Cut short is not empty.
   scratch.file("cut.stl", std::string(80, ' ') + std::string("\2\0\0\0", 4));
   EXPECT_THROW(fitted(shape("<mesh filename='cut.stl'/>")), FileError);
-}
-
-TEST(SelfCollision, links_without_spheres_do_not_part_neighbors) {
-  const robot::RobotSpheres fitted = robot::fit_spheres(arm_robot, {.spheres = 2, .skip = {"elbow"}});
-  const robot::SelfCollision found = robot::find_ignored(arm_robot, fitted, {.samples = 0});
-  const bool listed = std::any_of(found.ignored.begin(), found.ignored.end(), [&](const robot::IgnoredPair& pair) {
-    return pair.a == arm_robot.find_link("upper") && pair.b == arm_robot.find_link("forearm") &&
-           pair.reason == robot::IgnoreReason::adjacent;
-  });
-  EXPECT_TRUE(listed);
-  for (const robot::IgnoredPair& pair : found.ignored) EXPECT_NE(pair.reason, robot::IgnoreReason::never);
 }
 
 }  // namespace

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Edges of random robots, against places of all spheres at many times of each edge. The places come from Rodrigues'
-// formula in long double. MORULA_MOTION_EDGES: the number of edges, sampled every 1e-4 radians instead of 2e-3.
+// formula in long double.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <morula/geometry/reproducible.hpp>
 
 #include "moving_robots.hpp"
@@ -169,11 +168,36 @@ std::vector<Number> at_time(const std::vector<double>& from, const std::vector<d
   return values;
 }
 
-TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
+/// At least how fast any gap changes, by time of the edge: every joint carries no point farther from its axis than all
+/// lengths of the robot together. Axes have length 1 here.
+Number fastest(const MovingRobot& moving, const std::vector<double>& from, const std::vector<double>& to) {
+  Number reach = 0, farthest = 0, turns = 0, slides = 0;
+  for (const robot::Joint& joint : moving.robot.joints) {
+    const robot::Joint::Mimic mimic = joint.mimic.value_or(robot::Joint::Mimic{});
+    const std::size_t leader =
+        joint.mimic ? mimic.joint : static_cast<std::size_t>(&joint - moving.robot.joints.data());
+    const auto& own = moving.robot.independent_joints;
+    const auto k = static_cast<std::size_t>(std::find(own.begin(), own.end(), leader) - own.begin());
+    const Number factor = joint.mimic ? std::abs(mimic.multiplier) : 1, offset = joint.mimic ? mimic.offset : 0;
+    const Number change = factor * std::abs(Number(to[k]) - from[k]);
+    reach += length(joint.origin.translation);
+    if (joint.kind == Kind::prismatic) {
+      slides += change;
+      reach += factor * std::max(std::abs(from[k]), std::abs(to[k])) + std::abs(offset);
+    } else {
+      turns += change;
+    }
+  }
+  for (const robot::LinkSpheres& link : moving.spheres.links) {
+    for (const Sphere& s : link.spheres) farthest = std::max(farthest, Number(length(s.center)));
+  }
+  return 2 * (turns * (reach + farthest) + slides);
+}
+
+/// Judges random edges by times at most `step` radians apart, less those at which the gap of an earlier one leaves no
+/// room for a contact.
+void judge_edges(int edges, double step) {
   constexpr double tolerance = 1e-3;
-  const char* wanted = std::getenv("MORULA_MOTION_EDGES");
-  const int edges = wanted != nullptr ? std::atoi(wanted) : 300;
-  const double step = wanted != nullptr ? 1e-4 : 2e-3;
   Random random(17);
   std::array<int, 3> seen{};
   for (int edge = 0; edge < edges; ++edge) {
@@ -190,11 +214,13 @@ TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
     moving.query().check_motions(from, to, scene.world(), {&verdict, 1}, {.tolerance = tolerance});
     ++seen[static_cast<std::size_t>(verdict.result)];
     const auto samples = static_cast<int>(longest / step) + 2;
+    const Number speed = fastest(moving, from, to);
     Number least = 1e30L, before = 1e30L;
-    for (int i = 0; i <= samples; ++i) {
+    for (int i = 0; i <= samples;) {
       const Number time = Number(i) / samples, gap = least_gap(moving, scene, at_time(from, to, time));
       least = std::min(least, gap);
       if (time < verdict.time) before = std::min(before, gap);
+      i += std::max(1, static_cast<int>(std::min(gap / speed, Number(1)) * samples));
     }
     const Number at = least_gap(moving, scene, at_time(from, to, verdict.time));
     ASSERT_TRUE(verdict.result != MotionResult::free || least > 0) << edge;
@@ -206,7 +232,15 @@ TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
   EXPECT_GT(seen[0], edges / 5);
   EXPECT_GT(seen[1], edges / 5);
   EXPECT_LT(seen[2], edges / 20) << seen[2];
-  RecordProperty("undecided", seen[2]);
+  testing::Test::RecordProperty("undecided", seen[2]);
+}
+
+TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
+  judge_edges(300, 2e-3);
+}
+
+TEST(LongMotions, ten_thousand_verdicts_are_those_of_times_close_to_each_other) {
+  judge_edges(10000, 1e-4);
 }
 
 TEST(Motions, bounds_hold_for_every_sphere_and_time) {
@@ -226,28 +260,28 @@ TEST(Motions, bounds_hold_for_every_sphere_and_time) {
     bounds.set_part(middle, half);
     for (std::size_t group = 0; group < model.groups.size(); ++group) {
       const auto& spheres = model.groups[group];
-      for (const robot::MotionNode& node : model.motions->nodes) {
+      for (std::uint32_t number = 0; number < model.motions->nodes.size(); ++number) {
+        const robot::MotionNode& node = model.motions->nodes[number];
         if (node.child_count > 0 || node.body != group) continue;
         const auto same = std::find_if(spheres.spheres.begin(), spheres.spheres.end(),
                                        [&](const Sphere& s) { return s == node.sphere; });
         ASSERT_NE(same, spheres.spheres.end()) << "links here are frames";
-        const Vec3 center = bounds.center(node);
+        const auto& placed = bounds.placed(number);
         const Point start = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle));
-        const double off = static_cast<double>(far(start, exact(center)));
+        const double off = static_cast<double>(far(start, exact(placed.center)));
         ASSERT_LE(off, bounds.allowance());
         error = std::max(error, off / bounds.allowance());
-        const auto motion = bounds.motion(node, center);
         for (int i = -8; i <= 8; ++i) {
           const Number share = Number(i) / 8;
           const Point now = place(moving, spheres.link, node.sphere.center, at_time(from, to, middle + share * half));
           const auto moved = static_cast<double>(far(now, start));
-          ASSERT_LE(moved, motion.first + bounds.allowance());
-          ASSERT_LE(moved, motion.bound() + bounds.allowance());
-          const Vec3 along = static_cast<double>(share) * motion.velocity;
+          ASSERT_LE(moved, placed.first + bounds.allowance());
+          ASSERT_LE(moved, placed.bound() + bounds.allowance());
+          const Vec3 along = static_cast<double>(share) * placed.velocity;
           const auto rest = static_cast<double>(far(now, plus(start, exact(along))));
-          ASSERT_LE(rest, motion.bend + bounds.allowance());
-          if (i == 8 && moved > 0) tightest = std::min(tightest, motion.bound() / moved);
-          if (i == 8 && rest > 1e-6) bent = std::min(bent, motion.bend / rest);
+          ASSERT_LE(rest, placed.bend + bounds.allowance());
+          if (i == 8 && moved > 0) tightest = std::min(tightest, placed.bound() / moved);
+          if (i == 8 && rest > 1e-6) bent = std::min(bent, placed.bend / rest);
         }
       }
     }

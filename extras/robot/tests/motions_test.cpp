@@ -3,11 +3,13 @@
 // Edges between configurations: robots of few links whose first contact has a closed form.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/robot/configurations.hpp>
 #include <numbers>
 #include <stdexcept>
+#include <support/meshes.hpp>
 
 #include "moving_robots.hpp"
 
@@ -89,6 +91,9 @@ TEST(Motions, whole_turns_and_chords_hide_nothing) {
   world.add(Sphere{{-1, 0, 0}, 0.01});
   EXPECT_EQ(check(bar(), world, {0}, {4 * std::numbers::pi}).result, MotionResult::touches);
   EXPECT_EQ(check(bar(), world, {-2000 * std::numbers::pi}, {2000 * std::numbers::pi}).result, MotionResult::touches);
+  MovingRobot itself = bar();  // the same ball on the root link
+  itself.cover(0, {{{-1, 0, 0}, 0.01}});
+  EXPECT_EQ(check(itself, {}, {0}, {4 * std::numbers::pi}).result, MotionResult::touches);
   World inside;  // between the ends of each chord
   inside.add(Sphere{{0, 0, 0}, 0.89});
   EXPECT_EQ(check(bar(), inside, {0}, {6}).result, MotionResult::free);
@@ -146,9 +151,34 @@ TEST(Motions, the_base_and_held_objects_count) {
   MotionVerdict verdict;
   query.check_motions(std::vector{0.0}, std::vector{1.0}, world, {&verdict, 1});
   expect_touch(verdict, 0.4, 1);
-  query.attach("link1", {});
+  query.detach("link1");
   query.check_motions(std::vector{0.0}, std::vector{1.0}, world, {&verdict, 1});
   expect_touch(verdict, 0.65, 1);
+}
+
+TEST(Motions, contacts_that_are_allowed_do_not_count) {
+  // The ball starts in a wall that it may touch, and an object ahead of it in another one.
+  const MovingRobot moving = slider();
+  World world = wall_at(-0.5);
+  world.add(ObstacleBox{.pose = {.translation = {3, 0, 0}}, .half = {0.5, 3, 3}});
+  world.add(ObstacleBox{.pose = {.translation = {5, 0, 0}}, .half = {0.5, 3, 3}});
+  ConfigurationQuery query = moving.query();
+  query.allow_contacts("link1", std::array<std::size_t, 1>{0});
+  for (const double resolution : {0.0, 0.01}) {
+    const auto edge = [&](double end) {
+      MotionVerdict verdict;
+      query.check_motions(std::vector{0.0}, std::vector{end}, world, {&verdict, 1}, {.resolution = resolution});
+      return verdict;
+    };
+    query.detach("link1");
+    EXPECT_EQ(edge(2.3).result, MotionResult::free);
+    EXPECT_EQ(edge(3.3).contact.obstacle, 1u);
+    query.attach("link1", std::vector<Sphere>{{{1, 0, 0}, 0.1}}, {}, std::array<std::size_t, 2>{1, 0});
+    EXPECT_EQ(edge(2.3).result, MotionResult::free);
+    EXPECT_EQ(edge(3.3).contact.obstacle, 1u) << "of the ball itself";
+    query.attach("link1", std::vector<Sphere>{{{1, 0, 0}, 0.1}});
+    EXPECT_EQ(edge(2.3).contact.obstacle, 1u) << "the object may touch nothing";
+  }
 }
 
 TEST(Motions, edges_without_length_are_configurations) {
@@ -197,6 +227,20 @@ TEST(Motions, closed_meshes_are_solid_and_resolutions_may_miss) {
   const MotionVerdict found = check(slider(), thin, {0}, {1}, {.resolution = 0.1});
   EXPECT_EQ(found.result, MotionResult::touches);
   EXPECT_EQ(found.time, 0.4) << "it comes before 0.3";
+}
+
+TEST(Motions, a_gap_of_the_tolerance_is_proven_beside_a_mesh) {
+  // A ball slides along a face of a cube that stands aslant to the axes, so that no box of it helps.
+  constexpr double half = 0.05, radius = 0.02, room = 0.01;
+  const Vec3 out{std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0}, along{out.y, -out.x, 0};
+  World world;
+  const Mesh cube = box_mesh({-half, -half, -half}, {half, half, half});
+  world.add(cube, RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 4, {}));
+  for (double more = 1e-5; more < 0.01; more += 1e-4) {
+    MovingRobot moving;
+    moving.add(0, Kind::prismatic, along, {.translation = (half + radius + room + more) * out}, {{{0, 0, 0}, radius}});
+    EXPECT_EQ(check(moving, world, {-0.99 * room}, {0.99 * room}, {.tolerance = room}), MotionVerdict{}) << more;
+  }
 }
 
 TEST(Motions, options_and_sizes_are_tested) {

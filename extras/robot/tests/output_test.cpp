@@ -246,6 +246,15 @@ TEST(RobotOutput, every_ignored_pair_carries_its_reason_and_its_bound) {
     EXPECT_TRUE(is_said) << format;
   }
 }
+TEST(RobotOutput, a_tool_is_the_end_of_the_arm_or_what_carries_the_fingers) {
+  EXPECT_EQ(robot::guess_tool(fitted_arm().robot), "flange");
+  EXPECT_EQ(robot::guess_tool(fitted_gripper().robot), "palm");
+  robot::Robot stone;
+  stone.links.emplace_back().name = "only";
+  stone.root = 0;
+  EXPECT_EQ(robot::guess_tool(stone), "only");
+}
+
 TEST(RobotOutput, numbers_of_morphit_add_up) {
   for (const robot::OutputFile& file : fitted_gripper().files("morphit")) {
     const json link = json::parse(file.bytes);
@@ -272,6 +281,38 @@ TEST(RobotOutput, own_file_reads_back_and_others_are_refused) {
     EXPECT_THROW(robot::read_robot_spheres(scratch.path() / "bad.json"), FileError) << text.substr(0, 40);
   }
   EXPECT_THROW(robot::read_robot_spheres(scratch.path() / "none.json"), FileError);
+}
+
+TEST(RobotOutput, joints_of_unknown_range_move_without_limits_in_simulators) {
+  const ScratchFolder scratch;
+  const std::string ball = "<collision><geometry><sphere radius='1'/></geometry></collision></link>";
+  const auto joint = [](const std::string& kind, const std::string& ends, const std::string& limit) {
+    return "<joint name='" + kind + ends + "' type='" + kind + "'><parent link='" + ends[0] + "'/><child link='" +
+           ends[1] + "'/><axis xyz='0 0 1'/>" + limit + "</joint>";
+  };
+  std::string text = "<robot name='r'>";
+  for (const char* link : {"a", "b", "c", "d", "e"}) text += std::string("<link name='") + link + "'>" + ball;
+  text += joint("revolute", "ab", "") + joint("prismatic", "bc", "<limit effort='1' velocity='1'/>") +
+          joint("revolute", "cd", "<limit lower='0' upper='0' effort='1' velocity='1'/>") +
+          joint("revolute", "de", "<limit upper='0.5' effort='1' velocity='1'/>") + "</robot>";
+  scratch.file("r.urdf", text);
+  const Fitted fitted((scratch.path() / "r.urdf").string());
+
+  const robot::Robot mjcf = robot::read_robot(scratch.file("r.xml", fitted.text("mjcf")));
+  ASSERT_EQ(mjcf.independent_joints.size(), 3u) << "all but that of an empty range";
+  const auto at = [](const robot::Robot& read, const char* name) { return read.joints[read.find_joint(name)]; };
+  EXPECT_EQ(at(mjcf, "revoluteab").kind, robot::Joint::Kind::continuous);
+  EXPECT_FALSE(at(mjcf, "prismaticbc").range_known);
+  EXPECT_EQ(mjcf.find_joint("revolutecd"), robot::none);
+  EXPECT_EQ(at(mjcf, "revolutede").upper, 0.5);
+
+  const robot::Robot sdf = robot::read_robot(scratch.file("r.sdf", fitted.text("sdf")));
+  ASSERT_EQ(sdf.independent_joints.size(), 4u);
+  EXPECT_EQ(at(sdf, "revoluteab").kind, robot::Joint::Kind::continuous);
+  EXPECT_FALSE(at(sdf, "prismaticbc").range_known);
+  EXPECT_TRUE(at(sdf, "revolutecd").range_known);
+  EXPECT_EQ(at(sdf, "revolutecd").upper, 0);
+  EXPECT_EQ(at(sdf, "revolutede").upper, 0.5);
 }
 
 }  // namespace

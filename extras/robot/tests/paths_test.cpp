@@ -232,5 +232,28 @@ TEST_F(Paths, a_home_folder_is_not_the_surroundings_of_a_file_in_it) {
   setenv("HOME", kept.c_str(), 1);
 }
 
+TEST_F(Paths, files_that_xacro_lists_are_included) {
+  const fs::path file = write("x/r.xacro", "<robot name='r' xmlns:xacro='x'>\n<xacro:r/></robot>");
+  write("x/expanded.urdf", urdf_naming("m.obj")), write("x/m.obj", tetrahedron);
+  const auto included = [&](const std::string& deps) {
+    const fs::path program = write("x/program", "#!/bin/sh\nif [ \"$1\" = --deps ]; then\n" + deps + "\nelse cat '" +
+                                                    at("x/expanded.urdf") + "'; fi\n");
+    fs::permissions(program, fs::perms::owner_all);
+    const robot::Robot read = robot::read_robot(file, {.xacro = program.string(), .xacro_arguments = {"a:=b"}});
+    EXPECT_EQ(read.links.size(), 1u);
+    return read.included;
+  };
+  const std::vector<fs::path> files{write("x/a  part.xacro", ""), write("x/b.yaml", ""), write("x/c d/e.xacro", "")};
+  const std::string three = "'" + files[2].string() + " " + files[0].string() + " " + files[1].string();
+  EXPECT_EQ(included("printf '%s' " + three + "'"), files);
+  EXPECT_EQ(included("echo " + three + " " + files[1].string() + "'"), files) << "each once";
+  EXPECT_EQ(included("echo " + three + " " + at("x/missing") + " " + at("x") + "'"), files)
+      << "neither missing nor folders";
+  EXPECT_EQ(included("[ \"$2$3\" = '" + file.string() + "a:=b' ] && echo " + three + "'"), files) << "arguments";
+  EXPECT_TRUE(included("echo " + three + "'; exit 2").empty()) << "a program without the option";
+  EXPECT_TRUE(included("cat '" + at("x/expanded.urdf") + "'").empty()) << "a program that prints the robot";
+  EXPECT_TRUE(included("true").empty());
+}
+
 }  // namespace
 }  // namespace morula::test

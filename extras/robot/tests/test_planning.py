@@ -2,6 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Planners' queries of a ball on a slider: distances, derivatives and times by hand."""
 
+import copy
+import pydoc
+import subprocess
+import sys
+
 import numpy
 import pytest
 
@@ -81,9 +86,61 @@ def test_edges_touch_when_the_ball_does(query, world, options):
         assert at >= first - 1e-5
         # The configuration at that time has the contact.
         x = start[edge] + at * (end[edge] - start[edge])
-        assert not query.check(x[None], world)[0][0]
+        assert not query.check(x[None], world).free[0]
     assert query.check_motions(start, end, world, workers=morula.Workers(2), **options) == found
     assert (query.check_motions(start, end, world, with_world=False, **options).result == result.free).all()
+
+
+def test_verdicts_name_what_touches(query, world):
+    found = query.check(column(0, 1.0, -1.5), world)
+    assert found.free.tolist() == [True, False, False] and found.link.tolist() == [-1, 1, 1]
+    assert found.obstacle.tolist() == [-1, 0, 1] and found.other_link.tolist() == [-1] * 3
+    assert query.check(column(0, 1.0, -1.5).astype(numpy.float32), world, workers=morula.Workers(2)) == found
+    assert query.check_self(column(0, 1.0)).free.all()
+
+
+def test_objects_and_allowed_contacts(slider, world):
+    query = morula.robot.ConfigurationQuery(*slider)
+    query.attach("ball", numpy.array([[0.4, 0, 0, radius]]))
+    kept = copy.deepcopy(query)
+    assert query.check(column(0.4, 0.6), world).free.tolist() == [True, False]
+    query.attach("ball", numpy.array([[0.4, 0, 0, radius]]), touching_obstacles=[0])
+    assert query.check(column(0.6, 0.95), world).free.tolist() == [True, False]
+    query.allow_contacts("ball", [0])
+    assert query.check(column(0.95, -1.5), world).free.tolist() == [True, False]
+    assert query.check_motions(column(0.95), column(2), world).result[0] == morula.robot.MotionResult.free
+    near = query.clearance(column(0.95), world)
+    assert near.obstacle[0] == 1 and near.distance[0] == pytest.approx(0.95 + 2 - 0.5 - radius, abs=1e-5)
+    query.detach("ball")
+    query.allow_contacts("ball", [])
+    assert query.check(column(0.6, 0.95), world).free.tolist() == [True, False]
+    assert kept.check(column(0.4, 0.6), world).free.tolist() == [True, False]
+    for call in (lambda: query.detach("nobody"), lambda: query.allow_contacts("nobody", [0])):
+        with pytest.raises(ValueError, match="there is no link nobody"):
+            call()
+
+
+def test_copies_of_worlds_are_independent(world):
+    for made in (copy.copy(world), copy.deepcopy(world)):
+        made.add((9, 9, 9, 1))
+        assert len(made) == 3 and len(world) == 2
+        assert repr(made) == "World(obstacles=<3>)"
+
+
+def test_worlds_say_what_they_cannot_use():
+    world = morula.robot.World()
+    with pytest.raises(TypeError, match="add_mesh"):
+        world.add(morula.sample_body("blob"))
+    points = numpy.zeros((5, 3))
+    points[3, 1] = numpy.nan
+    with pytest.raises(ValueError, match="number 3"):
+        world.add_points(points, 0.01)
+
+
+def test_help_shows_the_classes():
+    shown = pydoc.plain(pydoc.render_doc(morula.robot))
+    assert "class ConfigurationQuery" in shown and "class World" in shown and "FUNCTIONS" in shown
+    assert sorted(morula.robot.__all__) == sorted(set(morula.robot.__all__))
 
 
 def test_edges_near_a_contact_are_not_called_touching(query, world):
@@ -112,6 +169,45 @@ def test_wrong_arguments_of_planners_queries(query, world):
             query.check_motions(column(0), column(1), world, **options)
     with pytest.raises(ValueError):
         query.clearance(column(numpy.nan), world)
+
+
+def test_arrays_of_any_layout_and_number_type(query, world):
+    x = numpy.linspace(-3, 3, 37)
+    expected = query.clearance(column(*x), world).distance.tolist()
+    wide = numpy.zeros((74, 3))
+    wide[::2, 1] = x
+    backward = x[::-1].copy()[::-1, None]
+    for given in (wide[::2, 1:2], backward, numpy.asfortranarray(x[:, None])):
+        assert query.clearance(given, world).distance.tolist() == expected
+    single = x.astype(numpy.float32)[:, None]
+    assert query.clearance(single, world) == query.clearance(single.astype(float), world)
+    many = morula.Workers(7)
+    for n in (0, 1, 15, 16, 17, 33):
+        assert query.clearance(x[:n, None], world, workers=many).distance.tolist() == expected[:n]
+
+
+# A thread that adds a large mesh needs the GIL now and then, to look for signals.
+waiting = """
+import threading
+import numpy
+import morula
+steps = numpy.linspace(0, 1, 400)
+x, y = numpy.meshgrid(steps, steps)
+points = numpy.stack([x, y, numpy.sin(9 * x) * numpy.cos(7 * y)], axis=-1).reshape(-1, 3)
+k, i = numpy.mgrid[:399, :399].reshape(2, -1)
+a = 400 * k + i
+facets = numpy.concatenate([numpy.stack([a, a + 1, a + 401], 1), numpy.stack([a, a + 401, a + 400], 1)])
+world = morula.robot.World()
+adding = threading.Thread(target=lambda: world.add_mesh((points, facets)))
+adding.start()
+while adding.is_alive():
+    len(world)
+assert len(world) == 1
+"""
+
+
+def test_a_wait_for_a_world_does_not_stop_the_thread_that_changes_it():
+    subprocess.run([sys.executable, "-c", waiting], check=True, timeout=120)
 
 
 def test_rates_of_false_self_collisions_of_two_sliding_blocks(tmp_path):

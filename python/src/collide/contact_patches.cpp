@@ -70,8 +70,10 @@ void bind_records(nb::module_& m) {
       .property("normal", MORULA_COLUMN3(ContactPatches, patches, normal), doc::ContactPatch_normal)
       .property("depth", MORULA_COLUMN(ContactPatches, patches, depth), doc::ContactPatch_depth)
       .property("mean_depth", MORULA_COLUMN(ContactPatches, patches, mean_depth), doc::ContactPatch_mean_depth)
-      .property("area_a", MORULA_COLUMN(ContactPatches, patches, a.area), "(n,) float64: PatchSide::area of a.")
-      .property("area_b", MORULA_COLUMN(ContactPatches, patches, b.area), "(n,) float64: PatchSide::area of b.")
+      .property("area_a", MORULA_COLUMN(ContactPatches, patches, a.area),
+                "(n,) float64: area of the region of a, mesh units²")
+      .property("area_b", MORULA_COLUMN(ContactPatches, patches, b.area),
+                "(n,) float64: area of the region of b, mesh units²")
       .property("area_vector_a", MORULA_COLUMN3(ContactPatches, patches, a.area_vector), doc::PatchSide_area_vector)
       .property("area_vector_b", MORULA_COLUMN3(ContactPatches, patches, b.area_vector), doc::PatchSide_area_vector)
       .property("moment_a", MORULA_COLUMN3(ContactPatches, patches, a.moment), doc::PatchSide_moment)

@@ -32,6 +32,7 @@ void bind_contacts(nanobind::module_& m);
 void bind_crossings(nanobind::module_& m);
 void bind_distance(nanobind::module_& m);
 void bind_inside(nanobind::module_& m);
+void bind_moving_spheres(nanobind::module_& m);
 void bind_haptic_probe(nanobind::module_& m);
 void bind_haptic_tool(nanobind::module_& m);
 void bind_rays(nanobind::module_& m);

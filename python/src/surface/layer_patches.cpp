@@ -63,8 +63,10 @@ void bind_layer_patch_records(nb::module_& m) {
       .property("normal", MORULA_COLUMN3(LayerPatches, patches, normal), doc::LayerPatch_normal)
       .property("depth", MORULA_COLUMN(LayerPatches, patches, depth), doc::LayerPatch_depth)
       .property("mean_depth", MORULA_COLUMN(LayerPatches, patches, mean_depth), doc::LayerPatch_mean_depth)
-      .property("area_a", MORULA_COLUMN(LayerPatches, patches, a.area), "(n,) float64: LayerSide::area of a.")
-      .property("area_b", MORULA_COLUMN(LayerPatches, patches, b.area), "(n,) float64: LayerSide::area of b.")
+      .property("area_a", MORULA_COLUMN(LayerPatches, patches, a.area),
+                "(n,) float64: rest area of a nearer to the other side than the thickness, mesh units²")
+      .property("area_b", MORULA_COLUMN(LayerPatches, patches, b.area),
+                "(n,) float64: rest area of b nearer to the other side than the thickness, mesh units²")
       .property("area_vector_a", MORULA_COLUMN3(LayerPatches, patches, a.area_vector), doc::LayerSide_area_vector)
       .property("area_vector_b", MORULA_COLUMN3(LayerPatches, patches, b.area_vector), doc::LayerSide_area_vector)
       .property("moment_a", MORULA_COLUMN3(LayerPatches, patches, a.moment), doc::LayerSide_moment)

@@ -134,6 +134,7 @@ void BatchCheck::check_world(std::span<ConfigurationVerdict> verdicts) {
     while (end < groups.size() && groups[end].link == groups[g].link) ++end;
     for (std::size_t i = 0; i < obstacles_.size() && open_ != 0; ++i) {
       for (std::size_t part = g; part < end; ++part) {
+        if (groups[part].may_touch(i)) continue;
         const LaneSets sets = near_obstacle(part, i);
         unsigned contacts = sets.contacts;
         each_lane(sets.near & ~contacts, [&](std::size_t lane) {

@@ -8,17 +8,17 @@
 namespace morula::robot {
 namespace {
 
-constexpr double unit = 0x1p-53;
+constexpr double rounding_unit = 0x1p-53;
 // Below any usable length: covers what underflow does to squares.
 constexpr double least = 0x1p-500;
 
 // Spectral norm of a matrix, at most: |R Rᵀ - I| ≤ 3 × its largest entry.
 double stretch_of(const RigidTransform& t) {
   const double deviation = deviation_from_rigid(t);
-  if (deviation < 1) return std::sqrt(1 + 3 * deviation) * (1 + 4 * unit);
+  if (deviation < 1) return std::sqrt(1 + 3 * deviation) * (1 + 4 * rounding_unit);
   double squared = 0;
   for (const Vec3& row : t.rows) squared += squared_length(row);
-  return std::max(1.0, std::sqrt(squared) * (1 + 8 * unit));
+  return std::max(1.0, std::sqrt(squared) * (1 + 8 * rounding_unit));
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ PoseRounding::PoseRounding(const ConfigurationQuery::Model& model) : model_(mode
     length_of_origin_.push_back(length(step.origin.translation));
     length_of_axis_.push_back(length(step.axis));
     stretch_of_origin_.push_back(stretch_of(step.origin));
-    stretch_[step.child] = stretch_[step.parent] * stretch_of_origin_.back() * (1 + 4 * unit);
+    stretch_[step.child] = stretch_[step.parent] * stretch_of_origin_.back() * (1 + 4 * rounding_unit);
   }
   for (const MovingSpheres& group : model.groups) {
     double far = 0;
@@ -61,9 +61,9 @@ double PoseRounding::largest(std::span<const double> values, std::span<const Rig
     const double arm = length_of_origin_[i] + slide;
     const Vec3& t = poses[step.child].translation;
     Error& after = errors[step.child];
-    after.turned = before.turned * stretch_of_origin_[i] + unit * stretch * (turns ? 128 + 16 * size : 32);
+    after.turned = before.turned * stretch_of_origin_[i] + rounding_unit * stretch * (turns ? 128 + 16 * size : 32);
     after.moved = before.moved + 2 * before.turned * stretch_of_origin_[i] * arm +
-                  32 * unit * (stretch * arm + max_norm(t)) + least;
+                  32 * rounding_unit * (stretch * arm + max_norm(t)) + least;
   }
   double largest = 0;
   for (std::size_t k = 0; k < model_.groups.size(); ++k) {
@@ -71,7 +71,7 @@ double PoseRounding::largest(std::span<const double> values, std::span<const Rig
     const double far = stretch_[link] * farthest_[k];
     // mutant robot-clearance-turned: `2 * errors[link].turned * farthest_[k]` -> `0`
     const double moved = errors[link].moved + 2 * errors[link].turned * farthest_[k];
-    largest = std::max(largest, moved + 16 * unit * (far + max_norm(poses[link].translation)));
+    largest = std::max(largest, moved + 16 * rounding_unit * (far + max_norm(poses[link].translation)));
   }
   return largest;
 }

@@ -104,25 +104,33 @@ void ClearanceSearch::list_world() {
   for (std::size_t o = 0; o < obstacles.size(); ++o)
     // mutant robot-clearance-obstacle: `rounding_of(*obstacles[o])` -> `0`
     errors[o] = moved_ + rounding_of(*obstacles[o]) * 2 * (obstacles[o]->magnitude + reach_);
-  for (std::size_t k = 0; k < bounds_.size(); ++k) {
+  // Ascending by link, then by obstacle: a link and the object that it holds take turns.
+  const std::vector<MovingSpheres>& groups = plan_.model.groups;
+  for (std::size_t first = 0, end = 0; first < groups.size(); first = end) {
+    while (end < groups.size() && groups[end].link == groups[first].link) ++end;
     for (std::size_t o = 0; o < obstacles.size(); ++o) {
-      const Obstacle& obstacle = *obstacles[o];
-      const Sphere& bound = bounds_[k];
-      Candidate candidate{.error = errors[o],
-                          .first = static_cast<std::uint32_t>(k),
-                          .second = static_cast<std::uint32_t>(o),
-                          .is_world = true};
-      if (obstacle.kind == ObstacleKind::other) {
-        const double outside = outside_of(obstacle.bounds, bound.center);
-        candidate.bound = outside > 0 ? outside - bound.radius : -infinite;
-        candidate.center = -infinite;
-      } else {
-        candidate.center = distance_from(obstacle, bound.center, infinite);
-        candidate.bound = candidate.center - bound.radius;
-      }
-      if (!is_excluded(candidate)) candidates_.push_back(candidate);
+      for (std::size_t k = first; k < end; ++k) list_obstacle(k, o);
     }
   }
+}
+
+void ClearanceSearch::list_obstacle(std::size_t group, std::size_t number) {
+  if (plan_.model.groups[group].may_touch(number)) return;
+  const Obstacle& obstacle = *plan_.world.obstacles[number];
+  const Sphere& bound = bounds_[group];
+  Candidate candidate{.error = obstacle_errors_[number],
+                      .first = static_cast<std::uint32_t>(group),
+                      .second = static_cast<std::uint32_t>(number),
+                      .is_world = true};
+  if (obstacle.kind == ObstacleKind::other) {
+    const double outside = outside_of(obstacle.bounds, bound.center);
+    candidate.bound = outside > 0 ? outside - bound.radius : -infinite;
+    candidate.center = -infinite;
+  } else {
+    candidate.center = distance_from(obstacle, bound.center, infinite);
+    candidate.bound = candidate.center - bound.radius;
+  }
+  if (!is_excluded(candidate)) candidates_.push_back(candidate);
 }
 
 void ClearanceSearch::list_self() {

@@ -52,6 +52,7 @@ class ClearanceSearch {
   void place(std::span<const double> values);
   const std::vector<Sphere>& placed(std::size_t group);
   void list_world();
+  void list_obstacle(std::size_t group, std::size_t number);
   void list_self();
   bool is_excluded(const Candidate& candidate) const;
   void visit(std::size_t index);

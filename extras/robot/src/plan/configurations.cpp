@@ -16,11 +16,11 @@ using detail::StandardFloats;
 
 namespace {
 
-constexpr std::size_t grain = 16 * filter_block;  // configurations of a chunk
+constexpr std::size_t chunk_of_configurations = 16 * filter_block;
 
 void check_all(const ConfigurationQuery::Model& model, const World::Data* world, std::span<const double> configurations,
                std::span<ConfigurationVerdict> verdicts, Workers& workers) {
-  parallel_for(workers, verdicts.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, verdicts.size(), chunk_of_configurations, [&](std::size_t begin, std::size_t end) {
     const StandardFloats standard;
     BatchCheck batch(model, world, true);
     for (std::size_t i = begin; i < end; i += filter_block) {
@@ -29,6 +29,12 @@ void check_all(const ConfigurationQuery::Model& model, const World::Data* world,
       batch.run(configurations.subspan(i * model.coordinates, count * model.coordinates), verdicts.subspan(i, count));
     }
   });
+}
+
+std::vector<std::size_t> ascending(std::span<const std::size_t> numbers) {
+  std::vector<std::size_t> sorted(numbers.begin(), numbers.end());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
 }
 
 }  // namespace
@@ -54,7 +60,8 @@ std::size_t ConfigurationQuery::coordinates() const {
 }
 
 void ConfigurationQuery::set_base(const RigidTransform& base) {
-  const RigidTransform rigid = rigid_or_throw(base, "ConfigurationQuery::set_base");
+  const StandardFloats standard;
+  const RigidTransform rigid = exact_pose(base, "ConfigurationQuery::set_base");
   if (!(max_norm(rigid.translation) <= greatest_usable_scale))
     throw std::invalid_argument("ConfigurationQuery::set_base: the position is beyond greatest_usable_scale");
   auto changed = std::make_shared<Model>(*model_);
@@ -62,17 +69,24 @@ void ConfigurationQuery::set_base(const RigidTransform& base) {
   model_ = changed;
 }
 
-void ConfigurationQuery::attach(std::string_view link, std::span<const Sphere> spheres,
-                                std::span<const std::string> touching) {
+void ConfigurationQuery::allow_contacts(std::string_view link, std::span<const std::size_t> obstacles) {
   const StandardFloats standard;
-  const auto index_of = [&](std::string_view name) {
-    const auto found = std::find(model_->link_names.begin(), model_->link_names.end(), name);
-    if (found == model_->link_names.end())
-      throw std::invalid_argument("ConfigurationQuery::attach: there is no link " + std::string(name));
-    return static_cast<std::size_t>(found - model_->link_names.begin());
-  };
-  MovingSpheres group{.link = index_of(link), .is_held = true};
-  for (const std::string& name : touching) group.touching.push_back(index_of(name));
+  const std::size_t index = model_->link_index(link, "allow_contacts");
+  auto changed = std::make_shared<Model>(*model_);
+  for (MovingSpheres& group : changed->own) {
+    if (group.link == index) group.allowed = ascending(obstacles);
+  }
+  changed->arrange();
+  model_ = changed;
+}
+
+void ConfigurationQuery::attach(std::string_view link, std::span<const Sphere> spheres,
+                                std::span<const std::string> touching,
+                                std::span<const std::size_t> touching_obstacles) {
+  const StandardFloats standard;
+  MovingSpheres group{.link = model_->link_index(link, "attach"), .is_held = true};
+  for (const std::string& name : touching) group.touching.push_back(model_->link_index(name, "attach"));
+  group.allowed = ascending(touching_obstacles);
   auto changed = std::make_shared<Model>(*model_);
   std::erase_if(changed->held, [&](const MovingSpheres& other) { return other.link == group.link; });
   if (!spheres.empty()) {

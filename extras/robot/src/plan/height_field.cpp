@@ -74,7 +74,7 @@ struct TerrainObstacle final : Obstacle {
     const Vec3 clamped{std::clamp(p.x, 0.0, width()), std::clamp(p.y, 0.0, length_of_rows()), p.z};
     const bool beside = clamped.x != p.x || clamped.y != p.y, below = p.z <= height(clamped.x, clamped.y);
     if (beside && below) {
-      const double d = distance(p, clamped);
+      const double d = scaled_length(p - clamped);
       return place_at(d, (p - clamped) / d, within);
     }
     if (!below) {
@@ -84,13 +84,14 @@ struct TerrainObstacle final : Obstacle {
     }
     const ClosestFacetPoint closest = *surface.closest_point(p);
     NearestObstacle result{-std::sqrt(closest.squared_distance), normalized(closest.point - p, Vec3{0, 0, 1})};
-    const auto wall = [&](const Vec3& foot) {
+    const auto wall = [&](const Vec3& foot, const Vec3& outward) {
       const double d = distance(p, foot);
       if (-d <= result.distance || !(p.z <= height(foot.x, foot.y))) return;
       result.distance = -d;
-      result.direction = foot.x == p.x ? Vec3{0, foot.y > 0 ? 1.0 : -1.0, 0} : Vec3{foot.x > 0 ? 1.0 : -1.0, 0, 0};
+      result.direction = outward;
     };
-    wall({0, p.y, p.z}), wall({width(), p.y, p.z}), wall({p.x, 0, p.z}), wall({p.x, length_of_rows(), p.z});
+    wall({0, p.y, p.z}, {-1, 0, 0}), wall({width(), p.y, p.z}, {1, 0, 0});
+    wall({p.x, 0, p.z}, {0, -1, 0}), wall({p.x, length_of_rows(), p.z}, {0, 1, 0});
     return place_at(result.distance, result.direction, within);
   }
 

@@ -15,13 +15,25 @@
 namespace morula::robot {
 namespace {
 
+// Poses are then finite for all usable configurations.
+void require_joint(bool condition, const Joint& joint, const char* what) {
+  if (!condition)
+    throw std::invalid_argument("ConfigurationQuery: " + std::string(what) + " of joint " + joint.name +
+                                " is not finite, or beyond greatest_usable_scale");
+}
+
 JointStep step_of(const Robot& robot, std::size_t joint_index) {
   const Joint& joint = robot.joints[joint_index];
-  JointStep step{
-      .parent = joint.parent, .child = joint.child, .origin = joint.origin, .kind = joint.kind, .axis = joint.axis};
+  JointStep step{.parent = joint.parent,
+                 .child = joint.child,
+                 .origin = exact_pose(joint.origin, "ConfigurationQuery: the origin of joint " + joint.name),
+                 .kind = joint.kind,
+                 .axis = joint.axis};
+  require_joint(has_usable_size(joint.origin.translation), joint, "the origin");
   if (!joint.moves()) return step;
+  require_joint(has_usable_size(joint.axis), joint, "the axis");
   const double largest = max_norm(step.axis);
-  const int exponent = largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
+  const int exponent = largest > 0 ? std::ilogb(largest) : 0;
   for (int k = 0; k < 3; ++k) step.scaled_axis[k] = std::ldexp(step.axis[k], -exponent);
   step.axis_length = length(step.scaled_axis);
   // A zero axis gives no rotation.
@@ -31,6 +43,7 @@ JointStep step_of(const Robot& robot, std::size_t joint_index) {
     step.offset += step.factor * robot.joints[leader].mimic->offset;
     step.factor *= robot.joints[leader].mimic->multiplier;
   }
+  require_joint(has_usable_size({step.factor, step.offset, 0}), joint, "the multiplier or offset");
   const auto& independent = robot.independent_joints;
   const auto found = std::find(independent.begin(), independent.end(), leader);
   // A joint that follows one without a value stays at its offset.
@@ -106,6 +119,7 @@ bool touches_obstacle(const MovingSpheres& group, const RigidTransform& at, cons
 ConfigurationQuery::Model::Model(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision)
     : root(robot.root), coordinates(robot.independent_joints.size()), step_of_link(robot.links.size(), none) {
   const std::size_t links = robot.links.size();
+  if (root >= links) throw std::invalid_argument("ConfigurationQuery: the robot has no root link");
   for (const Link& link : robot.links) link_names.push_back(link.name);
   for (const std::size_t joint : robot.order) {
     step_of_link[robot.joints[joint].child] = steps.size();
@@ -172,7 +186,7 @@ ConfigurationVerdict ConfigurationQuery::Model::first_contact(std::span<const Ri
     if (!verdict.is_free() && verdict.link != group.link) return verdict;
     const std::size_t end = verdict.is_free() ? obstacles : verdict.obstacle;
     for (std::size_t i = 0; i < end; ++i) {
-      if (!touches_obstacle(group, poses[group.link], *world->obstacles[i])) continue;
+      if (group.may_touch(i) || !touches_obstacle(group, poses[group.link], *world->obstacles[i])) continue;
       verdict.link = static_cast<std::uint32_t>(group.link);
       verdict.obstacle = static_cast<std::uint32_t>(i);
       break;
@@ -187,6 +201,14 @@ ConfigurationVerdict ConfigurationQuery::Model::first_contact(std::span<const Ri
     return verdict;
   }
   return verdict;
+}
+
+std::size_t ConfigurationQuery::Model::link_index(std::string_view name, const char* function) const {
+  const auto found = std::find(link_names.begin(), link_names.end(), name);
+  if (found == link_names.end())
+    throw std::invalid_argument(std::string("ConfigurationQuery::") + function + ": there is no link " +
+                                std::string(name));
+  return static_cast<std::size_t>(found - link_names.begin());
 }
 
 void ConfigurationQuery::Model::require_configurations(std::span<const double> configurations, std::size_t count,

@@ -3,6 +3,7 @@
 // The data of a ConfigurationQuery: joints in order, groups of spheres that move together, and the pairs to test.
 #pragma once
 
+#include <algorithm>
 #include <morula/geometry/scale.hpp>
 #include <morula/robot/configurations.hpp>
 #include <string>
@@ -36,6 +37,9 @@ struct MovingSpheres {
   std::vector<Sphere> spheres{};        // in the link's axes; at least one
   Sphere bound{};                       // contains them, with an allowance for rounding
   std::vector<std::size_t> touching{};  // of an object: links that it may touch
+  std::vector<std::size_t> allowed{};   // obstacles that it may touch, ascending
+
+  bool may_touch(std::size_t obstacle) const { return std::binary_search(allowed.begin(), allowed.end(), obstacle); }
 };
 
 /// Two groups to test against each other; the link of a precedes that of b.
@@ -59,6 +63,9 @@ struct ConfigurationQuery::Model {
 
   /// Throws std::invalid_argument, with the name of the function, unless there are count × coordinates usable numbers.
   void require_configurations(std::span<const double> configurations, std::size_t count, const char* function) const;
+
+  /// The index of a link. Throws std::invalid_argument, with the name of the function, if there is none of this name.
+  std::size_t link_index(std::string_view name, const char* function) const;
 
   /// Lists the groups and pairs again after a change of `own` or `held`.
   void arrange();

@@ -22,7 +22,13 @@ void interpolate(std::span<const double> from, std::span<const double> to, doubl
 }
 
 MotionBounds::MotionBounds(const MotionBodies& bodies, const RigidTransform& base)
-    : bodies_(bodies), frames_(bodies.frames.size()), sums_(bodies.chains.size()), measured_(bodies.bodies.size(), 0) {
+    : bodies_(bodies),
+      frames_(bodies.frames.size()),
+      sums_(bodies.chains.size()),
+      placed_(bodies.nodes.size()),
+      relative_(bodies.pairs.size()),
+      placed_in_(bodies.nodes.size(), 0),
+      related_in_(bodies.pairs.size(), 0) {
   frames_[0].rows = base.rows;
   frames_[0].at = base.translation;
   // Rotations that are not exact stretch lengths by as much as they deviate, and the axes of joints with them. All sums
@@ -84,16 +90,9 @@ void MotionBounds::set_part(double middle, double half) {
   }
 }
 
-Vec3 MotionBounds::center(const MotionNode& node) const {
-  const Frame& frame = frames_[bodies_.bodies[node.body].frame];
-  const Vec3& p = node.sphere.center;
-  return Vec3{dot(frame.rows[0], p), dot(frame.rows[1], p), dot(frame.rows[2], p)} + frame.at;
-}
-
 void MotionBounds::measure(std::uint32_t index) {
-  measured_[index] = part_;
   const MotionBody& body = bodies_.bodies[index];
-  const Vec3 p = center(bodies_.nodes[body.root]);
+  const Vec3 p = placed_[body.root].center;
   Sums sums;
   for (std::uint32_t i = body.first; i < body.first + body.joints; ++i) {
     const std::uint32_t f = bodies_.chains[i];
@@ -117,22 +116,47 @@ void MotionBounds::measure(std::uint32_t index) {
   }
 }
 
-MotionBounds::Motion MotionBounds::motion(const MotionNode& node, const Vec3& center, std::uint32_t joints) {
+MotionBounds::Relative MotionBounds::bounds_of(const MotionBody& body, std::uint32_t joints) const {
   if (joints == 0) return {};
-  if (measured_[node.body] != part_) measure(node.body);
-  const MotionBody& body = bodies_.bodies[node.body];
   const std::uint32_t last = body.first + joints - 1;
-  const Frame &own = frames_[body.frame], &base = frames_[bodies_.frames[bodies_.chains[last]].parent];
+  const Frame& base = frames_[bodies_.frames[bodies_.chains[last]].parent];
   const Sums& sums = sums_[last];
   // Joints below the last one that counts are not of the double sum.
   const double bends = std::max(0.0, sums.bends - 2 * base.angles * sums.arms) + 1e-14 * sums.bends;
-  return {.velocity = own.slide - base.slide + cross(own.turn - base.turn, center),
-          .bend = 0.5 * slack_ * bends,
-          .first = slack_ * sums.first};
+  return {.bend = 0.5 * slack_ * bends, .first = slack_ * sums.first};
 }
 
-double MotionBounds::Motion::bound() const {
-  return std::min(length(velocity) * (1 + 1e-12) + bend, first);
+void MotionBounds::place(std::uint32_t index) {
+  placed_in_[index] = part_;
+  const MotionNode& node = bodies_.nodes[index];
+  const MotionBody& body = bodies_.bodies[node.body];
+  const Frame& frame = frames_[body.frame];
+  const Vec3& p = node.sphere.center;
+  Placed& own = placed_[index];
+  own.center = Vec3{dot(frame.rows[0], p), dot(frame.rows[1], p), dot(frame.rows[2], p)} + frame.at;
+  own.velocity = frame.slide + cross(frame.turn, own.center);
+  own.speed = length(own.velocity) * (1 + 1e-12);
+  if (index == body.root) {
+    measure(node.body);
+    const Relative bounds = bounds_of(body, body.joints);
+    own.bend = bounds.bend, own.first = bounds.first;
+  } else {
+    const Placed& root = placed(body.root);
+    own.bend = root.bend, own.first = root.first;
+  }
+}
+
+void MotionBounds::relate(std::uint32_t index) {
+  related_in_[index] = part_;
+  const MotionPair& pair = bodies_.pairs[index];
+  const MotionBody &a = bodies_.bodies[pair.a], &b = bodies_.bodies[pair.b];
+  placed(a.root), placed(b.root);
+  const Relative of_a = bounds_of(a, pair.joints_a), of_b = bounds_of(b, pair.joints_b);
+  relative_[index] = {.bend = of_a.bend + of_b.bend, .first = of_a.first + of_b.first};
+}
+
+double MotionBounds::Placed::bound() const {
+  return std::min(speed + bend, first);
 }
 
 }  // namespace morula::robot

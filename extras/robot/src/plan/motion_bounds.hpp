@@ -31,19 +31,29 @@ class MotionBounds {
   /// Goes to the part [middle − half, middle + half] of the edge.
   void set_part(double middle, double half);
 
-  /// The center of a node's sphere in the middle, up to allowance().
-  Vec3 center(const MotionNode& node) const;
-  /// Bounds of the motion of the centers of a node's sphere and of all spheres below it.
-  struct Motion {
-    Vec3 velocity{};   ///< v of the node's center
+  /// A node's sphere in the middle of the part, and bounds of the motion of its center.
+  struct Placed {
+    Vec3 center{};     ///< up to allowance()
+    Vec3 velocity{};   ///< v of the center
+    double speed = 0;  ///< at least the length of v
     double bend = 0;   ///< second-order bound
     double first = 0;  ///< first-order bound
     double bound() const;
   };
-  /// joints: the number of joints, from the body's own, that count; all: relative to the world.
-  Motion motion(const MotionNode& node, const Vec3& center, std::uint32_t joints);
-  Motion motion(const MotionNode& node, const Vec3& center) {
-    return motion(node, center, bodies_.bodies[node.body].joints);
+  /// It stays until the next part.
+  const Placed& placed(std::uint32_t node) {
+    if (placed_in_[node] != part_) place(node);
+    return placed_[node];
+  }
+  /// Bounds of how two bodies move relative to each other, for all their nodes: sums of both. Joints that carry both
+  /// turn the difference of two centers and leave its length; so the part of the velocities that they cause is at right
+  /// angles to this difference, and nothing of it has to be subtracted.
+  struct Relative {
+    double bend = 0, first = 0;
+  };
+  const Relative& relative(std::uint32_t pair) {
+    if (related_in_[pair] != part_) relate(pair);
+    return relative_[pair];
   }
   /// Largest distance of a center as computed from where exact arithmetic would place it, and of a motion's bound.
   double allowance() const { return allowance_; }
@@ -63,11 +73,16 @@ class MotionBounds {
     double first = 0, arms = 0, bends = 0;
   };
   void measure(std::uint32_t body);
+  void place(std::uint32_t node);
+  void relate(std::uint32_t pair);
+  Relative bounds_of(const MotionBody& body, std::uint32_t joints) const;
 
   const MotionBodies& bodies_;
   std::vector<Frame> frames_;
-  std::vector<Sums> sums_;  // as MotionBodies::chains
-  std::vector<std::uint32_t> measured_;
+  std::vector<Sums> sums_;                             // as MotionBodies::chains
+  std::vector<Placed> placed_;                         // by node
+  std::vector<Relative> relative_;                     // by pair
+  std::vector<std::uint32_t> placed_in_, related_in_;  // the part for which a node or pair is known
   std::uint32_t part_ = 0;
   std::span<const double> from_{}, to_{};
   double deviation_ = 0, allowance_ = 0, reach_ = 0, slack_ = 1;

@@ -46,10 +46,10 @@ struct CapsuleObstacle final : Obstacle {
 /// point's.
 class DistanceGrid {
  public:
-  DistanceGrid(const SignedDistance& distance, bool solid, const Box& box) {
-    constexpr double most = 32;  // cubes along the longest edge
+  DistanceGrid(const SignedDistance& distance, bool solid, const Box& box) : box_(box) {
+    constexpr double along_longest = 30;  // cubes, and one or two more at each end
     const Vec3 extent = box.extent();
-    edge_ = std::max({extent.x, extent.y, extent.z}) / (most - 2);
+    edge_ = std::max({extent.x, extent.y, extent.z}) / along_longest;
     if (!(edge_ > 0)) return;
     lower_ = box.lower - Vec3{edge_, edge_, edge_};
     for (int k = 0; k < 3; ++k) counts_[static_cast<std::size_t>(k)] = static_cast<std::size_t>(extent[k] / edge_) + 3;
@@ -64,11 +64,21 @@ class DistanceGrid {
     }
   }
 
-  struct Bounds {
-    double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
-  };
-  /// Bounds of the distance at p, as computed; infinite ones next to the grid.
-  Bounds at(const Vec3& p) const {
+  /// Bounds of the distance at p, as computed.
+  DistanceBounds at(const Vec3& p) const {
+    const Vec3 q = min(max(p, box_.lower), box_.upper);
+    const DistanceBounds bound = inside(q);
+    if (q == p) return bound;
+    // The surface is in the box, and q is the box's nearest point to p: every point s of the surface is at an angle of
+    // at least 90 degrees there, hence |p - s|² >= |p - q|² + |q - s|². p is outside.
+    // mutant grid-corner: `std::max(bound.lower, 0.0)` -> `bound.upper`
+    const double away = scaled_length(p - q), below = scaled_length({away, std::max(bound.lower, 0.0), 0});
+    return {below * (1 - 1e-12) - allowance_, (away + bound.largest()) * (1 + 1e-12) + allowance_};
+  }
+
+ private:
+  /// For points in the box.
+  DistanceBounds inside(const Vec3& p) const {
     if (entries_.empty()) return {};
     std::size_t place = 0, stride = 1;
     for (int k = 0; k < 3; ++k) {
@@ -83,14 +93,13 @@ class DistanceGrid {
     const double d = entries_[place], reach = distance(p, center(place)) + 0x1p-22 * std::abs(d) + allowance_;
     if (d > reach) return {d - reach, d + reach};
     if (d < -reach) return {d - reach, d + reach};
-    return {-std::numeric_limits<double>::infinity(), std::abs(d) + reach};
+    return {-std::abs(d) - reach, std::abs(d) + reach};
   }
-
- private:
   Vec3 center(std::size_t i) const {
     const auto along = [&](std::size_t n) { return (static_cast<double>(n) + 0.5) * edge_; };
     return lower_ + Vec3{along(i % counts_[0]), along(i / counts_[0] % counts_[1]), along(i / counts_[0] / counts_[1])};
   }
+  Box box_;
   Vec3 lower_{};
   double edge_ = 0, allowance_ = 0;
   std::array<std::size_t, 3> counts_{};
@@ -103,19 +112,21 @@ struct MeshObstacle final : Obstacle {
     set_bounds(bounding_box(mesh));
   }
   bool touches(const Sphere& ball) const override {
-    const DistanceGrid::Bounds bound = grid.at(ball.center);
+    const DistanceBounds bound = grid.at(ball.center);
     if (bound.upper <= ball.radius) return true;
     if (bound.lower > ball.radius) return false;
-    const double d = distance.at(ball.center).distance;
+    const double d = distance.at(ball.center, bound.largest()).distance;
     return (solid ? d : std::abs(d)) <= ball.radius;
   }
   bool is_clear_of(const Sphere& ball) const override { return grid.at(ball.center).lower > ball.radius * (1 + 1e-12); }
+  DistanceBounds bounds_at(const Vec3& p) const override { return grid.at(p); }
   NearestObstacle nearest(const Vec3& p, double within) const override {
     // Within the bounds p may be inside, where also a negative `within` leaves something to find.
     const double outside = scaled_length(max(max(bounds.lower - p, p - bounds.upper), Vec3{}));
     if (outside > 0 && outside > within) return {};
-    if (grid.at(p).lower > within) return {};
-    const SignedDistance::Result result = distance.at(p);
+    const DistanceBounds bound = grid.at(p);
+    if (bound.lower > within) return {};
+    const SignedDistance::Result result = distance.at(p, bound.largest());
     const bool inside = solid && result.distance < 0;
     const Vec3 offset = inside ? result.closest.point - p : p - result.closest.point;
     const Vec3 normal = distance.orientation() * area_vector(distance.bvh().triangle(result.closest.facet));
@@ -128,6 +139,12 @@ struct MeshObstacle final : Obstacle {
 };
 
 }  // namespace
+
+RigidTransform exact_pose(const RigidTransform& pose, std::string_view what) {
+  const RigidTransform rigid = rigid_or_throw(pose, what);
+  // mutant robot-exact-pose: `1e-14` -> `1`
+  return deviation_from_rigid(rigid) <= 1e-14 ? rigid : orthonormalized(rigid);
+}
 
 void Obstacle::set_bounds(const Box& box) {
   // Positions on the obstacle are products of a few numbers of at most this size.

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <morula/geometry/scale.hpp>
 #include <morula/robot/world.hpp>
 #include <stdexcept>
@@ -13,16 +14,12 @@ namespace {
 
 using detail::StandardFloats;
 
-bool has_usable_size(const Vec3& v) {
-  return max_norm(v) <= greatest_usable_scale && is_finite(v);
-}
-
 void require_obstacle(bool condition, const char* text) {
   if (!condition) throw std::invalid_argument(std::string("World::add") + text);
 }
 
 RigidTransform require_pose(const RigidTransform& pose, const char* what) {
-  const RigidTransform rigid = rigid_or_throw(pose, what);
+  const RigidTransform rigid = exact_pose(pose, what);
   require_obstacle(has_usable_size(rigid.translation), ": the position of an obstacle is beyond greatest_usable_scale");
   return rigid;
 }
@@ -44,7 +41,8 @@ World::World(World&& other) noexcept : data_(std::make_shared<Data>()) {
   data_.swap(other.data_);
 }
 World& World::operator=(World&& other) noexcept {
-  data_.swap(other.data_);
+  World taken(std::move(other));
+  data_.swap(taken.data_);
   return *this;
 }
 World::~World() = default;
@@ -108,8 +106,12 @@ std::size_t World::add_points(std::span<const Vec3> points, double radius) {
 std::size_t World::add_spheres(std::span<const Sphere> spheres) {
   const StandardFloats standard;
   require_obstacle(!spheres.empty() && spheres.size() < 0x7fffffff, ": an obstacle of spheres needs 1 to 2^31 of them");
-  for (const Sphere& s : spheres)
-    require_obstacle(has_usable_scale(s), ": a sphere of an obstacle needs a usable center and a radius of 0 or more");
+  const auto bad = std::find_if(spheres.begin(), spheres.end(), [](const Sphere& s) { return !has_usable_scale(s); });
+  if (bad != spheres.end()) {
+    throw std::invalid_argument("World::add: sphere or point number " + std::to_string(bad - spheres.begin()) +
+                                " needs finite coordinates of usable size and a radius of 0 or more; leave out points "
+                                "that a camera did not measure");
+  }
   return add_to(data_, spheres_obstacle(spheres));
 }
 

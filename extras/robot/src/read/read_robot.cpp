@@ -33,6 +33,7 @@ Robot read_robot(const std::filesystem::path& path, const ReadOptions& options) 
     }
     Robot robot = read_urdf(expanded, options);
     robot.expanded = std::move(text);
+    robot.included = files_of_xacro(path, options);
     robot.notes.insert(robot.notes.begin(), "xacro expanded the file; numbers of lines are those of its result");
     return robot;
   }

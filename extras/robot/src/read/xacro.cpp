@@ -14,8 +14,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <set>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "parallel/interruption.hpp"
@@ -142,6 +144,43 @@ std::string one_line(const std::string& message) {
   return line;
 }
 
+/// A program that ended.
+struct Run {
+  int not_started = 0;  // the error where it could not be started
+  int status = 0;       // as of waitpid()
+  std::string text, message;
+  bool succeeded() const { return not_started == 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0; }
+};
+
+/// Runs xacro on the file, with these options of its own and the arguments of the file.
+Run run_xacro(const std::vector<std::string>& own, const std::filesystem::path& file, const ReadOptions& options) {
+  std::vector<std::string> words{options.xacro};
+  words.insert(words.end(), own.begin(), own.end());
+  words.push_back(std::filesystem::absolute(file).string());
+  words.insert(words.end(), options.xacro_arguments.begin(), options.xacro_arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  Run run;
+  Pipe out, err;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out.write_end(), 1);
+  posix_spawn_file_actions_adddup2(&actions, err.write_end(), 2);
+  pid_t id = 0;
+  run.not_started = ::posix_spawnp(&id, words[0].c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (run.not_started != 0) return run;
+  Child child(id);
+  out.close(1);
+  err.close(1);
+  read_all(out, err, run.text, run.message, file);
+  run.status = child.wait();
+  return run;
+}
+
 void require_argument(const std::string& argument) {
   const std::size_t at = argument.find(":=");
   if (at != std::string::npos && at > 0 && argument[0] != '-' && argument.find('\0') == std::string::npos) return;
@@ -162,41 +201,38 @@ std::string expand_xacro(const std::filesystem::path& file, int line, const Read
     fail_at(file, line, "has macros: run xacro on the file first, or name the program as the option xacro");
   }
   for (const std::string& argument : options.xacro_arguments) require_argument(argument);
-  std::vector<std::string> words{options.xacro, std::filesystem::absolute(file).string()};
-  words.insert(words.end(), options.xacro_arguments.begin(), options.xacro_arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
-  Pipe out, err;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out.write_end(), 1);
-  posix_spawn_file_actions_adddup2(&actions, err.write_end(), 2);
-  pid_t id = 0;
-  const int failed = ::posix_spawnp(&id, words[0].c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
+  Run run = run_xacro({}, file, options);
+  if (run.not_started != 0) {
     fail_at(file, line,
             fmt::format("has macros, and the program {} that expands them cannot be run ({}): install it (pip install "
                         "xacro, or ros-DISTRIBUTION-xacro), or name it as the option xacro",
-                        options.xacro, std::strerror(failed)));
+                        options.xacro, std::strerror(run.not_started)));
   }
-  Child child(id);
-  out.close(1);
-  err.close(1);
-  std::string text, message;
-  read_all(out, err, text, message, file);
-  const int status = child.wait();
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127 && text.empty() && message.empty()) {
+  if (WIFEXITED(run.status) && WEXITSTATUS(run.status) == 127 && run.text.empty() && run.message.empty()) {
     fail_at(file, line, fmt::format("has macros, and the program {} that expands them cannot be run", options.xacro));
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    fail_at(file, line,
-            fmt::format("{} fails: {}", options.xacro, message.empty() ? "it says nothing" : one_line(message)));
+  if (!run.succeeded()) {
+    fail_at(
+        file, line,
+        fmt::format("{} fails: {}", options.xacro, run.message.empty() ? "it says nothing" : one_line(run.message)));
   }
-  return text;
+  return std::move(run.text);
+}
+
+std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& file, const ReadOptions& options) {
+  const Run run = run_xacro({"--deps"}, file, options);
+  if (!run.succeeded()) return {};
+  // Absolute paths with a blank between them; names may have blanks, too.
+  std::set<std::filesystem::path> files;
+  for (std::size_t begin = 0; begin < run.text.size();) {
+    const std::size_t end = std::min(run.text.find(" /", begin), run.text.size());
+    std::string name = run.text.substr(begin, end - begin);
+    while (!name.empty() && (name.back() == '\n' || name.back() == '\r')) name.pop_back();
+    std::error_code error;
+    if (name.starts_with('/') && std::filesystem::is_regular_file(name, error)) files.insert(name);
+    begin = end + 1;
+  }
+  return {files.begin(), files.end()};
 }
 
 }  // namespace morula::robot

@@ -5,6 +5,7 @@
 
 #include <morula/robot/robot.hpp>
 #include <string>
+#include <vector>
 
 #include "read/xml.hpp"
 
@@ -17,5 +18,9 @@ const tinyxml2::XMLElement* find_xacro(const Xml& xml);
 /// remedy, if there is no such program, if it fails, with its message, or if it prints more than a file may hold;
 /// std::invalid_argument for arguments that are not NAME:=VALUE.
 std::string expand_xacro(const std::filesystem::path& file, int line, const ReadOptions& options);
+
+/// The files that the program reads for this one, without it: what it prints for `--deps`, in the order of their names.
+/// Empty if the program fails, as one without that option does.
+std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace morula::robot

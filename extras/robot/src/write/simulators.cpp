@@ -47,9 +47,12 @@ std::array<double, 4> quaternion(const RigidTransform& pose) {
   return q;
 }
 
-/// Whether MJCF has the joint: a joint without a range would have no limits, so it is not written.
+bool has_limits(const Joint& joint) {
+  return joint.kind != Joint::Kind::continuous && joint.range_known;
+}
+/// Whether MJCF has the joint: an empty range would mean no limits there, so that joint is not written.
 bool is_written(const Joint& joint) {
-  return joint.moves() && joint.lower < joint.upper;
+  return joint.moves() && (!has_limits(joint) || joint.lower < joint.upper);
 }
 
 class Mjcf {
@@ -139,7 +142,7 @@ class Mjcf {
     set(at, "name", joint.name);
     set(at, "type", joint.kind == Joint::Kind::prismatic ? "slide" : "hinge");
     set(at, "axis", words(joint.axis));
-    if (joint.kind != Joint::Kind::continuous) set(at, "range", fmt::format("{} {}", joint.lower, joint.upper));
+    if (has_limits(joint)) set(at, "range", fmt::format("{} {}", joint.lower, joint.upper));
   }
 
   /// MuJoCo requires a mass for a moving body, its own or that of a body fixed to it.
@@ -233,7 +236,7 @@ void add_sdf_joint(XMLElement* model, const Description& d, const Joint& joint) 
   if (!joint.moves()) return;
   XMLElement* axis = add_element(at, "axis");
   add_text(axis, "xyz", words(joint.axis));
-  if (joint.kind == Joint::Kind::continuous) return;
+  if (!has_limits(joint)) return;
   XMLElement* limit = add_element(axis, "limit");
   add_text(limit, "lower", fmt::format("{}", joint.lower));
   add_text(limit, "upper", fmt::format("{}", joint.upper));

@@ -92,7 +92,13 @@ std::string guess_tool(const Robot& robot) {
     chain[joint.child] = chain[joint.parent] + (joint.moves() && !joint.mimic ? 1 : 0);
     if (chain[joint.child] > chain[best]) best = joint.child;
   }
-  return robot.links[best].name;
+  const std::size_t joint = robot.links[best].joint;
+  if (joint == none) return robot.links[best].name;
+  // Fingers move side by side.
+  const std::size_t carrier = robot.joints[joint].parent;
+  const auto fingers = std::count_if(robot.joints.begin(), robot.joints.end(),
+                                     [&](const Joint& other) { return other.parent == carrier && other.moves(); });
+  return robot.links[fingers > 1 ? carrier : best].name;
 }
 
 std::vector<std::string> tool_frames(const Description& d) {

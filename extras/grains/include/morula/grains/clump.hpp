@@ -24,6 +24,9 @@ struct ClumpOptions {
   std::size_t spheres = 16;  ///< largest number of spheres; 0 for a cover that max_protrusion limits
   /// Largest protrusion of a cover, above 0, mesh units; the cover then uses as few spheres as it can.
   std::optional<double> max_protrusion{};
+  /// Distance within which a cover has to cover, 0 or more, mesh units; above 0 only for the method `optimized`. Its
+  /// spheres then leave surface uncovered on purpose and are fitted for less outside volume.
+  double tolerance = 0;
   /// Smallest radius, mesh units; smaller spheres of a cover are enlarged, smaller inner spheres are dropped.
   double min_radius = 0;
   /// Largest radius, above 0, mesh units. A cover uses as many spheres as this requires; inner spheres are reduced to
@@ -42,10 +45,14 @@ struct ClumpOptions {
 struct Clump {
   ClumpKind kind = ClumpKind::cover;
   std::vector<Sphere> spheres;
-  /// True if the guarantee of the kind is proven, for the spheres as they are and for any other axes and floats that a
-  /// file may use: radii include the possible rounding.
+  /// True if the guarantee of the kind is proven, with a tolerance that of covering within it, for the spheres as they
+  /// are and for any other axes and floats that a file may use: radii include the possible rounding.
   bool proven = false;
-  /// For a cover: largest distance of a surface point from the spheres, mesh units; 0 if proven.
+  /// For a cover: proven distance from the spheres, rounded in any way, within which every point of the surface lies,
+  /// mesh units; 0 if they cover.
+  double within = 0;
+  /// For a cover: largest distance of a surface point from the spheres without their allowance for rounding, mesh
+  /// units; 0 if they cover.
   double uncovered_distance = 0;
   double protrusion_max = 0;  ///< largest (r + φ(c))⁺: an upper bound of the protrusion of a sphere, mesh units
   std::optional<double> object_volume;   ///< volume of the object, mesh units³; no value if the mesh has no inside

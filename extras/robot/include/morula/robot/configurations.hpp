@@ -88,7 +88,9 @@ struct MotionOptions {
 /// Queries are const; several threads may use one object at once.
 class ConfigurationQuery {
  public:
-  /// Copies the required data. spheres: a result of fit_spheres() for this robot. Throws as SphereRobot.
+  /// Copies the required data. spheres: a result of fit_spheres() for this robot. Throws as SphereRobot, and for joints
+  /// with numbers that are not finite or beyond greatest_usable_scale, including the product of the multipliers of
+  /// joints that follow each other.
   ConfigurationQuery(const Robot& robot, const RobotSpheres& spheres, const SelfCollision& self_collision = {});
   ~ConfigurationQuery();
   ConfigurationQuery(const ConfigurationQuery&);
@@ -98,14 +100,24 @@ class ConfigurationQuery {
 
   /// Number of coordinates of a configuration.
   std::size_t coordinates() const;
-  /// Places the root link in the world. Throws std::invalid_argument for a pose that is not finite, or a reflection.
+  /// Places the root link in the world. Throws std::invalid_argument for a pose that rigid_or_throw() rejects, or
+  /// beyond greatest_usable_scale. A pose that deviates from a rotation by more than rounding counts as the nearest
+  /// one.
   void set_base(const RigidTransform& base);
   /// Fastens an object to a link, such as a grasped part: its spheres move with it, in the link's axes, and count as
   /// that link's. They are tested against all other links with spheres except those in `touching`, and against what
-  /// these links hold; ignored pairs of links do not matter for them. The link needs no spheres of its own. Replaces
-  /// the object that this link held; no spheres: the link holds nothing. Throws std::invalid_argument for links that
-  /// the robot lacks, and for spheres that tree_from_spheres() rejects.
-  void attach(std::string_view link, std::span<const Sphere> spheres, std::span<const std::string> touching = {});
+  /// these links hold; ignored pairs of links do not matter for them. Contacts with the obstacles of these numbers do
+  /// not count, such as that with the table from which the object is lifted. The link needs no spheres of its own.
+  /// Replaces the object that this link held. Throws std::invalid_argument for links that the robot lacks, and for
+  /// spheres that tree_from_spheres() rejects.
+  void attach(std::string_view link, std::span<const Sphere> spheres, std::span<const std::string> touching = {},
+              std::span<const std::size_t> touching_obstacles = {});
+  /// The link holds nothing. Throws std::invalid_argument for a link that the robot lacks.
+  void detach(std::string_view link) { attach(link, {}); }
+  /// Contacts of the link's own spheres with the obstacles of these numbers do not count: those of a base with its
+  /// table. The numbers hold in every world that is given later; a world with fewer obstacles lacks some. Replaces the
+  /// numbers of an earlier call. Throws std::invalid_argument for a link that the robot lacks.
+  void allow_contacts(std::string_view link, std::span<const std::size_t> obstacles);
 
   /// Checks configurations. verdicts: one per configuration, whose count it gives. Throws std::invalid_argument unless
   /// there are verdicts.size() × coordinates() numbers of at most greatest_usable_scale.
@@ -120,11 +132,12 @@ class ConfigurationQuery {
   /// pair; of pairs that are equally near, the one with the lowest link and obstacle, and links after obstacles.
   ///
   /// Inside a solid obstacle a distance is minus the depth to the surface of that obstacle alone, also where obstacles
-  /// overlap. From a center that every direction leads out of, such as an obstacle's own, the gradient is that of one
-  /// of these directions, always the same. The exact value has exact sines and cosines of the coordinates; it takes
-  /// joints that follow each other by one multiplier and offset, and meshes with vertices rounded in world axes. Throws
-  /// std::invalid_argument as check(), and for a limit of 0 or less and gradients of another size. Cost: that of poses,
-  /// and of the pairs of links and obstacles that the nearest pair does not exclude.
+  /// overlap; among points or spheres that are one obstacle, that of the sphere that is deepest there. From a center
+  /// that every direction leads out of, such as an obstacle's own, the gradient is that of one of these directions,
+  /// always the same. The exact value has exact sines and cosines of the coordinates; it takes joints that follow each
+  /// other by one multiplier and offset, and meshes with vertices rounded in world axes. Throws std::invalid_argument
+  /// as check(), and for a limit of 0 or less and gradients of another size. Cost: that of poses, and of the pairs of
+  /// links and obstacles that the nearest pair does not exclude.
   void clearance(std::span<const double> configurations, const World& world, std::span<Clearance> clearances,
                  std::span<double> gradients = {}, const ClearanceOptions& options = {},
                  WorkersOrAll workers = {}) const;

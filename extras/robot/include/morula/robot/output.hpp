@@ -45,8 +45,8 @@ std::span<const OutputFormat> output_formats();
 /// The format of this name; nullptr if there is none.
 const OutputFormat* output_format(std::string_view name);
 
-/// The name of the link that the most independent joints carry, as a guess for the tool; the first of equals in
-/// Robot::order.
+/// A guess for the tool: the name of the link that the most independent joints carry, the first of equals in
+/// Robot::order; or of its parent, such as a gripper's palm, if other joints move links of that parent too.
 std::string guess_tool(const Robot& robot);
 
 /// Reads the spheres of a spheres.json that the format "json" wrote, by the names of links. Throws FileError for a file

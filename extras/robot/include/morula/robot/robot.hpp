@@ -97,9 +97,10 @@ struct Robot {
   std::vector<std::size_t> order;  ///< indices of all joints, each after the joint to its parent link
   /// Indices of the joints with a value that follow no other joint, in `order`. Their values are a configuration.
   std::vector<std::size_t> independent_joints;
-  std::vector<std::string> notes;                 ///< skipped or corrected parts of the file, as text
-  std::vector<std::filesystem::path> included{};  ///< files that the robot's file includes
-  std::string expanded{};                         ///< the URDF that xacro made of the file; empty: xacro did not run
+  std::vector<std::string> notes;  ///< skipped or corrected parts of the file, as text
+  /// Files that the robot's file includes; those of xacro are the ones that the program lists with `--deps`.
+  std::vector<std::filesystem::path> included{};
+  std::string expanded{};  ///< the URDF that xacro made of the file; empty: xacro did not run
   /// Names of pairs of links that the file excludes from collision, or connects so that they close a loop.
   std::vector<std::array<std::string, 2>> ignored{};
 

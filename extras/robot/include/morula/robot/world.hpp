@@ -50,15 +50,19 @@ class World {
   ~World();
 
   /// Each adds an obstacle, in world axes, and returns its number. Throws std::invalid_argument for numbers that are
-  /// not finite or beyond greatest_usable_scale, negative lengths, and meshes that require_usable() rejects.
+  /// not finite or beyond greatest_usable_scale, negative lengths, poses that rigid_or_throw() rejects, and meshes that
+  /// require_usable() rejects. A pose that deviates from a rotation by more than rounding counts as the nearest one.
   std::size_t add(const Sphere& sphere);
   std::size_t add(const ObstacleBox& box);
   std::size_t add(const Capsule& capsule);
+  /// Copies the mesh. Cost: that of a SignedDistance, and of at most 33³ of its distances, in a grid around the mesh
+  /// that makes queries faster; add a mesh once, not for each query.
   std::size_t add(const MeshView& mesh, const RigidTransform& pose = {});
   std::size_t add(const HeightField& field);
   /// One obstacle: a sphere of this radius around each point, such as those of a depth camera.
   std::size_t add_points(std::span<const Vec3> points, double radius);
-  /// One obstacle: the union of these spheres, such as those of another robot.
+  /// One obstacle: the union of these spheres, such as those of another robot. Inside, its distance is minus the depth
+  /// in the sphere that the point is deepest in.
   std::size_t add_spheres(std::span<const Sphere> spheres);
 
   std::size_t size() const;
