@@ -88,6 +88,7 @@ robot::FitOptions fit_options(const RobotArguments& o, const robot::Robot& robot
   robot::FitOptions fit{.spheres = o.spheres,
                         .max_total = o.max_total,
                         .tolerance = o.tolerance,
+                        .max_uncovered = o.max_uncovered,
                         .padding = o.padding,
                         .min_radius = o.min_radius,
                         .max_radius = o.max_radius,
@@ -159,6 +160,12 @@ void require_sense(const RobotArguments& o) {
   if (o.self_collision && (!o.max_protrusion.empty() || o.max_radius)) {
     throw UsageError("--self-collision contradicts --max-protrusion and --max-radius: it divides a number of spheres");
   }
+  if (o.max_uncovered && (o.tolerance == 0 || !o.max_protrusion.empty() || o.self_collision)) {
+    throw UsageError(
+        "--max-uncovered belongs to --tolerance, and contradicts --max-protrusion and --self-collision: it places "
+        "spheres "
+        "for the share alone");
+  }
   if (o.keep.empty() && !o.refit.empty()) throw UsageError("--refit belongs to --keep DIR/spheres.json: add it");
   for (const std::string& argument : o.xacro_arguments) {
     if (argument.find(":=") == std::string::npos || argument.starts_with(":=") || argument.starts_with("-"))
@@ -227,6 +234,11 @@ void add_robot_options(CLI::App& command, RobotArguments& o) {
       "Cover within LENGTH: spheres may leave surface uncovered up to this distance, proven, and are thinner for it")
       ->type_name("LENGTH")
       ->transform(real_number(0, 1e9));
+  add_option(
+      command, "--max-uncovered", o.max_uncovered,
+      "With --tolerance: at most this share of the robot's surface in no sphere (0.3), with little outside volume")
+      ->type_name("SHARE")
+      ->transform(real_number(0, 1));
   add_option(command, "--tolerances", o.tolerances,
              "Also fit for each of these tolerances, for a table of the outside volume: 0,0.002,0.005,0.01")
       ->type_name("LENGTH,...")

@@ -21,6 +21,7 @@ struct RobotArguments {
   std::string keep, srdf, xacro = "xacro";
   double padding = 0, min_radius = 0, tolerance = 0;
   std::vector<double> tolerances;  // of the table
+  std::optional<double> max_uncovered;
   std::optional<double> max_radius, clip_margin;
   std::optional<double> density;  // not given: that of FitOptions, and only for the report
   std::string geometry = "collision";

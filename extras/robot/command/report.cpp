@@ -37,15 +37,16 @@ std::string robot_table(const robot::Robot& robot, const robot::RobotSpheres& sp
 }
 
 ToleranceRow tolerance_row(double tolerance, const robot::RobotSpheres& spheres) {
-  ToleranceRow row{tolerance, spheres.within(), spheres.sphere_count(), 0};
+  ToleranceRow row{tolerance, spheres.within(), spheres.sphere_count(), 0, spheres.uncovered_share()};
   for (const robot::LinkSpheres& link : spheres.links) row.outside_volume += link.figures.outside_volume.value_or(0);
   return row;
 }
 
 std::string tolerance_table(std::span<const ToleranceRow> rows) {
-  Table table({"tolerance", "proven within", "spheres", "outside volume"});
+  Table table({"tolerance", "proven within", "spheres", "outside volume", "uncovered share"});
   for (const ToleranceRow& row : rows) {
-    table.add({figure(row.tolerance), figure(row.within), fmt::format("{}", row.spheres), figure(row.outside_volume)});
+    table.add({figure(row.tolerance), figure(row.within), fmt::format("{}", row.spheres), figure(row.outside_volume),
+               figure(row.uncovered_share)});
   }
   return table.text();
 }
@@ -56,7 +57,8 @@ Json tolerances_json(std::span<const ToleranceRow> rows) {
     json.push_back({{"tolerance", row.tolerance},
                     {"within", row.within},
                     {"spheres", row.spheres},
-                    {"outside_volume", row.outside_volume}});
+                    {"outside_volume", row.outside_volume},
+                    {"uncovered_share", row.uncovered_share}});
   }
   return json;
 }
@@ -76,6 +78,7 @@ Json robot_links_json(const robot::Robot& robot, const robot::RobotSpheres& sphe
                {"spheres", link.spheres.size()},
                {"covered", f.covered},
                {"within", f.within},
+               {"uncovered_share", f.uncovered_share},
                {"uncovered_distance", f.uncovered_distance},
                {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
                {"object_volume", or_null(f.object_volume)},

@@ -23,6 +23,7 @@ struct ToleranceRow {
   double tolerance = 0, within = 0;  ///< requested and proven
   std::size_t spheres = 0;
   double outside_volume = 0;  ///< of all links whose outside volume is known
+  double uncovered_share = 0;
 };
 ToleranceRow tolerance_row(double tolerance, const robot::RobotSpheres& spheres);
 std::string tolerance_table(std::span<const ToleranceRow> rows);

@@ -36,8 +36,9 @@ std::string cover_text(const robot::RobotSpheres& spheres, bool proven) {
   if (spheres.covered()) return "yes: every point of every link is in a sphere, with the numbers of the files";
   if (!proven) return "no: a link is uncovered where its uncovered distance is above 0";
   return fmt::format(
-      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files",
-      figure(spheres.within()));
+      "within {}: every point of every link is that near to a sphere, proven for the numbers of the files; {:.3g} % of "
+      "the surface is in no sphere",
+      figure(spheres.within()), 100 * spheres.uncovered_share());
 }
 
 std::string tree_name(const robot::Robot& robot, std::size_t link) {
@@ -171,6 +172,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
   for (const double tolerance : o.tolerances) {
     robot::FitOptions other = fit;
     other.tolerance = tolerance;
+    if (tolerance == 0) other.max_uncovered.reset();
     other.inner = 0;
     other.progress = {};
     rows.push_back(tolerance_row(tolerance, robot::fit_spheres(robot, other, workers)));
@@ -238,6 +240,7 @@ int robot_unless_stopped(const RobotArguments& o, const Interrupt& interrupt) {
                 {"spheres", spheres.sphere_count()},
                 {"covered", spheres.covered()},
                 {"within", spheres.within()},
+                {"uncovered_share", spheres.uncovered_share()},
                 {"inner_spheres", spheres.inner_count()},
                 {"links", robot_links_json(robot, spheres)},
                 {"self_collision", ignored_json(robot, self_collision)},

@@ -42,6 +42,7 @@ void bind_robot_fit(nb::module_& m) {
       .field("covered", &LinkFigures::covered, doc::LinkFigures_covered)
       .field("within", &LinkFigures::within, doc::LinkFigures_within)
       .field("uncovered_distance", &LinkFigures::uncovered_distance, doc::LinkFigures_uncovered_distance)
+      .field("uncovered_share", &LinkFigures::uncovered_share, doc::LinkFigures_uncovered_share)
       .field("protrusion_mean", &LinkFigures::protrusion_mean, doc::LinkFigures_protrusion_mean)
       .field("protrusion_p95", &LinkFigures::protrusion_p95, doc::LinkFigures_protrusion_mean)
       .field("protrusion_max", &LinkFigures::protrusion_max, doc::LinkFigures_protrusion_mean)
@@ -80,6 +81,9 @@ void bind_robot_fit(nb::module_& m) {
           "covered", [](const RobotSpheres& r) { return r.covered(); }, "True if all links are proven covered.")
       .property(
           "within", [](const RobotSpheres& r) { return r.within(); }, doc::RobotSpheres_within)
+      .property(
+          "uncovered_share", [](const RobotSpheres& r) { return r.uncovered_share(); },
+          doc::RobotSpheres_uncovered_share)
       .shown({"links", "sphere_count", "inner_count", "covered", "notes"})
       .python()
       .def(
@@ -97,9 +101,10 @@ void bind_robot_fit(nb::module_& m) {
       "fit_spheres",
       [](const robot::Robot& robot, std::optional<std::size_t> spheres, std::optional<std::size_t> max_total,
          const std::map<std::string, std::size_t>& link_spheres, std::optional<double> max_protrusion,
-         std::optional<double> max_protrusion_share, double tolerance, double padding, double min_radius,
-         std::optional<double> max_radius, bool visual, const std::set<std::string>& skip, nb::handle fixed_given,
-         MethodName method, std::optional<QualityName> quality, std::uint64_t seed, double density, nb::handle clip,
+         std::optional<double> max_protrusion_share, double tolerance, std::optional<double> max_uncovered,
+         double padding, double min_radius, std::optional<double> max_radius, bool visual,
+         const std::set<std::string>& skip, nb::handle fixed_given, MethodName method,
+         std::optional<QualityName> quality, std::uint64_t seed, double density, nb::handle clip,
          std::optional<double> clip_margin, std::size_t inner, nb::object progress, Threads* workers) {
         robot::FitOptions options;
         options.spheres = spheres;
@@ -108,6 +113,7 @@ void bind_robot_fit(nb::module_& m) {
         options.max_protrusion = max_protrusion;
         options.max_protrusion_share = max_protrusion_share;
         options.tolerance = tolerance;
+        options.max_uncovered = max_uncovered;
         options.padding = padding;
         options.min_radius = min_radius;
         options.max_radius = max_radius;
@@ -131,19 +137,19 @@ void bind_robot_fit(nb::module_& m) {
       },
       nb::arg("robot"), nb::kw_only(), nb::arg("spheres") = nb::none(), nb::arg("max_total") = nb::none(),
       nb::arg("link_spheres") = std::map<std::string, std::size_t>{}, nb::arg("max_protrusion") = nb::none(),
-      nb::arg("max_protrusion_share") = nb::none(), nb::arg("tolerance") = 0.0, nb::arg("padding") = 0.0,
-      nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(), nb::arg("visual") = false,
-      nb::arg("skip") = std::set<std::string>{}, nb::arg("fixed_spheres") = nb::none(), nb::arg("method") = "optimized",
-      nb::arg("quality") = nb::none(), nb::arg("seed") = 1, nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(),
-      nb::arg("clip_margin") = nb::none(), nb::arg("inner") = 0, nb::arg("progress") = nb::none(),
-      nb::arg("workers") = nb::none(),
+      nb::arg("max_protrusion_share") = nb::none(), nb::arg("tolerance") = 0.0, nb::arg("max_uncovered") = nb::none(),
+      nb::arg("padding") = 0.0, nb::arg("min_radius") = 0.0, nb::arg("max_radius") = nb::none(),
+      nb::arg("visual") = false, nb::arg("skip") = std::set<std::string>{}, nb::arg("fixed_spheres") = nb::none(),
+      nb::arg("method") = "optimized", nb::arg("quality") = nb::none(), nb::arg("seed") = 1,
+      nb::arg("density") = 1000.0, nb::arg("clip") = nb::none(), nb::arg("clip_margin") = nb::none(),
+      nb::arg("inner") = 0, nb::arg("progress") = nb::none(), nb::arg("workers") = nb::none(),
       nb::sig(
           "def fit_spheres(robot: Robot, *, spheres: int | None = None, max_total: int | None = None, link_spheres: "
           "dict[str, "
           "int] "
           "= {}, "
           "max_protrusion: float | None = None, max_protrusion_share: float | None = None, tolerance: float = 0.0, "
-          "padding: float = 0.0, "
+          "max_uncovered: float | None = None, padding: float = 0.0, "
           "min_radius: float = 0.0, max_radius: float | None = None, visual: bool = False, skip: set[str] = set(), "
           "fixed_spheres: dict[str, morula.typing.FloatArray] | None = None, method: morula.typing.Method = "
           "'optimized', "
@@ -159,6 +165,7 @@ void bind_robot_fit(nb::module_& m) {
            {"max_protrusion", doc::FitOptions_max_protrusion},
            {"max_protrusion_share", doc::FitOptions_max_protrusion_share},
            {"tolerance", doc::FitOptions_tolerance},
+           {"max_uncovered", doc::FitOptions_max_uncovered},
            {"padding", doc::FitOptions_padding},
            {"min_radius", doc::FitOptions_min_radius},
            {"max_radius", doc::FitOptions_max_radius},

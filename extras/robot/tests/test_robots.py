@@ -363,6 +363,15 @@ def test_spheres_follow_the_size_of_links(arm):
     assert by_size.covered and len({len(link.spheres) for link in by_size.links}) > 1
 
 
+def test_spheres_leave_at_most_a_share_uncovered(arm):
+    options = {"spheres": 3, "tolerance": 0.08, "quality": "draft"}
+    fitted = morula.robot.fit_spheres(arm, max_uncovered=0.4, **options)
+    assert 0 < fitted.uncovered_share <= 0.4 and fitted.within <= 0.08
+    assert max(link.figures.uncovered_share for link in fitted.links) <= 1
+    with pytest.raises(ValueError, match="max_uncovered"):
+        morula.robot.fit_spheres(arm, max_uncovered=2, **options)
+
+
 def test_xacro_runs_only_where_it_is_named(tmp_path):
     shutil.copytree(urdf.parents[1], tmp_path / "arm_description")
     file = tmp_path / "arm_description" / "urdf" / "a.xacro"

@@ -12,6 +12,7 @@
 #include "fit/budget.hpp"
 #include "fit/fit_options.hpp"
 #include "fit/link_fit.hpp"
+#include "fit/uncovered.hpp"
 
 namespace morula::robot {
 
@@ -243,6 +244,7 @@ class Fitter {
 RobotSpheres fit_spheres(const Robot& robot, const FitOptions& options, WorkersOrAll given) {
   Workers& workers = given;
   require_fit_options(robot, options);
+  if (options.max_uncovered) return fit_uncovered(robot, options, workers);
   return Fitter(robot, options, workers).run();
 }
 

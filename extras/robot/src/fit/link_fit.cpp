@@ -19,6 +19,7 @@
 #include "fit/margin.hpp"
 #include "fit/measure.hpp"
 #include "fit/rounding.hpp"
+#include "fit/within.hpp"
 
 namespace morula::robot {
 
@@ -143,6 +144,8 @@ void LinkFitter::fit(LinkSpheres& link, std::size_t budget) const {
 void LinkFitter::fit_new(LinkSpheres& link, std::size_t budget) const {
   link.spheres = link.surface.spheres;
   if (!link.surface.mesh.facets.empty()) fit_mesh(link, budget);
+  if (o_.tolerance > 0 && planes_of(link).empty())
+    grow_inside(link.surface.mesh, link.spheres, o_.max_radius ? *o_.max_radius - o_.padding : 1e30);
   for (Sphere& s : link.spheres) s.radius = padded_radius(s.radius, o_);
   round_outward(link.spheres);
   remove_repeated(link.spheres);

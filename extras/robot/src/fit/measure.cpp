@@ -55,6 +55,7 @@ void measure_cover(const Mesh& mesh, std::span<const Sphere> certified, double t
   const Coverage cover = coverage(mesh, certified, serial_workers());
   figures.covered = figures.covered && cover.covered;
   figures.uncovered_distance = std::max(figures.uncovered_distance, cover.uncovered_distance);
+  figures.uncovered_share = cover.uncovered_area;
   const std::vector<Sphere> spheres(certified.begin(), certified.end());
   figures.within = std::max(figures.within, proven_distance(mesh, spheres, cover, tolerance));
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <morula/geometry/inspect.hpp>
 #include <morula/robot/fit.hpp>
 
 namespace morula::robot {
@@ -19,6 +20,16 @@ double RobotSpheres::within() const {
   double largest = 0;
   for (const LinkSpheres& link : links) largest = std::max(largest, link.figures.within);
   return largest;
+}
+
+double RobotSpheres::uncovered_share() const {
+  double uncovered = 0, all = 0;
+  for (const LinkSpheres& link : links) {
+    const double area = inspect(link.surface.mesh).area;
+    uncovered += area * link.figures.uncovered_share;
+    all += area;
+  }
+  return all > 0 ? uncovered / all : 0;
 }
 
 std::size_t RobotSpheres::inner_count() const {

@@ -55,6 +55,7 @@ Json link_json(const Description& d, const LinkSpheres& link) {
       {"facets", f.facets},
       {"covered", f.covered},
       {"within", f.within},
+      {"uncovered_share", f.uncovered_share},
       {"uncovered_distance", f.uncovered_distance},
       {"protrusion", {{"mean", f.protrusion_mean}, {"p95", f.protrusion_p95}, {"max", f.protrusion_max}}},
       {"object_volume", or_null(f.object_volume)},
@@ -145,7 +146,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
   }
   std::string links =
       "link,facets,spheres,covered,uncovered_distance,protrusion_mean,protrusion_p95,protrusion_max,object_volume,"
-      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz,within\n";
+      "outside_volume,union_volume,mass,center_x,center_y,center_z,ixx,ixy,ixz,iyy,iyz,izz,within,uncovered_share\n";
   for (const LinkSpheres& link : d.spheres.links) {
     const LinkFigures& f = link.figures;
     const double scale = f.solid.volume > 0 ? f.mass / f.solid.volume : 0;
@@ -158,7 +159,7 @@ std::vector<OutputFile> write_csv(const Description& d) {
                     f.protrusion_p95, f.protrusion_max, cell(f.object_volume), cell(f.outside_volume), f.solid.volume,
                     f.mass, f.solid.center.x, f.solid.center.y, f.solid.center.z);
     for (const double entry : f.solid.inertia) links += fmt::format(",{}", scale * entry);
-    links += fmt::format(",{}\n", f.within);
+    links += fmt::format(",{},{}\n", f.within, f.uncovered_share);
   }
   return {{"spheres.csv", text}, {"links.csv", links}};
 }
@@ -174,6 +175,7 @@ std::vector<OutputFile> write_json(const Description& d) {
                   {"robot", d.robot.name},
                   {"covered", d.spheres.covered()},
                   {"within", d.spheres.within()},
+                  {"uncovered_share", d.spheres.uncovered_share()},
                   {"spheres", d.spheres.sphere_count()},
                   {"links", links},
                   {"self_collision",

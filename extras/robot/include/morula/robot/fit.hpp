@@ -45,8 +45,17 @@ struct FitOptions {
   std::optional<double> max_protrusion_share{};
   /// Distance within which the spheres have to cover the shapes, 0 or more, mesh units; above 0 only for the method
   /// `optimized`. Spheres then leave surface uncovered on purpose and are fitted for less outside volume; every point
-  /// of the shapes is proven to lie within the tolerance of a sphere (LinkFigures::within).
+  /// of the shapes is proven to lie within the tolerance of a sphere (LinkFigures::within). Spheres that lie inside a
+  /// closed mesh are as large as that allows; a mesh that is open has no inside. Spheres that are divided further for
+  /// max_radius or clip_margin are fitted to cover and then reduced by the tolerance: more of them than it requires.
   double tolerance = 0;
+  /// Largest share of the surface of the robot's shapes, balls left out, that may be in no sphere; above 0, at most 1,
+  /// with a tolerance above 0 and without max_protrusion. Spheres are then placed for the least outside volume with
+  /// that share over all links, instead of for the tolerance alone; thin spheres that reach the surface in many places
+  /// are what planners usually get. Where a mesh is open, inside is where its winding number exceeds one half. Links
+  /// with clip planes or balls are fitted for the tolerance alone. If the share is not reached, a note says so. It
+  /// takes several times as long.
+  std::optional<double> max_uncovered{};
   double padding = 0;     ///< length added to every radius after the fit, 0 or more, mesh units
   double min_radius = 0;  ///< smallest radius, 0 or more, mesh units; smaller radii are increased to it
   /// Largest radius, with padding, above 0, mesh units; links use more spheres than requested if it requires that. If
@@ -96,6 +105,8 @@ struct LinkFigures {
   /// Largest distance of a point of the shapes from the spheres, mesh units; for spheres among the shapes an upper
   /// bound of it; 0 if covered.
   double uncovered_distance = 0;
+  /// Share of the surface that is in no sphere, in closed form; spheres among the shapes do not count; 0 if covered.
+  double uncovered_share = 0;
   /// Mean, 95th percentile and maximum of upper bounds of the spheres' protrusion out of the shapes, mesh units.
   double protrusion_mean = 0, protrusion_p95 = 0, protrusion_max = 0;
   /// Volume of the shapes, mesh units³; no value if they have no inside, or are both spheres and others.
@@ -115,8 +126,10 @@ struct LinkSpheres {
   /// Index of an earlier link whose fit this link shares, because the shapes are the same; `none`: it has its own.
   std::size_t same_shape_as = none;
   LinkSurface surface;  ///< surface of the shapes, without the parts that planes cut off
-  /// Tree whose leaves became spheres, before they were reduced by the tolerance, padded and rounded: it covers;
-  /// nullptr for given spheres and for shapes that are all spheres.
+  /// Tree whose leaves became spheres, before they were reduced by the tolerance or grew inside the shapes, and were
+  /// padded and rounded: it covers;
+  /// nullptr for given spheres and for shapes that are all spheres. With max_uncovered it covers also, but its leaves
+  /// are other spheres.
   std::shared_ptr<const CoveredTree> tree;
   LinkFigures figures;
   /// Inner spheres. Each is proven to be inside a closed surface of the shapes and on the kept side of all clip planes,
@@ -136,6 +149,9 @@ struct RobotSpheres {
   bool covered() const;
   /// The largest LinkFigures::within of all links: 0 if covered.
   double within() const;
+  /// The share of the surface of all links that is in no sphere, spheres among the shapes left out. Cost: linear in
+  /// facets.
+  double uncovered_share() const;
   /// The spheres of a link, by its index in Robot::links; nullptr if it has none.
   const LinkSpheres* of(std::size_t link) const;
   std::size_t inner_count() const;
