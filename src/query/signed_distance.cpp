@@ -80,10 +80,16 @@ SignedDistance::SignedDistance(const MeshView& mesh, const SignMethod* method, S
 bool SignedDistance::separates_sides() const {
   constexpr std::size_t probes = 1000;
   const std::size_t count = std::min(probes, bvh_.facet_count());
+  std::vector<std::uint32_t> touching;
   for (std::size_t i = 0; i < count; ++i) {
     const Triangle t = bvh_.triangle(static_cast<std::uint32_t>(i * bvh_.facet_count() / count));
     if (!(length(area_vector(t)) > 0)) continue;
     const Vec3 middle = at_barycentric(t, {1.0 / 3, 1.0 / 3, 1.0 / 3});
+    // Where another facet lies on this one, rounding would decide the sign of its part.
+    const double longest = std::max({distance(t[0], t[1]), distance(t[1], t[2]), distance(t[2], t[0])});
+    if (normal_of(t) != Vec3{}) bvh_.facets_touching({middle, 1e-9 * longest}, touching);
+    // mutant signed-coincident: `touching.size() > 1` -> `false`
+    if (touching.size() > 1) return false;
     // The facet itself is subtracted: it counts fully at a point on it, and rounding decides on which side of it its
     // middle lies.
     const double rest = bvh_.winding_number(middle) - solid_angle(t, middle) / (4 * std::numbers::pi);

@@ -586,6 +586,24 @@ TEST(Worlds, MeshesTouchWhereTheirDistanceSays) {
   }
 }
 
+// A triangle and the same one reversed: closed and oriented, without a volume.
+TEST(Worlds, FlatMeshesHaveNoInside) {
+  Random random(13);
+  for (int k = 0; k < 100; ++k) {
+    Mesh mesh;
+    for (int i = 0; i < 3; ++i) mesh.positions.push_back(random_point(random, 1));
+    mesh.facets = {{0, 1, 2}};
+    World single, twice;
+    single.add(mesh);
+    mesh.facets.push_back({0, 2, 1});
+    twice.add(mesh);
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 p = random_point(random, 1);
+      EXPECT_NEAR(twice.nearest(p).distance, single.nearest(p).distance, 1e-12);
+    }
+  }
+}
+
 TEST(Worlds, TerrainIsTheSolidBelowItsSurface) {
   // The same solid as a closed mesh with a deep floor.
   Random random(6);
