@@ -55,7 +55,7 @@ inline constexpr std::array rule_table{
     RuleTraits{Rule::exact, "exact", RuleTraits::Follows::positions, RuleTraits::Reads::corners, true},
     RuleTraits{Rule::wrapped, "wrapped", RuleTraits::Follows::positions, RuleTraits::Reads::children, true},
     RuleTraits{Rule::modal, "modal", RuleTraits::Follows::modes, RuleTraits::Reads::nothing, true},
-    RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, false},
+    RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, true},
 };
 
 /// True for an enumerator, false for other numbers.
