@@ -56,8 +56,8 @@ long double skin_excess(const Body& body, const Mesh& mesh, const Skin& skin, co
       const Point p = corner_at(c);
       long double squared = 0;
       for (int axis = 0; axis < 3; ++axis) {
-        const long double d = p[static_cast<std::size_t>(axis)] - (static_cast<long double>(origin[axis]) +
-                                                                   static_cast<long double>(s.center[axis]));
+        const long double d = p[static_cast<std::size_t>(axis)] -
+                              (static_cast<long double>(origin[axis]) + static_cast<long double>(s.center[axis]));
         squared += d * d;
       }
       const long double excess = std::sqrt(squared) - static_cast<long double>(s.radius);
@@ -80,8 +80,8 @@ AffineTransform any_transform(Random& random, int kind, double size) {
     t.columns[1] = normalized(cross(t.columns[0], t.columns[1]));
     t.columns[2] = cross(t.columns[0], t.columns[1]);
   }
-  if (kind == 1) t.columns[2] = t.columns[1] = -t.columns[0];                                 // rank one
-  if (kind == 2) t.columns = {Vec3{-1, 0, 0}, Vec3{0, random.uniform(0, 50), 0}, Vec3{}};     // mirrored, uneven, flat
+  if (kind == 1) t.columns[2] = t.columns[1] = -t.columns[0];                              // rank one
+  if (kind == 2) t.columns = {Vec3{-1, 0, 0}, Vec3{0, random.uniform(0, 50), 0}, Vec3{}};  // mirrored, uneven, flat
   t.translation = any_vector(random, size * (kind == 4 ? 1e9 : 1));
   return t;
 }

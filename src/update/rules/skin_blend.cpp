@@ -86,9 +86,9 @@ std::array<Vec3, 3> covariance_of(std::span<const Vec3> points, const Vec3& midd
 Vec3 solution(const std::array<Vec3, 3>& covariance, const Vec3& b) {
   const Vec3 first = cross(covariance[1], covariance[2]);
   const double determinant = dot(covariance[0], first);
-  const Vec3 x = Vec3{dot(first, b), dot(cross(covariance[2], covariance[0]), b),
-                      dot(cross(covariance[0], covariance[1]), b)} /
-                 determinant;
+  const Vec3 x =
+      Vec3{dot(first, b), dot(cross(covariance[2], covariance[0]), b), dot(cross(covariance[0], covariance[1]), b)} /
+      determinant;
   return is_finite(x) ? x : Vec3{};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Skin blend: the rest data from which the rule `skinned` bounds the corners of its nodes. It is computed once per body.
+// Skin blend: the rest data from which the rule `skinned` bounds the corners of its nodes. It is computed once per
+// body.
 //
 // A skin moves the corner at c + y, c the center of its node at rest, to sum_b w_b T_b c + A_b m_b: A_b is the linear
 // part of T_b, w_b the corner's weight of bone b, and m_b its moment w_b y. A cut corner has the same combination of

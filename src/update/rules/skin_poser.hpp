@@ -3,10 +3,10 @@
 // Skin poser: the transforms that can move a body with a skin, and the origin that follows them.
 #pragma once
 
+#include <algorithm>
 #include <morula/geometry/mesh.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/update/skin.hpp>
-#include <algorithm>
 #include <span>
 
 namespace morula::detail {

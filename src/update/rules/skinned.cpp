@@ -7,9 +7,9 @@
 // because its weights add up to 1 and its moments to y. With the fits w_b = W_b + g_b . y + e_b and
 // m_b = M_b + s_b y + f_b this is p = C + F y + sum e_b D_b c + D_b f_b, where
 //   C = T_r c + sum W_b D_b c + D_b M_b,   F = A_r + sum (D_b c) g_b^T + s_b D_b.
-// So |p - C| <= |F| |y| + strays, with strays = sum |e_b| |D_b c| + |D_b| |f_b|. Weights and moments vary smoothly over a
-// patch, so F follows most of their spread, and the strays are of second order in the size of the node.
-// [jones2017] has the center alone; its sphere may leave corners outside.
+// So |p - C| <= |F| |y| + strays, with strays = sum |e_b| |D_b c| + |D_b| |f_b|. Weights and moments vary smoothly over
+// a patch, so F follows most of their spread, and the strays are of second order in the size of the node. [jones2017]
+// has the center alone; its sphere may leave corners outside.
 //
 // At joints that bend far these spheres grow. Where one has grown by more than `loose`, two more are tried:
 //   shape  y = y_0 + L u with |u| <= 1, hence |p - (C + F y_0)| <= |F L| + strays; a patch is flat, and F may stretch
@@ -18,8 +18,8 @@
 //          of the bones [kavan2005]. It needs weights of at least 0.
 // The smallest is taken. The first has the tree's center at rest, where spheres stick out of the body the least.
 //
-// Rounding, all in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum of
-// |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
+// Rounding, all in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
+// of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
 //   the caller's own sum rest + sum w_b (T_b - 1) rest                  1.8 (n + 8) e L (X + S)
 //   C: D_b c to 20 e S; factors and their sum                           1.8 (n + 40) e Q (X + S)
 //   entries of F, times |y| <= 3.5 X                                    6.1 (n + 16) e (1 + Q) (X + S)
@@ -29,8 +29,8 @@
 // Allowed: 16 (n + 16) e ((L + Q) (X + S) + |origin|). Fits refer to the computed y: only A_r multiplies its rounding.
 // If the weights of a vertex add up to 1 +- s, its bone with the largest weight gets the rest, which moves it by up to
 // s |(T_b - 1) x|; allowed: 2 s S. If those of a cut corner do, it moves by 1.8 s S, and by up to 3.5 s (X + S) against
-// the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are positive
-// and pay by a share for their own arithmetic; the motion of the center by narrowing to float is measured.
+// the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are
+// positive and pay by a share for their own arithmetic; the motion of the center by narrowing to float is measured.
 #include <algorithm>
 #include <array>
 #include <cassert>
