@@ -36,7 +36,7 @@ class Body {
   /// are the tree's spheres in float, with radii rounded up (and enlarged further if UpdateOptions::conservative
   /// requires it). The other rules keep the tree's centers and compute their own radii; only `wrapped` with
   /// WrappedCenter::smallest also moves centers, and `skinned` where the corners of a node fit into a sphere of less
-  /// than half the size.
+  /// than a quarter of the size.
   ///
   /// Throws std::invalid_argument if mesh and model do not belong together (sizes, indices, regions, mesh hash); if the
   /// list of rules is empty or has an invalid rule; if an option is out of range; if modes or a skin are not finite,

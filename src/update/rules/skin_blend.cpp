@@ -175,7 +175,7 @@ BoneBall ball_of(std::span<const Share> shares) {
   return {shares.front().bone, row.shift, row.stray};
 }
 
-// A sphere about the node's center, or about the middle of its corners if that one is less than half as large.
+// A sphere about the node's center, or about the middle of its corners if that one is less than a quarter as large.
 Sphere rest_sphere(std::span<const Vec3> corners, const Vec3& center) {
   const ModeRow own = mode_row(corners);
   double farthest = 0, largest = max_norm(center);
@@ -184,7 +184,7 @@ Sphere rest_sphere(std::span<const Vec3> corners, const Vec3& center) {
     largest = std::max(largest, max_norm(p) + max_norm(center));
   }
   const double radius = rounded_up_radius(farthest, largest);
-  return own.stray < radius / 2 ? Sphere{own.shift, own.stray} : Sphere{center, radius};
+  return own.stray < radius / 4 ? Sphere{own.shift, own.stray} : Sphere{center, radius};
 }
 
 }  // namespace

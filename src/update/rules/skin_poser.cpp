@@ -87,7 +87,7 @@ BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> tran
   for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t));
   const double all = (largest_weights_ + factor_sum_) * (rest_reach_ + motion) + max_norm(origin);
   // mutant skinned-pad-of-few-terms: `(static_cast<double>(most_terms_) + 16)` -> `16`
-  // mutant skinned-pad-less: `49` -> `56`
+  // mutant skinned-pad-less: `49` -> `59`
   // mutant skinned-cut-slack: `8 *` -> `0 *`
   const double share = 0x1p-49 * (static_cast<double>(most_terms_) + 16) + 8 * cut_slack_;
   // mutant skinned-pad: `share * all` -> `0 * share * all`
