@@ -67,7 +67,8 @@ struct Difference {
   Vec3 operator()(const Vec3& p) const { return linear(p) + shift; }
 };
 
-// A ball around balls: around the two that are nearly farthest apart, then pulled toward the farthest a few times.
+// A ball around balls: around the two that are nearly farthest apart, then pulled toward the farthest a few times. For
+// two balls it is the smallest.
 Sphere ball_around(std::span<const Sphere> balls) {
   const auto measure = [&](const Vec3& center, double& reach) -> const Sphere& {
     std::size_t farthest = 0;
@@ -77,14 +78,15 @@ Sphere ball_around(std::span<const Sphere> balls) {
     return balls[farthest];
   };
   Sphere best;
-  const Sphere& a = measure(balls[0].center, best.radius);
-  const Sphere& b = measure(a.center, best.radius);
+  const bool are_two = balls.size() == 2;
+  const Sphere& a = are_two ? balls[0] : measure(balls[0].center, best.radius);
+  const Sphere& b = are_two ? balls[1] : measure(a.center, best.radius);
   const double gap = distance(a.center, b.center);
   best.center = a.center;
   if (gap > 0) best.center += (b.center - a.center) * std::clamp(0.5 + (b.radius - a.radius) / (2 * gap), 0.0, 1.0);
   const Sphere* farthest = &measure(best.center, best.radius);
   Sphere pulled = best;
-  constexpr int pulls = 4;
+  const int pulls = are_two ? 0 : 4;
   for (int k = 1; k <= pulls; ++k) {
     pulled.center += (farthest->center - pulled.center) * (0.25 / k);
     farthest = &measure(pulled.center, pulled.radius);
@@ -161,7 +163,7 @@ class SkinnedRule final : public RuleEngine {
   // The smallest of the bounds; its center is a displacement of the node's. of_main: by the main bone alone.
   Sphere blended(const BlendNode& n, const Sphere& of_main) const noexcept {
     std::array<Vec3, 3> columns = bones_[n.bone].columns;
-    for (int k = 0; k < 3; ++k) columns[k][k] += 1;
+    columns[0].x += 1, columns[1].y += 1, columns[2].z += 1;
     Sphere s = of_main;
     double strays = 0;
     for (std::uint32_t i = n.first_term; i < n.end_term; ++i) {
@@ -169,7 +171,9 @@ class SkinnedRule final : public RuleEngine {
       const Difference& pair = pairs_[t.pair];
       const Vec3 move = pair(n.rest.center);
       s.center += t.weight * move + pair.linear(t.moment);
-      for (int k = 0; k < 3; ++k) columns[k] += t.slope[k] * move + t.scale * pair.columns[k];
+      columns[0] += t.slope.x * move + t.scale * pair.columns[0];
+      columns[1] += t.slope.y * move + t.scale * pair.columns[1];
+      columns[2] += t.slope.z * move + t.scale * pair.columns[2];
       strays += t.weight_stray * length(move) + t.moment_stray * pair.stretch;
     }
     // mutant skinned-strays: `n.rest.radius + strays` -> `n.rest.radius`
