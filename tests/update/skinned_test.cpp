@@ -119,24 +119,20 @@ TEST(Skin, products_of_transforms_apply_the_right_one_first) {
   EXPECT_GT(distance((b * a)(p), a(b(p))), 0.1);
 }
 
-// One facet with a bone a corner: the node's weights are a third each.
-TEST(Skinned, a_sphere_is_moved_by_mean_weights_and_grows_by_the_largest_stretch) {
+// The facet's corners follow a second bone, which stretches uniformly, by a third.
+TEST(Skinned, a_sphere_follows_the_blend_of_transforms) {
   const Specimen& b = specimens().back();
   ASSERT_EQ(b.mesh.facet_count(), 1u);
-  ASSERT_EQ(b.mesh.vertex_count(), 3u);
-  ASSERT_EQ(b.model.cover.cut_points.size(), 0u);
-  Body body(b.mesh, b.model, with_skin({3, {0, 1, 2, 3}, {0, 1, 2}, {1, 1, 1}}));
-  Transforms transforms(3);
-  transforms[0].columns = {Vec3{4, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  // x is stretched fourfold
+  const double third = 1.0 / 3;
+  const std::vector<double> weights{1 - third, third, 1 - third, third, 1 - third, third};
+  Body body(b.mesh, b.model, with_skin({2, {0, 2, 4, 6}, {0, 1, 0, 1, 0, 1}, weights}));
+  const Sphere rest = body.sphere(0);
+  Transforms transforms(2);
+  transforms[1].columns = {Vec3{1.6, 0, 0}, Vec3{0, 1.6, 0}, Vec3{0, 0, 1.6}};
   transforms[1].translation = {0, 6, 0};
   ASSERT_TRUE(body.update_skinned(transforms));
-  const Sphere rest = b.model.tree.spheres[0], now = body.sphere(0);
-  // Mean of the three: x doubled, y shifted by two.
-  EXPECT_NEAR(now.center.x, 2 * rest.center.x, 1e-6);
-  EXPECT_NEAR(now.center.y, rest.center.y + 2, 1e-6);
-  EXPECT_NEAR(now.center.z, rest.center.z, 1e-6);
-  EXPECT_GE(now.radius, 2 * rest.radius * (1 - 1e-6));
-  EXPECT_LE(now.radius, 2 * rest.radius * 1.03);
+  EXPECT_LE(distance(body.sphere(0).center, 1.2 * rest.center + Vec3{0, 2, 0}), 1e-5);
+  EXPECT_NEAR(body.sphere(0).radius, 1.2 * rest.radius, 1e-5 * rest.radius);
 }
 
 TEST(Skinned, identity_is_rest_bit_for_bit_and_rest_is_the_tree) {
@@ -145,8 +141,10 @@ TEST(Skinned, identity_is_rest_bit_for_bit_and_rest_is_the_tree) {
     const std::uint64_t rest = body.hash();
     for (std::uint32_t node = 0; node < b.model.tree.node_count(); ++node) {
       const Sphere& own = b.model.tree.spheres[node];
-      EXPECT_LE(distance(body.sphere(node).center, own.center), 1e-6 * (1 + length(own.center))) << b.name;
-      EXPECT_GE(body.sphere(node).radius, own.radius) << b.name << ' ' << node;
+      // Corners that fit into a much smaller sphere get that one.
+      if (body.sphere(node).radius > 0.25 * own.radius) {
+        EXPECT_LE(distance(body.sphere(node).center, own.center), 1e-6 * (1 + length(own.center))) << b.name;
+      }
       EXPECT_LE(body.sphere(node).radius, own.radius * (1 + 1e-6) + 1e-6) << b.name << ' ' << node;
     }
     ASSERT_TRUE(body.update_skinned(some_transforms(4, 1, 3)));
@@ -223,28 +221,21 @@ TEST(Skinned, levels_mix_with_those_that_follow_positions) {
   }
 }
 
-TEST(Skinned, promises_no_cover_unless_it_is_made_to) {
+TEST(Skinned, promises_cover_and_reads_no_vertex) {
   const Specimen& b = specimens()[2];
   const Skin skin = some_skin(b.mesh, 5);
-  // Some pose in which bones of one node disagree: the surface comes out.
   const Transforms transforms = some_transforms(5, 1, 2);
   std::vector<Vec3> positions(b.mesh.vertex_count());
   move_by_skin(skin, b.mesh.positions, transforms, positions);
-  EXPECT_FALSE(traits(Rule::skinned).covers);
-  for (const bool conservative : {false, true}) {
-    UpdateOptions options = with_skin(skin);
-    options.conservative = conservative;
-    EXPECT_EQ(covers(options), conservative);
-    EXPECT_EQ(covers(options, Rule::skinned), conservative);
-    Body body(b.mesh, b.model, options);
-    EXPECT_EQ(body.sphere_state().covers, conservative);
-    const UpdateStatus status = body.update_skinned(transforms);
-    ASSERT_TRUE(status);
-    EXPECT_EQ(status.vertices_read > 0, conservative);
-    EXPECT_EQ(certify(b.model.cover, positions, test::spheres_of(body)).covered, conservative);
-  }
-  EXPECT_FALSE(covers(with_skin(skin, {Rule::wrapped, Rule::skinned})));
-  EXPECT_FALSE(covers(with_skin(skin, {Rule::wrapped, Rule::skinned}), Rule::wrapped));
+  EXPECT_TRUE(traits(Rule::skinned).covers);
+  Body body(b.mesh, b.model, with_skin(skin));
+  EXPECT_TRUE(covers(body.options()));
+  EXPECT_TRUE(body.sphere_state().covers);
+  const UpdateStatus status = body.update_skinned(transforms);
+  ASSERT_TRUE(status);
+  EXPECT_EQ(status.vertices_read, 0u);
+  EXPECT_TRUE(certify(b.model.cover, positions, test::spheres_of(body)).covered);
+  EXPECT_TRUE(covers(with_skin(skin, {Rule::wrapped, Rule::skinned}), Rule::wrapped));
 }
 
 TEST(Skinned, bad_input_is_named_and_changes_nothing) {
@@ -344,7 +335,8 @@ TEST(Rules, every_rule_has_a_name_of_its_own_and_knows_what_it_follows) {
   EXPECT_EQ(name(static_cast<Rule>(200)), "unknown");
   // Written down by hand: the table must not learn what cover is from itself.
   EXPECT_TRUE(covers({.rules = {Rule::exact, Rule::wrapped, Rule::modal}}));
-  for (const Rule rule : {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2, Rule::skinned}) {
+  EXPECT_TRUE(covers({.rules = {Rule::exact, Rule::wrapped, Rule::skinned}}));
+  for (const Rule rule : {Rule::traditional, Rule::weighted, Rule::approach1, Rule::approach2}) {
     EXPECT_FALSE(covers({.rules = {rule}}));
     EXPECT_FALSE(covers({.rules = {Rule::exact, rule}}));
     EXPECT_FALSE(covers({.rules = {Rule::wrapped, rule}}, Rule::wrapped));

@@ -216,7 +216,7 @@ std::string growth_table(const Outcome& outcome) {
   return table.text();
 }
 
-// "exact, wrapped and modal".
+// "exact, wrapped, modal and skinned".
 std::string covering_rules() {
   std::vector<std::string_view> names;
   for (const RuleTraits& row : rule_table) {

@@ -35,7 +35,8 @@ class Body {
   /// The body starts at rest, with the spheres that update(mesh.positions) computes. With approach1 and approach2 these
   /// are the tree's spheres in float, with radii rounded up (and enlarged further if UpdateOptions::conservative
   /// requires it). The other rules keep the tree's centers and compute their own radii; only `wrapped` with
-  /// WrappedCenter::smallest also moves centers.
+  /// WrappedCenter::smallest also moves centers, and `skinned` where the corners of a node fit into a sphere of less
+  /// than a quarter of the size.
   ///
   /// Throws std::invalid_argument if mesh and model do not belong together (sizes, indices, regions, mesh hash); if the
   /// list of rules is empty or has an invalid rule; if an option is out of range; if modes or a skin are not finite,
@@ -96,10 +97,10 @@ class Body {
   /// Updates all spheres to the given transforms T of the bones of UpdateOptions::skin, relative to rest: vertex i is
   /// then at rest_i + sum_b w_ib (T_b rest_i - rest_i).
   ///
-  /// transforms: one per bone, finite; the identity for all gives rest, bit for bit. On levels of the rule `skinned`
-  /// each sphere follows the blend of the transforms by the mean weights of its region. Such a level may leave surface
-  /// uncovered; covers(options(), rule) is true for rules that guarantee cover. Levels of other rules follow the
-  /// positions of move_by_skin(), which the update computes first, and keep their own guarantees.
+  /// transforms: one per bone, finite, affine: singular, mirrored and uneven ones also; the identity for all gives rest,
+  /// bit for bit. Spheres on levels of the rule `skinned` contain every corner that their nodes own, both for positions
+  /// summed in double (move_by_skin) and in exact arithmetic. Levels of other rules follow these positions, which the
+  /// update computes first, and keep their own guarantees.
   ///
   /// Rejects bad transforms, and a body without a skin or with levels of the rule `modal`; the last good spheres then
   /// stay, and is_current() is false. Allocates nothing. The result has the same bits for any number of workers. Cost:

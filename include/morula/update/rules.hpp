@@ -28,7 +28,8 @@ enum class Rule : std::uint8_t {
   wrapped,      ///< bottom-up: a sphere around the children's, hence nested; covers if they do. Leaves: `exact`
   modal,        ///< follows the coordinates of a modal model alone, over owned corners [james2004]; covers for these
                 ///< coordinates
-  skinned,      ///< moved and resized by the transforms of a skin's bones [jones2017]; surface may stay uncovered
+  skinned,      ///< follows the transforms of a skin's bones alone, over owned corners [jones2017, kavan2005]; covers
+                ///< at these transforms
 };
 
 /// The properties of a rule, in one place for names, checks and certificates.
@@ -55,7 +56,7 @@ inline constexpr std::array rule_table{
     RuleTraits{Rule::exact, "exact", RuleTraits::Follows::positions, RuleTraits::Reads::corners, true},
     RuleTraits{Rule::wrapped, "wrapped", RuleTraits::Follows::positions, RuleTraits::Reads::children, true},
     RuleTraits{Rule::modal, "modal", RuleTraits::Follows::modes, RuleTraits::Reads::nothing, true},
-    RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, false},
+    RuleTraits{Rule::skinned, "skinned", RuleTraits::Follows::bones, RuleTraits::Reads::nothing, true},
 };
 
 /// True for an enumerator, false for other numbers.

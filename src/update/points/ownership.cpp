@@ -217,6 +217,20 @@ Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder
   return result;
 }
 
+std::vector<std::uint32_t> corners_of(const Ownership& ownership, const Cover& cover, std::uint32_t first_leaf,
+                                      std::uint32_t end_leaf) {
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t i = ownership.begin[first_leaf]; i < ownership.begin[end_leaf]; ++i) {
+    const std::uint32_t point = ownership.points[i];
+    const std::size_t vertices = ownership.vertices.size();
+    corners.push_back(point < vertices ? ownership.vertices[point]
+                                       : cover.vertex_count + ownership.cut_points[point - vertices]);
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
 void share_levels(const MeshView& mesh, const SphereTree& tree, const Cover& cover, const LeafOrder& order,
                   double tolerance, Ownership& ownership) {
   constexpr std::uint32_t none = 0xffffffffu;

@@ -51,6 +51,9 @@ bool is_on_edge(const CutPoint& cut_point);
 /// FacetHull::surround; a caller that gives one must have it in its error budget.
 Ownership share_points(const MeshView& mesh, const Cover& cover, const LeafOrder& order,
                        std::span<const std::uint8_t> needs_cut_points, double tolerance);
+/// The corners of the cover that the leaves from first_leaf to end_leaf - 1 of the order own, each once, ascending.
+std::vector<std::uint32_t> corners_of(const Ownership& ownership, const Cover& cover, std::uint32_t first_leaf,
+                                      std::uint32_t end_leaf);
 /// Fills tested_from: a node tests each point once, in the first leaf below it that owns it, and only those cut points
 /// that surround the others which its leaves test, within the tolerance of FacetHull::surround. All corners that it
 /// owns then lie within twice the tolerance of the hull of the corners that it tests: leaves leave out within one, this

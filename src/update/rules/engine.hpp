@@ -40,7 +40,7 @@ struct TreeRules {
 /// Posers of the nodes of some rules; the body makes them before any engine. Null if the body has no such model.
 struct Posers {
   ModalPoser* modal;  ///< the engine of `modal` adds the rows of its nodes
-  const SkinPoser* skin;
+  SkinPoser* skin;    ///< the engine of `skinned` adds the rest data of its nodes
 };
 
 /// Inputs of engines while a body is made; the body fills them once, before its first engine.

@@ -42,21 +42,6 @@ constexpr std::size_t nodes_per_chunk = 32;
 // them stay far inside the range of float.
 constexpr double largest_displacement = 0x1p55;
 
-// Corners of the cover that a node has to contain, each once.
-std::vector<std::uint32_t> corners_of(const Ownership& ownership, const Cover& cover, std::uint32_t first_leaf,
-                                      std::uint32_t end_leaf) {
-  std::vector<std::uint32_t> corners;
-  for (std::uint32_t i = ownership.begin[first_leaf]; i < ownership.begin[end_leaf]; ++i) {
-    const std::uint32_t point = ownership.points[i];
-    const std::size_t vertices = ownership.vertices.size();
-    corners.push_back(point < vertices ? ownership.vertices[point]
-                                       : cover.vertex_count + ownership.cut_points[point - vertices]);
-  }
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  return corners;
-}
-
 }  // namespace
 
 void require_modes(const Modes& modes, const MeshView& mesh) {

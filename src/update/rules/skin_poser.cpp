@@ -8,6 +8,7 @@
 #include <string>
 
 #include "update/points/narrow.hpp"
+#include "update/rules/skin_blend.hpp"
 
 namespace morula::detail {
 namespace {
@@ -38,8 +39,7 @@ void require_skin(const Skin& skin, const MeshView& mesh) {
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     double sum = 0;
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k) sum += skin.weights[k];
-    constexpr double tolerance = 1e-6;
-    if (used[v] != 0 && !(std::abs(sum - 1) <= tolerance))
+    if (used[v] != 0 && !(std::abs(sum - 1) <= weight_tolerance))
       throw std::invalid_argument("the skin's weights of vertex " + std::to_string(v) + " add up to " +
                                   std::to_string(sum) + ", not to 1");
   }
@@ -51,21 +51,30 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
   guide_rest_ = mesh.positions[guide_];
   for (const std::uint32_t v : used_vertices) {
     rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
-    double sum = 0;
-    for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k) sum += std::abs(skin.weights[k]);
-    largest_weights_ = std::max(largest_weights_, sum);
+    double sum = 0, absolute = 0;
+    for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k)
+      sum += skin.weights[k], absolute += std::abs(skin.weights[k]);
+    largest_weights_ = std::max(largest_weights_, absolute);
+    skin_slack_ = std::max(skin_slack_, std::abs(1 - sum));
+    most_terms_ = std::max<std::size_t>(most_terms_, skin.begin[v + 1] - skin.begin[v]);
   }
   for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
+  for (const CutPoint& c : model.cover.cut_points)
+    cut_slack_ = std::max(cut_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
+}
+
+// At least the largest |component| of the displacement of a point at rest.
+double SkinPoser::motion_of(const AffineTransform& t) const noexcept {
+  const double across = max_norm(t.columns[0] - Vec3{1, 0, 0}) + max_norm(t.columns[1] - Vec3{0, 1, 0}) +
+                        max_norm(t.columns[2] - Vec3{0, 0, 1});
+  return across * rest_reach_ + max_norm(t.translation);
 }
 
 bool SkinPoser::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad)
     if (!is_finite(transforms[first_bad])) return false;
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad) {
-    const AffineTransform& t = transforms[first_bad];
-    const double across = max_norm(t.columns[0] - Vec3{1, 0, 0}) + max_norm(t.columns[1] - Vec3{0, 1, 0}) +
-                          max_norm(t.columns[2] - Vec3{0, 0, 1});
-    if (!(largest_weights_ * (across * rest_reach_ + max_norm(t.translation)) <= largest_displacement)) return false;
+    if (!(largest_weights_ * motion_of(transforms[first_bad]) <= largest_displacement)) return false;
   }
   first_bad = 0;
   return true;
@@ -73,7 +82,17 @@ bool SkinPoser::accepts(std::span<const AffineTransform> transforms, std::size_t
 
 BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept {
   const Vec3 guide = skinned_vertex(skin, guide_, guide_rest_, transforms);
-  return {transforms, origin_near(rest_origin_ + (guide - guide_rest_), size_)};
+  const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
+  double motion = 0;
+  for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t));
+  const double all = (largest_weights_ + factor_sum_) * (rest_reach_ + motion) + max_norm(origin);
+  // mutant skinned-pad-of-few-terms: `(static_cast<double>(most_terms_) + 16)` -> `16`
+  // mutant skinned-pad-less: `49` -> `59`
+  // mutant skinned-cut-slack: `8 *` -> `0 *`
+  const double share = 0x1p-49 * (static_cast<double>(most_terms_) + 16) + 8 * cut_slack_;
+  // mutant skinned-pad: `share * all` -> `0 * share * all`
+  // mutant skinned-skin-slack: `2 *` -> `0 *`
+  return {transforms, origin, share * all + 2 * skin_slack_ * motion};
 }
 
 }  // namespace morula::detail

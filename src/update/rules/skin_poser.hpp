@@ -3,6 +3,7 @@
 // Skin poser: the transforms that can move a body with a skin, and the origin that follows them.
 #pragma once
 
+#include <algorithm>
 #include <morula/geometry/mesh.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/update/skin.hpp>
@@ -32,7 +33,8 @@ inline Vec3 skinned_vertex(const Skin& skin, std::size_t i, const Vec3& rest,
 /// Values that all nodes share at some transforms.
 struct BonePose {
   std::span<const AffineTransform> transforms;
-  Vec3 origin;  ///< origin of the spheres, as LocalPoints computes it for the moved positions, bit for bit
+  Vec3 origin;     ///< origin of the spheres, as LocalPoints computes it for the moved positions, bit for bit
+  double pad = 0;  ///< length that radii are rounded up by (skinned.cpp)
 };
 
 class SkinPoser {
@@ -47,12 +49,26 @@ class SkinPoser {
   /// transforms must be accepted; they are not copied.
   BonePose pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept;
 
+  /// The largest |coordinate| at rest, of vertices and centers.
+  double rest_reach() const { return rest_reach_; }
+  /// Pads pay for the rounding of sums with these factors and as many terms (SkinBlend).
+  void add_blend(double factor_sum, std::size_t most_terms) {
+    factor_sum_ = std::max(factor_sum_, factor_sum);
+    most_terms_ = std::max(most_terms_, most_terms);
+  }
+
  private:
+  double motion_of(const AffineTransform& t) const noexcept;
+
   std::uint32_t guide_;
   Vec3 guide_rest_, rest_origin_;
   double size_;
   double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centers
   double largest_weights_ = 1;  // largest sum of |weights| of a vertex
+  double factor_sum_ = 0;
+  std::size_t most_terms_ = 0;  // largest number of terms of a node, or of influences of a vertex
+  double cut_slack_ = 0;        // largest |1 - sum of weights| of a cut point
+  double skin_slack_ = 0;       // largest |1 - sum of weights| of a vertex
 };
 
 }  // namespace morula::detail
