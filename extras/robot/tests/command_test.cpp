@@ -65,6 +65,26 @@ TEST(RobotCommand, inner_spheres_have_files_of_their_own) {
   EXPECT_NE(text.find("each proven to be inside its link, fill"), std::string::npos) << text;
 }
 
+TEST(RobotCommand, false_self_collisions_are_told_by_pair) {
+  Workbench bench;
+  bench.write("mill.urdf", R"(<robot name="mill">
+    <link name="base"><collision><origin xyz="0 0 0.5"/><geometry><box size="1 1 1"/></geometry></collision></link>
+    <link name="shaft"/>
+    <link name="arm"><collision><origin xyz="0 0 1.2"/><geometry><box size="2 0.2 0.2"/></geometry></collision></link>
+    <link name="core"><collision><origin xyz="0 0 0.5"/><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>
+    <joint name="turn" type="revolute"><parent link="base"/><child link="shaft"/><axis xyz="0 0 1"/>
+      <limit lower="-3" upper="3"/></joint>
+    <joint name="hold" type="fixed"><parent link="shaft"/><child link="arm"/></joint>
+    <joint name="fix" type="fixed"><parent link="shaft"/><child link="hub"/></joint>
+    <link name="hub"/>
+    <joint name="in" type="revolute"><parent link="hub"/><child link="core"/><axis xyz="0 0 1"/>
+      <limit lower="-3" upper="3"/></joint>
+  </robot>)");
+  const std::string line = "robot mill.urdf -o out --self-collision --max-total 12 --format csv";
+  const nlohmann::json rates = bench.require(line + " --json").json()["false_collisions"];
+  ADD_FAILURE() << rates.dump(1) << bench.require(line).out;
+}
+
 TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
   Workbench bench;
   with_gripper(bench);
