@@ -32,14 +32,15 @@ double sum_of_radii(const Pieces& pieces) {
 
 }  // namespace
 
-double SelfSearch::gain_of(const Change& change, double& present) const {
+OverlapTable::Effect SelfSearch::effect_of(const Change& change, double& present) const {
   const Pieces& own = table.pieces(change.link);
   if (present < 0) present = volume_of(own);
   Pieces then = change.added;
   for (std::size_t i = 0; change.removed != none && i < own.size(); ++i)
     if (i != change.removed) then.push_back(own[i]);
-  return table.effect(change).gain / static_cast<double>(samples) +
-         weight_of_volume * (present - volume_of(then)) / volume;
+  OverlapTable::Effect effect = table.effect(change);
+  effect.gain = effect.gain / static_cast<double>(samples) + weight_of_volume * (present - volume_of(then)) / volume;
+  return effect;
 }
 
 Candidate SelfSearch::best_change(std::size_t link) const {
@@ -49,8 +50,10 @@ Candidate SelfSearch::best_change(std::size_t link) const {
   double present = -1;
   const auto consider = [&](Change change) {
     const std::size_t added = change.added.size() - (change.removed == none ? own.size() : 1);
-    const double gain = gain_of(change, present);
+    const auto [gain, more_false] = effect_of(change, present);
     const double score = added == 0 ? 1e6 * gain : gain / static_cast<double>(added);
+    // Once no configuration is false, none becomes false.
+    if (more_false > 0 && table.false_samples() == 0) return;
     if (score > best.score && gain > (added == 0 ? least_gain : 0)) best = {std::move(change), added, score};
   };
   for (const std::vector<Pieces>& fit : fits)
@@ -92,7 +95,7 @@ void SelfSearch::leave_out(std::size_t link, double worth, Workers& workers) {
   if (stays[link] || table.pieces(link).size() < 2) return;
   double present = -1;
   const Change again{link, none, makers[link]->reassigned(table.pieces(link))};
-  if (gain_of(again, present) > 0) table.apply(again, workers);
+  if (effect_of(again, present).gain > 0) table.apply(again, workers);
   while (!stop.stop_requested()) {
     const Change change = cheapest_without(link, worth, workers);
     if (change.added.empty()) break;
@@ -116,7 +119,8 @@ Change SelfSearch::cheapest_without(std::size_t link, double worth, Workers& wor
   double least = worth, present = -1;
   for (auto& [growth, rest] : fewer) {
     Change change{link, none, std::move(rest)};
-    if (const double loss = -gain_of(change, present); loss < least) least = loss, best = std::move(change);
+    const auto [gain, more_false] = effect_of(change, present);
+    if ((more_false <= 0 || table.false_samples() > 0) && -gain < least) least = -gain, best = std::move(change);
   }
   return best;
 }

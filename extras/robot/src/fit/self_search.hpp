@@ -27,9 +27,9 @@ struct SelfSearch {
   double volume;                                           // of all links in one sphere each
   const std::stop_token& stop;
 
-  /// The decrease of the objective by a change: the costs of overlaps, and outside volume. present: volume of the
-  /// link's spheres; below 0: it is computed.
-  double gain_of(const Change& change, double& present) const;
+  /// The gain is the decrease of the objective by a change: the costs of overlaps, and outside volume. present: volume
+  /// of the link's spheres; below 0: it is computed.
+  OverlapTable::Effect effect_of(const Change& change, double& present) const;
   /// The best change of a link that adds spheres or moves one. Safe to call for different links at once.
   Candidate best_change(std::size_t link) const;
   /// Leaves out spheres of a link as long as one increases the objective by less than `worth`.
