@@ -174,11 +174,16 @@ std::vector<std::string> self_fit_lines(const robot::Robot& robot, const robot::
       "number of spheres placed by volume",
       100 * fit.rates.false_share, fit.rates.samples, 100 * fit.rates.surfaces, 100 * fit.evenly.false_share)};
   constexpr std::size_t most_pairs = 5;
-  for (std::size_t i = 0; i < std::min(most_pairs, fit.rates.pairs.size()); ++i) {
-    const robot::SelfPairRate& pair = fit.rates.pairs[i];
-    if (!(pair.false_share > 0)) break;
-    lines.push_back(fmt::format("{}-{}: {:.1f} % by spheres, {:.1f} % by shapes", robot.links[pair.a].name,
-                                robot.links[pair.b].name, 100 * pair.spheres, 100 * pair.surfaces));
+  std::size_t shown = 0;
+  for (const robot::SelfPairRate& pair : fit.rates.pairs) {
+    const std::string names = fmt::format("{}-{}", robot.links[pair.a].name, robot.links[pair.b].name);
+    if (pair.always_collides) {
+      lines.push_back(fmt::format("{}: always collide, by shapes in {:.1f} %; the pair does not count", names,
+                                  100 * pair.surfaces));
+    } else if (pair.false_share > 0 && ++shown <= most_pairs) {
+      lines.push_back(
+          fmt::format("{}: {:.1f} % by spheres, {:.1f} % by shapes", names, 100 * pair.spheres, 100 * pair.surfaces));
+    }
   }
   if (!fit.steps.empty() && fit.steps.back().spheres > fit.spheres.sphere_count()) {
     lines.push_back(
@@ -194,7 +199,8 @@ Json self_fit_json(const robot::Robot& robot, const robot::SelfFit& fit) {
       pairs.push_back({{"links", Json{robot.links[pair.a].name, robot.links[pair.b].name}},
                        {"spheres", pair.spheres},
                        {"surfaces", pair.surfaces},
-                       {"false_share", pair.false_share}});
+                       {"false_share", pair.false_share},
+                       {"always_collide", pair.always_collides}});
     }
     return Json{{"samples", rates.samples},
                 {"spheres", rates.spheres},

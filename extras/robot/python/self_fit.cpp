@@ -27,7 +27,8 @@ void bind_robot_self_fit(nb::module_& m) {
           "b", [](const SelfPairRate& p) { return index_or_none(p.b); }, doc::SelfPairRate_a)
       .field("spheres", &SelfPairRate::spheres, doc::SelfPairRate_spheres)
       .field("surfaces", &SelfPairRate::surfaces, doc::SelfPairRate_surfaces)
-      .field("false_share", &SelfPairRate::false_share, doc::SelfPairRate_false_share);
+      .field("false_share", &SelfPairRate::false_share, doc::SelfPairRate_false_share)
+      .field("always_collides", &SelfPairRate::always_collides, doc::SelfPairRate_always_collides);
   Record<SelfRates>(m, "SelfRates", doc::SelfRates)
       .field("samples", &SelfRates::samples)
       .field("spheres", &SelfRates::spheres, doc::SelfRates_spheres)

@@ -66,6 +66,49 @@ TEST(RobotCommand, inner_spheres_have_files_of_their_own) {
   EXPECT_NE(text.find("each proven to be inside its link, fill"), std::string::npos) << text;
 }
 
+/// A post with a core inside, a bar that turns above it, and a block in the bar's way, all on the same ground.
+TEST(RobotCommand, false_self_collisions_are_told_by_pair) {
+  Workbench bench;
+  std::string urdf = R"(<robot name="turnstile">)";
+  const auto add = [&](const std::string& name, const std::string& center, const std::string& size) {
+    urdf += "<link name=\"" + name + "\"><collision><origin xyz=\"" + center + "\"/><geometry><box size=\"" + size +
+            "\"/></geometry></collision></link>";
+    if (name == "ground") return;
+    urdf += "<joint name=\"to_" + name + "\" type=\"" + (name == "bar" ? "revolute" : "fixed") +
+            "\"><parent link=\"ground\"/><child link=\"" + name +
+            "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-3.14\" upper=\"3.14\"/></joint>";
+  };
+  add("ground", "0 0 -5", "0.2 0.2 0.2");
+  add("post", "0 0 -0.5", "1 1 1");
+  add("core", "0 0 -0.5", "0.4 0.4 0.4");
+  add("bar", "0.5 0 0.3", "2 0.2 0.2");
+  add("block", "-1.2 0 0.3", "0.2 0.2 0.2");
+  bench.write("turnstile.urdf", urdf + "</robot>");
+  const std::string line = "robot turnstile.urdf -o out --self-collision --max-total 8 --format csv --samples 0";
+  const nlohmann::json rates = bench.require(line + " --json").json()["false_collisions"];
+  const auto pair_of = [&](const nlohmann::json& list, const char* a, const char* b) -> nlohmann::json {
+    for (const nlohmann::json& pair : list)
+      if (pair["links"] == nlohmann::json({a, b})) return pair;
+    return {};
+  };
+  const nlohmann::json inside = pair_of(rates["pairs"], "post", "core"), bar = pair_of(rates["pairs"], "post", "bar"),
+                       block = pair_of(rates["pairs"], "bar", "block");
+  ASSERT_TRUE(inside.is_object() && bar.is_object() && block.is_object()) << rates.dump(1);
+  EXPECT_EQ(inside["always_collide"], true);
+  EXPECT_EQ(inside["surfaces"], 1.0);
+  EXPECT_EQ(bar["always_collide"], false);
+  EXPECT_EQ(bar["surfaces"], 0.0);
+  EXPECT_GT(bar["false_share"], 0.0);
+  EXPECT_EQ(block["always_collide"], false);
+  EXPECT_GT(block["surfaces"], 0.0);
+  EXPECT_EQ(rates["surfaces"], block["surfaces"]);
+  EXPECT_LE(rates["false_share"], rates["evenly"]["false_share"]);
+  EXPECT_GT(rates["steps"].back()["spheres"], 8);
+  const std::string text = bench.require(line).out;
+  for (const char* words : {"post-core: always collide", "post-bar: ", "placed by volume", " spheres would leave "})
+    EXPECT_NE(text.find(words), std::string::npos) << text;
+}
+
 TEST(RobotCommand, clip_planes_are_told_and_nonsense_is_refused) {
   Workbench bench;
   with_gripper(bench);

@@ -96,25 +96,54 @@ TEST(SelfFit, a_block_inside_another_collides) {
   ASSERT_NE(inner, rates.pairs.end());
   EXPECT_EQ(inner->surfaces, 1);
   // A pair that always collides does not hide the others.
+  EXPECT_TRUE(inner->always_collides);
   EXPECT_EQ(rates.surfaces, 0);
+  for (const robot::SelfPairRate& pair : rates.pairs) EXPECT_EQ(pair.always_collides, pair.surfaces >= 0.95);
 }
 
+/// Bar and post are flat, and a tenth of the post apart in every configuration: one large sphere each overlaps.
 TEST(SelfFit, more_spheres_are_never_worse_and_the_total_holds) {
-  Robot made = turnstile(0.4);
+  Robot made = turnstile(0.1);
   double last = 1;
-  for (const std::size_t total : {8, 24}) {
-    const robot::SelfFit fit = robot::fit_for_self_collision(made, {.max_total = total}, {.samples = 100});
+  std::vector<robot::SelfFitStep> steps;
+  for (const std::size_t total : {16, 32, 64, 128}) {
+    const robot::SelfFit fit = robot::fit_for_self_collision(made, {.max_total = total}, {.samples = 60});
     EXPECT_TRUE(fit.spheres.covered());
     EXPECT_LE(fit.spheres.sphere_count(), total);
     EXPECT_LE(fit.rates.false_share, last);
     EXPECT_EQ(fit.rates.surfaces, fit.evenly.surfaces);
     last = fit.rates.false_share;
+    // A fit with a larger total starts with the same steps, and each of these fits reaches its own.
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      EXPECT_EQ(fit.steps[i].spheres, steps[i].spheres);
+      EXPECT_EQ(fit.steps[i].false_share, steps[i].false_share);
+    }
+    steps.clear();
+    for (const robot::SelfFitStep& step : fit.steps) {
+      if (step.spheres <= total) steps.push_back(step);
+    }
+    EXPECT_NEAR(steps.back().false_share, last, 1e-12);
     for (std::size_t i = 1; i < fit.steps.size(); ++i) {
-      EXPECT_GE(fit.steps[i].spheres, fit.steps[i - 1].spheres);
+      EXPECT_GT(fit.steps[i].spheres, fit.steps[i - 1].spheres);
       EXPECT_LE(fit.steps[i].false_share, fit.steps[i - 1].false_share);
     }
   }
   EXPECT_LT(last, 0.1);
+}
+
+TEST(SelfFit, options_without_a_number_are_refused) {
+  const Robot made = turnstile(0.4);
+  const auto message_of = [&](const robot::FitOptions& fit) -> std::string {
+    try {
+      (void)robot::fit_for_self_collision(made, fit, {.samples = 1});
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message_of({.max_protrusion = 0.1}).substr(0, 15), "max_protrusion:");
+  EXPECT_EQ(message_of({.max_protrusion_share = 0.1}).substr(0, 21), "max_protrusion_share:");
+  EXPECT_EQ(message_of({.max_radius = 0.1}).substr(0, 11), "max_radius:");
 }
 
 TEST(SelfFit, workers_do_not_matter_and_kept_spheres_stay) {

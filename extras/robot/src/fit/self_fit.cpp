@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <morula/geometry/enclosing_sphere.hpp>
-#include <morula/query/signed_distance.hpp>
 #include <morula/robot/self_fit.hpp>
+#include <numeric>
 #include <stdexcept>
+#include <string>
 
-#include "fit/clip.hpp"
-#include "fit/rounding.hpp"
-#include "fit/self_table.hpp"
+#include "fit/self_search.hpp"
 #include "fit/sphere_group.hpp"
 
 namespace morula::robot {
@@ -18,48 +15,21 @@ namespace morula::robot {
 namespace {
 
 constexpr std::array<std::size_t, 9> counts{1, 2, 3, 4, 6, 8, 12, 16, 32};  // of fits of whole links
-constexpr std::array<std::size_t, 4> parts{1, 2, 3, 4};  // that replace one sphere; 1: it moves inward
-constexpr std::size_t divided_at_once = 4;               // parts of a link that each step considers
-constexpr double bound_factor = 1.25;                    // of the radius of a link's ball: no part reaches farther
-constexpr double weight_of_volume =
-    0.4;  // of a false overlap in every sample per volume of all links in one sphere each
+constexpr std::size_t spheres_between = 8;  // spheres are left out each time when so many were added
+constexpr double worth_of_sphere = 0.5;     // a sphere that does less of what the next one does is left out
+constexpr double bound_factor = 1.25;       // of the radius of a link's ball: no part reaches farther
 
-/// The sphere around points whose protrusion out of an object, bounded by radius + signed distance of the center, is
-/// least, by a search from the given center.
-Sphere least_protruding(const Mesh& region, const SignedDistance& object, Vec3 center) {
-  double extent = 0;
-  for (const Vec3& p : region.positions) extent = std::max(extent, max_norm(p));
-  const auto radius_at = [&](const Vec3& c) {
-    double squared = 0;
-    for (const Vec3& p : region.positions) squared = std::max(squared, squared_distance(p, c));
-    return rounded_up_radius(std::sqrt(squared), std::max(extent, max_norm(c)));
+/// The steps divide a number of spheres; these options ask for as many as they need.
+void require_numbers_only(const FitOptions& fit) {
+  const auto refuse = [](const char* option, bool is_set) {
+    if (is_set)
+      throw std::invalid_argument(std::string(option) +
+                                  ": a fit for self-collision divides a number of spheres; use fit_spheres()");
   };
-  double r = radius_at(center), least = r + object(center), step = r;
-  const double smallest = 0.01 * r;
-  while (step > smallest) {
-    bool moved = false;
-    std::vector<Vec3> ways{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    const Vec3 from_surface = center - object.at(center).closest.point;
-    if (const double away = length(from_surface); away > 0)
-      ways.insert(ways.end(), {from_surface / away, -from_surface / away});
-    for (const Vec3& way : ways) {
-      const Vec3 next = center + step * way;
-      const double larger = radius_at(next), out = larger + object(next);
-      if (!(out < least - 1e-3 * step)) continue;
-      center = next, r = larger, least = out, moved = true;
-      break;
-    }
-    if (!moved) step /= 2;
-  }
-  return {center, r};
+  refuse("max_protrusion", fit.max_protrusion.has_value());
+  refuse("max_protrusion_share", fit.max_protrusion_share.has_value());
+  refuse("max_radius", fit.max_radius.has_value());
 }
-
-/// A change that may be the next step.
-struct Candidate {
-  Change change{};
-  std::size_t added = 0;  // number of spheres
-  double score = -1;
-};
 
 class Placer {
  public:
@@ -67,6 +37,7 @@ class Placer {
       : robot_(robot), fit_(fit), o_(options), workers_(workers) {}
 
   SelfFit run() {
+    require_numbers_only(fit_);
     if (o_.samples == 0) throw std::invalid_argument("a fit for self-collision needs at least 1 sampled configuration");
     const RobotSpheres evenly = fitted(fit_, 0, 0.15);
     result_.total = fit_.max_total.value_or(evenly.sphere_count());
@@ -116,8 +87,6 @@ class Placer {
   void fit_counts() {
     FitOptions options = fit_;
     options.max_total.reset();
-    options.max_protrusion.reset();
-    options.max_protrusion_share.reset();
     options.link_spheres.clear();
     options.inner = 0;
     for (const auto& [name, spheres] : fixed_) options.fixed_spheres[name] = spheres;
@@ -128,28 +97,9 @@ class Placer {
     }
   }
 
-  Pieces pieces_of(const LinkSpheres& link, bool stays) const {
-    Pieces pieces;
-    for (const Sphere& s : link.spheres)
-      pieces.push_back(std::make_shared<Piece>(Piece{.sphere = s, .region = nullptr}));
-    if (stays || !link.tree) return pieces;
-    // The leaves are the last spheres.
-    const SphereTree& tree = link.tree->tree;
-    const std::vector<std::uint32_t> leaves = level_set(tree, tree.level_count() - 1);
-    const std::size_t own = pieces.size() - leaves.size();
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-      pieces[own + i]->region =
-          std::make_shared<const Mesh>(region_mesh(link.surface.mesh, link.tree->cover, leaves[i]));
-    }
-    return pieces;
-  }
-
   void prepare() {
     const std::size_t links = fits_[0].links.size();
     std::vector<Sphere> bounds;
-    pieces_.resize(counts.size());
-    for (std::size_t f = 0; f < counts.size(); ++f)
-      for (std::size_t i = 0; i < links; ++i) pieces_[f].push_back(pieces_of(fits_[f].links[i], stays_[i]));
     for (std::size_t i = 0; i < links; ++i) {
       Sphere bound{fits_[0].links[i].spheres[0].center, 0};
       for (const RobotSpheres& fit : fits_)
@@ -158,11 +108,21 @@ class Placer {
       bound.radius *= bound_factor;
       bounds.push_back(bound);
       volume_ += fits_[0].links[i].figures.solid.volume;
+      makers_.push_back(std::make_unique<PieceMaker>(fits_[0].links[i], bound, fit_));
     }
-    for (const LinkSpheres& link : fits_[0].links)
-      objects_.push_back(link.tree ? std::make_unique<SignedDistance>(link.surface.mesh) : nullptr);
+    pieces_.resize(counts.size());
+    for (std::size_t f = 0; f < counts.size(); ++f)
+      for (std::size_t i = 0; i < links; ++i) pieces_[f].push_back(pieces_of(fits_[f].links[i], i));
     table_ = std::make_unique<OverlapTable>(pieces_[0], bounds);
     add_samples(bounds);
+  }
+
+  Pieces pieces_of(const LinkSpheres& link, std::size_t place) const {
+    if (!stays_[place]) return makers_[place]->pieces_of(link);
+    Pieces pieces;
+    for (const Sphere& s : link.spheres)
+      pieces.push_back(std::make_shared<Piece>(Piece{.sphere = s, .cover = s, .region = nullptr}));
+    return pieces;
   }
 
   /// Fills the table with the samples in which no shapes collide.
@@ -207,113 +167,53 @@ class Placer {
     table_->complete(static_cast<std::size_t>(std::count(free.begin(), free.end(), 1)), workers_);
   }
 
-  /// The parts that replace one; empty: there are none.
-  const Pieces& divided(Piece& piece, std::size_t link, std::size_t count) const {
-    const auto [at, fresh] = piece.parts.try_emplace(count);
-    if (!fresh || !piece.region || (count == 1 && piece.is_moved)) return at->second;
-    const Sphere& bound = table_->bound(link);
-    Pieces made;
-    std::vector<std::shared_ptr<const Mesh>> regions;
-    if (count == 1) {
-      regions.push_back(piece.region);
-    } else {
-      const CoveredTree tree = build(*piece.region,
-                                     {.method = Method::grid,
-                                      .branching = static_cast<int>(count),
-                                      .depth = 1,
-                                      .seed = fit_.seed,
-                                      .stop = fit_.stop},
-                                     serial_workers());
-      if (tree.tree.leaf_count() < 2) return at->second;
-      for (const std::uint32_t leaf : level_set(tree.tree, tree.tree.level_count() - 1))
-        regions.push_back(std::make_shared<const Mesh>(region_mesh(*piece.region, tree.cover, leaf)));
-    }
-    for (const auto& region : regions) {
-      // The ball of the link decides how many decimals there are.
-      std::vector<Sphere> rounded{
-          least_protruding(*region, *objects_[link], enclosing_sphere(region->positions).center), bound};
-      rounded[0].radius = std::max(rounded[0].radius + fit_.padding, fit_.min_radius);
-      round_outward(rounded);
-      const Sphere& s = rounded[0];
-      if (distance(s.center, bound.center) + s.radius > bound.radius) return at->second;
-      made.push_back(std::make_shared<Piece>(Piece{.sphere = s, .region = region, .is_moved = true}));
-    }
-    at->second = std::move(made);
-    return at->second;
-  }
-
-  /// The best change of a link that does not make more samples false.
-  Candidate best_change(std::size_t link) const {
-    Candidate best;
-    const Pieces& own = table_->pieces(link);
-    const double present = volume_of(own);
-    const auto consider = [&](Candidate candidate) {
-      Pieces then = candidate.change.added;
-      for (std::size_t i = 0; candidate.change.removed != none && i < own.size(); ++i)
-        if (i != candidate.change.removed) then.push_back(own[i]);
-      candidate.added = then.size() - own.size();
-      const OverlapTable::Effect effect = table_->effect(candidate.change);
-      if (effect.more_false > 0) return;
-      const double gain =
-          effect.gain / static_cast<double>(o_.samples) + weight_of_volume * (present - volume_of(then)) / volume_;
-      candidate.score = candidate.added == 0 ? 1e6 * gain : gain / static_cast<double>(candidate.added);
-      if (candidate.score > best.score && gain > 0) best = std::move(candidate);
-    };
-    if (stays_[link]) return best;
-    for (std::size_t f = 0; f < counts.size(); ++f)
-      if (pieces_[f][link].size() > own.size()) consider({.change = {link, none, pieces_[f][link]}});
-    const std::vector<double> blame = table_->blame(link);
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < blame.size(); ++i)
-      if (blame[i] > 0) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return blame[a] > blame[b]; });
-    order.resize(std::min(order.size(), divided_at_once));
-    for (const std::size_t i : order) {
-      for (const std::size_t count : parts) {
-        const Pieces& made = divided(*own[i], link, count);
-        if (!made.empty()) consider({.change = {link, i, made}});
-      }
-    }
-    return best;
-  }
-  static double volume_of(const Pieces& pieces) {
-    std::vector<Sphere> spheres;
-    for (const auto& piece : pieces) spheres.push_back(piece->sphere);
-    return union_mass(spheres, 40).volume;
-  }
-
   void walk() {
     const std::size_t links = fits_[0].links.size();
+    SelfSearch search{*table_, makers_, pieces_, stays_, o_.samples, volume_, fit_.stop};
+    std::vector<std::size_t> all(links);
+    std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<Candidate> candidates(links);
-    std::vector<std::size_t> stale(links);
-    for (std::size_t i = 0; i < links; ++i) stale[i] = i;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < links; ++i) count += table_->pieces(i).size();
-    keep(count);
-    for (;;) {
+    std::vector<std::size_t> stale = all;
+    keep();
+    for (std::size_t next = count() + spheres_between;;) {
       workers_.run(stale.size(), [&](std::size_t i) {
-        if (!fit_.stop.stop_requested()) candidates[stale[i]] = best_change(stale[i]);
+        if (!fit_.stop.stop_requested()) candidates[stale[i]] = search.best_change(stale[i]);
       });
-      const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                         [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-      if (best == candidates.end() || best->score <= 0) break;
-      count += best->added;
-      if (count > 2 * result_.total) break;
-      const std::size_t link = best->change.link;
-      table_->apply(best->change, workers_);
-      keep(count);
-      stale = table_->neighbors(link);
-      stale.push_back(link);
-      const double limit = static_cast<double>(2 * result_.total);
-      tell(0.6 + 0.3 * static_cast<double>(count) / limit, robot_.links[fits_[0].links[link].link].name);
+      stop_on_request();
+      const Candidate best = *std::max_element(candidates.begin(), candidates.end(),
+                                               [](const auto& a, const auto& b) { return a.score < b.score; });
+      if (best.score <= 0 || count() + best.added > 2 * result_.total) break;
+      table_->apply(best.change, workers_);
+      stale = table_->neighbors(best.change.link);
+      stale.push_back(best.change.link);
+      if (best.added > 0 && count() >= next) {
+        for (const std::size_t i : all) search.leave_out(i, worth_of_sphere * best.score, workers_);
+        next = count() + spheres_between;
+        stale = all;
+      }
+      keep();
+      tell(0.6 + 0.15 * static_cast<double>(result_.steps.back().spheres) / static_cast<double>(result_.total),
+           robot_.links[fits_[0].links[best.change.link].link].name);
     }
-    stop_on_request();
   }
 
-  /// Records a step, and the spheres if the total allows them.
-  void keep(std::size_t count) {
-    result_.steps.push_back({count, static_cast<double>(table_->false_samples()) / static_cast<double>(o_.samples)});
-    if (count > result_.total && !chosen_.empty()) return;
+  std::size_t count() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < fits_[0].links.size(); ++i) count += table_->pieces(i).size();
+    return count;
+  }
+
+  /// Records the state if no other with so few spheres has a lower rate, and its spheres if the total allows them.
+  void keep() {
+    const std::size_t count = this->count();
+    const double share = static_cast<double>(table_->false_samples()) / static_cast<double>(o_.samples);
+    std::vector<SelfFitStep>& steps = result_.steps;
+    if (steps.empty() || count > steps.back().spheres) {
+      steps.push_back({count, steps.empty() ? share : std::min(share, steps.back().false_share)});
+    } else {
+      steps.back().false_share = std::min(share, steps.back().false_share);
+    }
+    if (!chosen_.empty() && (steps.back().spheres > result_.total || share > steps.back().false_share)) return;
     chosen_.clear();
     for (std::size_t i = 0; i < fits_[0].links.size(); ++i) chosen_.push_back(table_->pieces(i));
   }
@@ -340,10 +240,10 @@ class Placer {
   std::vector<IgnoredPair> ignored_;
   std::vector<bool> stays_;  // per link
   std::map<std::string, std::vector<Sphere>> fixed_;
-  std::vector<RobotSpheres> fits_;                        // per entry of `counts`
-  std::vector<std::vector<Pieces>> pieces_;               // those that each step considers, per link
-  double volume_ = 0;                                     // of all links in one sphere each
-  std::vector<std::unique_ptr<SignedDistance>> objects_;  // per link; nullptr: it has no mesh
+  std::vector<RobotSpheres> fits_;                   // per entry of `counts`
+  std::vector<std::vector<Pieces>> pieces_;          // those that each step considers, per link
+  double volume_ = 0;                                // of all links in one sphere each
+  std::vector<std::unique_ptr<PieceMaker>> makers_;  // per link
   std::unique_ptr<OverlapTable> table_;
   std::vector<Pieces> chosen_;
 };

@@ -70,7 +70,7 @@ SelfRates self_collision_rates(const Robot& robot, const RobotSpheres& spheres, 
     if (overlaps[p] == 0) continue;
     rates.pairs.push_back({spheres.links[pairs[p].first].link, spheres.links[pairs[p].second].link,
                            share * static_cast<double>(overlaps[p]), share * static_cast<double>(collisions[p]),
-                           share * static_cast<double>(overlaps[p] - collisions[p])});
+                           share * static_cast<double>(overlaps[p] - collisions[p]), !counted[p]});
   }
   std::stable_sort(rates.pairs.begin(), rates.pairs.end(),
                    [](const SelfPairRate& a, const SelfPairRate& b) { return a.false_share > b.false_share; });

@@ -75,16 +75,25 @@ double OverlapTable::cost(const Row& row, float depth) const {
   return 0.3 + 0.7 * std::min(1.0, static_cast<double>(depth) / row.scale);
 }
 
-std::vector<double> OverlapTable::blame(std::size_t link) const {
-  std::vector<double> result(pieces_[link].size(), 0.0);
+std::vector<OverlapTable::Blame> OverlapTable::blame(std::size_t link) const {
+  std::vector<Blame> result(pieces_[link].size());
   for (const Row& row : rows_) {
     if (row.a != link && row.b != link) continue;
+    const bool is_a = row.a == link;
+    const Pieces& others = pieces_[is_a ? row.b : row.a];
     for (const Near& near : row.near) {
       if (near.deepest < 0) continue;
-      const std::vector<float>& own = row.a == link ? near.a : near.b;
+      const std::vector<float>&own = is_a ? near.a : near.b, &of_others = is_a ? near.b : near.a;
+      const auto deepest = std::max_element(of_others.begin(), of_others.end()) - of_others.begin();
+      const Vec3 center = others[static_cast<std::size_t>(deepest)]->sphere.center;
+      const Vec3 there = is_a ? inverse(near.to_b)(center) : near.to_b(center);
       for (std::size_t i = 0; i < own.size(); ++i) {
         // Parts that overlap less deep have to be divided later.
-        if (own[i] == near.deepest) result[i] += cost(row, own[i]) / overlaps_[near.sample];
+        if (own[i] != near.deepest) continue;
+        const double share = cost(row, own[i]) / overlaps_[near.sample];
+        const Vec3 way = there - pieces_[link][i]->sphere.center;
+        result[i].cost += share;
+        if (const double away = length(way); away > 0) result[i].toward = result[i].toward + (share / away) * way;
       }
     }
   }
@@ -99,6 +108,7 @@ OverlapTable::Effect OverlapTable::effect(const Change& change) const {
     const Sphere &s = change.added[i]->sphere, &parent = pieces_[change.link][change.removed]->sphere;
     excess[i] = static_cast<float>(1.001 * std::abs(distance(s.center, parent.center) + s.radius - parent.radius));
   }
+  const float most_excess = excess.empty() ? 0.0F : *std::max_element(excess.begin(), excess.end());
   for (const Row& row : rows_) {
     const bool is_a = row.a == change.link;
     if (!is_a && row.b != change.link) continue;
@@ -109,6 +119,7 @@ OverlapTable::Effect OverlapTable::effect(const Change& change) const {
       if (change.removed != none) {
         const std::vector<float>& own = is_a ? near.a : near.b;
         removed = own[change.removed];
+        if (near.deepest < 0 && removed + most_excess < 0) continue;
         // Where other parts are as deep, the change has no effect.
         for (std::size_t i = 0; i < own.size(); ++i)
           if (i != change.removed) deepest = std::max(deepest, own[i]);

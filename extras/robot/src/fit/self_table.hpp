@@ -3,22 +3,10 @@
 // Spheres of all links that may be divided, and how deep they overlap in sampled configurations without a collision.
 #pragma once
 
-#include <map>
-#include <memory>
-
+#include "fit/self_pieces.hpp"
 #include "fit/self_samples.hpp"
 
 namespace morula::robot {
-
-/// A sphere of a link, and the part of the link's surface that it covers.
-struct Piece {
-  Sphere sphere;                       // in the decimals of files
-  std::shared_ptr<const Mesh> region;  // nullptr: the part cannot be divided
-  /// The parts that replace it, by their largest number; empty: there are none. Filled on demand.
-  std::map<std::size_t, std::vector<std::shared_ptr<Piece>>> parts{};
-  bool is_moved = false;  // it protrudes least already
-};
-using Pieces = std::vector<std::shared_ptr<Piece>>;
 
 /// The overlap of two links in a configuration.
 struct Near {
@@ -51,8 +39,12 @@ class OverlapTable {
   std::size_t false_samples() const;
   /// The links that come near this one.
   std::vector<std::size_t> neighbors(std::size_t link) const;
-  /// Per part of a link, the cost of the overlaps in which it is the deepest.
-  std::vector<double> blame(std::size_t link) const;
+  /// The overlaps in which a part of a link is the deepest.
+  struct Blame {
+    double cost = 0;
+    Vec3 toward{};  // mean direction to the spheres that it overlaps, in the link's axes, of any length
+  };
+  std::vector<Blame> blame(std::size_t link) const;
 
   struct Effect {
     double gain = 0;                // decrease of the cost of all overlaps

@@ -27,10 +27,12 @@ struct SelfPairRate {
   double spheres = 0;              ///< share in which the spheres overlap
   double surfaces = 0;             ///< share in which the shapes collide
   double false_share = 0;          ///< share in which the spheres overlap and the shapes do not collide
+  /// True: the shapes collide in at least 95 % of the samples, and the pair does not count for the shares of SelfRates.
+  bool always_collides = false;
 };
 
-/// The result of self_collision_rates(). Pairs whose shapes collide in at least 95 % of the samples are in `pairs`, and
-/// do not count for the three shares: with them, every configuration would collide.
+/// The result of self_collision_rates(). The three shares leave out pairs with SelfPairRate::always_collides: with
+/// them, nearly every configuration would collide. Such shapes overlap by design, and a planner has to ignore the pair.
 struct SelfRates {
   std::size_t samples = 0;
   double spheres = 0;      ///< share of the configurations in which the spheres of some tested pair overlap
@@ -70,22 +72,26 @@ struct SelfFit {
   SelfRates rates;        ///< rates of these spheres
   SelfRates evenly;       ///< rates of fit_spheres() with the same options
   std::size_t total = 0;  ///< largest number of spheres: max_total, otherwise the number that fit_spheres() uses
-  /// Rates for fewer and for more spheres, ascending, up to twice the total; false_share does not increase.
+  /// Rates that a fit with this total reaches, for fewer and for more spheres, ascending, up to twice the total;
+  /// false_share does not increase.
   std::vector<SelfFitStep> steps;
 };
 
 /// Fits spheres, and places them where self-collision requires them.
 ///
 /// Every link starts with one sphere. Then the sets grow step by step: a link gets a fit with more spheres, or one of
-/// its spheres is divided into smaller ones over the same part of the surface. Each step is the one that removes most
-/// false collisions per sphere, in sampled configurations in which no shapes collide, and outside volume. A step that
-/// increases the number of false configurations is rejected. The steps do not depend on the total, so in these samples
-/// a larger total never has a higher false share.
+/// its spheres is divided into smaller ones over the same part of the surface, or moved. Where links pass each other,
+/// centers also move away from the other link, deeper into their own or beyond it: large spheres are flatter there.
+/// Each step is the one that removes most false collisions per sphere, in sampled configurations in which no shapes
+/// collide, and outside volume. At intervals, spheres that do little are left out, and others grow over their part.
+/// The result is the state of the fewest false configurations before the number first exceeds the total. The steps do
+/// not depend on the total, so in these samples a larger total never has a higher false share.
 ///
-/// fit: as for fit_spheres(). Links of link_spheres, fixed_spheres and, with clip_margin, of clip keep the spheres of
-/// fit_spheres(). The result is covered and measured like that of fit_spheres(), and the same for any number of
-/// workers. Throws like fit_spheres() and self_collision_rates(). Cost: ten fits, and steps that take
-/// longer than all of these.
+/// fit: as for fit_spheres(), without max_protrusion, max_protrusion_share and max_radius. Links of link_spheres,
+/// fixed_spheres and, with clip_margin, of clip keep the spheres of fit_spheres(). The result is covered and measured
+/// like that of fit_spheres(), and the same for any number of workers. Throws like fit_spheres() and
+/// self_collision_rates(), and std::invalid_argument for options that it does not take. Cost: ten fits, and steps that
+/// take longer than all of these.
 SelfFit fit_for_self_collision(const Robot& robot, const FitOptions& fit = {}, const SelfFitOptions& options = {},
                                WorkersOrAll workers = {});
 
