@@ -144,6 +144,7 @@ TEST(SelfFit, options_without_a_number_are_refused) {
   EXPECT_EQ(message_of({.max_protrusion = 0.1}).substr(0, 15), "max_protrusion:");
   EXPECT_EQ(message_of({.max_protrusion_share = 0.1}).substr(0, 21), "max_protrusion_share:");
   EXPECT_EQ(message_of({.max_radius = 0.1}).substr(0, 11), "max_radius:");
+  EXPECT_EQ(message_of({.tolerance = 0.01, .max_uncovered = 0.1}).substr(0, 14), "max_uncovered:");
 }
 
 TEST(SelfFit, workers_do_not_matter_and_kept_spheres_stay) {

@@ -29,6 +29,7 @@ void require_numbers_only(const FitOptions& fit) {
   refuse("max_protrusion", fit.max_protrusion.has_value());
   refuse("max_protrusion_share", fit.max_protrusion_share.has_value());
   refuse("max_radius", fit.max_radius.has_value());
+  refuse("max_uncovered", fit.max_uncovered.has_value());
 }
 
 class Placer {

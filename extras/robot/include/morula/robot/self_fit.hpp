@@ -87,9 +87,9 @@ struct SelfFit {
 /// The result is the state of the fewest false configurations before the number first exceeds the total. The steps do
 /// not depend on the total, so in these samples a larger total never has a higher false share.
 ///
-/// fit: as for fit_spheres(), without max_protrusion, max_protrusion_share and max_radius. Links of link_spheres,
-/// fixed_spheres and, with clip_margin, of clip keep the spheres of fit_spheres(). The result is covered and measured
-/// like that of fit_spheres(), and the same for any number of workers. Throws like fit_spheres() and
+/// fit: as for fit_spheres(), without max_protrusion, max_protrusion_share, max_radius and max_uncovered. Links of
+/// link_spheres, fixed_spheres and, with clip_margin, of clip keep the spheres of fit_spheres(). The result is covered
+/// and measured like that of fit_spheres(), and the same for any number of workers. Throws like fit_spheres() and
 /// self_collision_rates(), and std::invalid_argument for options that it does not take. Cost: ten fits, and steps that
 /// take longer than all of these.
 SelfFit fit_for_self_collision(const Robot& robot, const FitOptions& fit = {}, const SelfFitOptions& options = {},
