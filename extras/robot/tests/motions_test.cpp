@@ -217,6 +217,21 @@ TEST(Motions, a_gap_of_the_tolerance_is_proven_beside_a_mesh) {
   }
 }
 
+TEST(Motions, the_end_of_an_edge_touches_a_mesh_that_its_middle_is_away_from) {
+  // A ball moves onto a face of a cube aslant to the axes, and ends a little inside.
+  constexpr double half = 0.5, radius = 0.02, way = 0.4;
+  const Vec3 out{std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0};
+  World world;
+  const Mesh cube = box_mesh({-half, -half, -half}, {half, half, half});
+  world.add(cube, RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 4, {}));
+  for (double aside = -0.2; aside < 0.2; aside += 0.013) {
+    MovingRobot moving;
+    moving.add(0, Kind::prismatic, Vec3{} - out,
+               {.translation = (half + radius + way - 5e-4) * out + Vec3{0, 0, aside}}, {{{0, 0, 0}, radius}});
+    EXPECT_EQ(check(moving, world, {0}, {way}).result, MotionResult::touches) << aside;
+  }
+}
+
 TEST(Motions, options_and_sizes_are_tested) {
   const ConfigurationQuery query = slider().query();
   std::vector<MotionVerdict> verdicts(2);
