@@ -247,8 +247,8 @@ TEST(Motions, verdicts_are_those_of_many_times_of_each_edge) {
   judge_edges(300, 2e-3);
 }
 
-// Edge 4361 is left out: its verdict is right, but the time of its contact is not the earliest by more than the tolerance
-// allows. A part in which no gap shrinks any more is not searched for where the contact begins.
+// Edge 4361 is left out: its verdict is right, but the time of its contact is not the earliest by more than the
+// tolerance allows. A part in which no gap shrinks any more is not searched for where the contact begins.
 TEST(LongMotions, four_thousand_verdicts_are_those_of_times_close_to_each_other) {
   judge_edges(4000, 1e-4);
 }
