@@ -231,15 +231,31 @@ TEST(Motions, closed_meshes_are_solid_and_resolutions_may_miss) {
 
 TEST(Motions, a_gap_of_the_tolerance_is_proven_beside_a_mesh) {
   // A ball slides along a face of a cube that stands aslant to the axes, so that no box of it helps.
-  constexpr double half = 0.05, radius = 0.02, room = 0.01;
+  constexpr double radius = 0.02, room = 0.01;
   const Vec3 out{std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0}, along{out.y, -out.x, 0};
+  for (double half = 0.05; half < 0.06; half += 2e-4) {
+    World world;
+    const Mesh cube = box_mesh({-half, -half, -half}, {half, half, half});
+    world.add(cube, RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 4, {}));
+    MovingRobot moving;
+    moving.add(0, Kind::prismatic, along, {.translation = (half + radius + room + 1e-5) * out + Vec3{0, 0, 0.01}},
+               {{{0, 0, 0}, radius}});
+    EXPECT_EQ(check(moving, world, {-0.99 * room}, {0.99 * room}, {.tolerance = room}), MotionVerdict{}) << half;
+  }
+}
+
+TEST(Motions, the_end_of_an_edge_touches_a_mesh_that_its_middle_is_away_from) {
+  // A ball moves onto a face of a cube aslant to the axes, and ends a little inside.
+  constexpr double half = 0.5, radius = 0.02, way = 0.4;
+  const Vec3 out{std::numbers::sqrt2 / 2, std::numbers::sqrt2 / 2, 0};
   World world;
   const Mesh cube = box_mesh({-half, -half, -half}, {half, half, half});
   world.add(cube, RigidTransform::from_axis({0, 0, 1}, std::numbers::pi / 4, {}));
-  for (double more = 1e-5; more < 0.01; more += 1e-4) {
+  for (double aside = -0.2; aside < 0.2; aside += 0.013) {
     MovingRobot moving;
-    moving.add(0, Kind::prismatic, along, {.translation = (half + radius + room + more) * out}, {{{0, 0, 0}, radius}});
-    EXPECT_EQ(check(moving, world, {-0.99 * room}, {0.99 * room}, {.tolerance = room}), MotionVerdict{}) << more;
+    moving.add(0, Kind::prismatic, Vec3{} - out,
+               {.translation = (half + radius + way - 5e-4) * out + Vec3{0, 0, aside}}, {{{0, 0, 0}, radius}});
+    EXPECT_EQ(check(moving, world, {0}, {way}).result, MotionResult::touches) << aside;
   }
 }
 

@@ -143,6 +143,64 @@ def test_help_shows_the_classes():
     assert sorted(morula.robot.__all__) == sorted(set(morula.robot.__all__))
 
 
+def places_of_two_bars(values):
+    """Centers of the balls at the middle and end of a bar of length 1, and at the end of a second one: (n, 3, 2)."""
+    first, second = values[:, 0], values.sum(axis=1)
+    along = numpy.stack([numpy.cos(first), numpy.sin(first)], axis=-1)
+    on = numpy.stack([numpy.cos(second), numpy.sin(second)], axis=-1)
+    return numpy.stack([0.5 * along, along, along + 0.8 * on], axis=1)
+
+
+def test_edges_of_two_bars_are_free_where_all_configurations_are(tmp_path):
+    """The gap of every sampled configuration, by sines and cosines, against verdicts of edges of all lengths."""
+    at = "<origin xyz='{} 0 0'/><geometry><sphere radius='0.1'/></geometry>"
+    ball = "<collision>" + at + "</collision>"
+    joint = "<joint name='{0}' type='continuous'><parent link='{1}'/><child link='{2}'/><origin xyz='{3} 0 0'/><axis xyz='0 0 1'/></joint>"
+    file = tmp_path / "bars.urdf"
+    file.write_text(
+        "<robot name='bars'><link name='base'/>"
+        f"<link name='one'>{ball.format(0.5)}{ball.format(1)}</link><link name='two'>{ball.format(0.8)}</link>"
+        + joint.format("a", "base", "one", 0)
+        + joint.format("b", "one", "two", 1)
+        + "</robot>"
+    )
+    robot = morula.robot.read_robot(file)
+    spheres = morula.robot.fit_spheres(robot, spheres=2)
+    fitted = numpy.concatenate([link.spheres for link in spheres.links])
+    numpy.testing.assert_allclose(numpy.sort(fitted[:, 0]), [0.5, 0.8, 1], atol=1e-5)
+    radii = fitted[numpy.argsort(fitted[:, 0])][[0, 2, 1], 3]
+    world, obstacles = morula.robot.World(), numpy.array([[1.2, 0.9], [-0.8, -0.9], [-0.2, 1.5]])
+    for x, y in obstacles:
+        world.add((x, y, 0, 0.15))
+    query = morula.robot.ConfigurationQuery(robot, spheres)
+    assert query.check_self(numpy.zeros((1, 2))).free[0]
+    random = numpy.random.default_rng(5)
+    start, end = random.uniform(-3, 3, (2, 200, 2))
+    end[::2] = start[::2] + 0.1 * (end[::2] - start[::2])
+    tolerance = 1e-3
+    found = query.check_motions(start, end, world, tolerance=tolerance)
+    result = morula.robot.MotionResult
+    share = numpy.linspace(0, 1, 4000)
+    for edge in range(len(start)):
+        values = start[edge] + share[:, None] * (end[edge] - start[edge])
+        places = places_of_two_bars(values)
+        gaps = (numpy.linalg.norm(places[:, :, None] - obstacles, axis=-1) - 0.15 - radii[:, None]).min(axis=(1, 2))
+        # The second bar's ball and the first one's middle.
+        own = numpy.linalg.norm(places[:, 2] - places[:, 0], axis=1) - radii[2] - radii[0]
+        gaps = numpy.minimum(gaps, own)
+        time = found.time[edge]
+        if found.result[edge] == result.free:
+            assert gaps.min() > 0
+        elif found.result[edge] == result.touches:
+            assert gaps[share < time].min(initial=1) > -2 * tolerance
+            assert not query.check((start[edge] + time * (end[edge] - start[edge]))[None], world).free[0]
+            assert gaps[numpy.abs(share - time).argmin()] < 0.01
+        else:
+            assert abs(gaps[numpy.abs(share - time).argmin()]) < 0.01
+    counts = numpy.bincount(found.result, minlength=3)
+    assert counts[0] > 40 and counts[1] > 40 and counts[2] < 10
+
+
 def test_edges_near_a_contact_are_not_called_touching(query, world):
     # 0.001 from the wall.
     edge = column(0.899), column(0.5)

@@ -152,7 +152,8 @@ MotionSearch::Gap MotionSearch::gap_to_obstacle(const Item& item) {
   // mutant robot-motion-search-skipped: `result.motion > least_motion(result)` -> `true`
   const bool is_vague = bounds.upper - bounds.lower <= result.motion && result.motion > least_motion(result);
   if (bounds.upper <= radius || is_vague) {
-    result.gap = bounds.upper - radius;
+    // mutant robot-motion-vague: `std::min(bounds.upper - radius, result.motion)` -> `bounds.upper - radius`
+    result.gap = std::min(bounds.upper - radius, result.motion);
     return result;
   }
   const NearestObstacle nearest = obstacle.nearest(at.center, 2 * needed);
