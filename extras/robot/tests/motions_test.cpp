@@ -126,6 +126,26 @@ TEST(Motions, two_links_fold_onto_the_first) {
   EXPECT_EQ(check(moving, {}, {0.3, 0}, {-5, 3.1}), MotionVerdict{});
 }
 
+TEST(Motions, a_contact_is_found_where_it_begins_if_the_middle_passes_its_deepest_place) {
+  // In the middle of the edge the ball moves at right angles to the depth: no gap shrinks there, and the contact is
+  // old.
+  World ball;
+  ball.add(Sphere{{0, 0.15, 0}, 0.1});
+  const double chord = std::sqrt(0.2 * 0.2 - 0.15 * 0.15);
+  expect_touch(check(slider(), ball, {-1}, {1}), (1 - chord) / 2, 2 * chord / 0.2);
+  EXPECT_EQ(check(slider(), ball, {-chord / 2}, {chord / 2}).time, 0) << "it starts in the contact";
+  MovingRobot itself = slider();
+  itself.cover(0, {{{0, 0.15, 0}, 0.1}});
+  expect_touch(check(itself, {}, {-1}, {1}), (1 - chord) / 2, 2 * chord / 0.2);
+  const Vec3 half{0.3, 1, 1}, center{0, 1.05, 0};
+  const double beside = std::sqrt(0.1 * 0.1 - 0.05 * 0.05);
+  World box, mesh;
+  box.add(ObstacleBox{.pose = {.translation = center}, .half = half});
+  mesh.add(box_mesh(center - half, center + half));
+  for (const World& world : {box, mesh})
+    expect_touch(check(slider(), world, {-1}, {1}), (0.7 - beside) / 2, 2 * beside / 0.1);
+}
+
 TEST(Motions, followers_move_with_their_leader) {
   MovingRobot moving;
   moving.add(0, Kind::prismatic, {1, 0, 0}, {}, {{{0, 0, 5}, 0.1}});

@@ -80,8 +80,9 @@ void MotionSearch::search(double start, double end, std::size_t first, std::size
   for (std::size_t i = first; i < last; ++i) {
     stack_.assign(1, items_[i]);
     if (!visit(start, middle, end)) continue;
-    // After a contact only the first half matters, for all items that were not proven there.
-    contact_ = middle;
+    // After a contact only the first half matters, for all items that were not proven there. An edge that starts in a
+    // contact needs no search for where it begins.
+    contact_ = start == 0 && is_contact(0) ? 0 : middle;
     items_.insert(items_.end(), stack_.begin(), stack_.end());
     for (std::size_t k = i + 1; k < last; ++k) items_.push_back(Item(items_[k]));
     break;
@@ -108,9 +109,12 @@ bool MotionSearch::visit(double start, double middle, double end) {
       descend(item);
       continue;
     }
-    // A part in which nothing moves farther than the tolerance has no gap of that size if it cannot be proven free.
-    // Less than the rounding proves no more.
-    const bool is_short = !is_inner && (gap.motion <= least_motion(gap) || middle - start < least_half);
+    // In a part in which the gap shrinks by no more than the tolerance, it is no larger than that if it cannot be
+    // proven free. Where the robot is deeper than the tolerance allows, the contact begins earlier, perhaps in this
+    // part: the gap's bound holds for shrinking alone. Less than the rounding proves no more.
+    // mutant robot-motion-depth: `-gap.gap - gap.allowance` -> `0.0`
+    const double depth = std::max(0.0, -gap.gap - gap.allowance);
+    const bool is_short = !is_inner && (gap.motion + depth <= least_motion(gap) || middle - start < least_half);
     if (!is_short) items_.push_back(item);
     const bool touches = !is_inner && gap.gap <= gap.allowance && (gap.gap < -gap.allowance || is_contact(middle));
     if (is_short) give_up(start, middle, end);
@@ -148,10 +152,10 @@ MotionSearch::Gap MotionSearch::gap_to_obstacle(const Item& item) {
     result.gap = never;
     return result;
   }
-  // A contact needs no search, and in a part so long that the distance would hardly decide, halving does more for less.
+  // In a long part a contact needs no search, and where the distance would hardly decide, halving does more for less.
   // mutant robot-motion-search-skipped: `result.motion > least_motion(result)` -> `true`
-  const bool is_vague = bounds.upper - bounds.lower <= result.motion && result.motion > least_motion(result);
-  if (bounds.upper <= radius || is_vague) {
+  const bool is_long = result.motion > least_motion(result);
+  if (is_long && (bounds.upper <= radius || bounds.upper - bounds.lower <= result.motion)) {
     // mutant robot-motion-vague: `std::min(bounds.upper - radius, result.motion)` -> `bounds.upper - radius`
     result.gap = std::min(bounds.upper - radius, result.motion);
     return result;

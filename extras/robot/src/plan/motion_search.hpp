@@ -36,7 +36,7 @@ class MotionSearch {
     double allowance = 0;  // bound of all rounding in both
     bool is_free() const { return gap > motion + allowance; }
   };
-  /// A part in which nothing moves farther is not halved.
+  /// A part in which a gap shrinks by no more, and the robot is no deeper, is not halved.
   double least_motion(const Gap& gap) const;
   Gap gap_to_obstacle(const Item& item);
   Gap gap_of_pair(const Item& item);

@@ -51,15 +51,17 @@ struct ClearanceOptions {
 enum class MotionResult : std::uint8_t {
   free,       ///< proven: no configuration of the edge has a contact
   touches,    ///< the configuration at `time` has a contact
-  undecided,  ///< the robot comes nearer than MotionOptions::tolerance to a contact, and no contact was found
+  undecided,  ///< the robot comes nearer than MotionOptions::tolerance to a contact, and no contact was found; none is
+              ///< deeper than that
 };
 
 /// The verdict about an edge: the straight line from one configuration to another.
 struct MotionVerdict {
   MotionResult result = MotionResult::free;
-  /// 0 to 1. touches: a time with a contact; for a certified edge, every earlier part is free or undecided, and at a
-  /// resolution it is the first that was found. undecided: the middle of the first part that could not be decided,
-  /// where the robot is nearer than MotionOptions::tolerance to a contact. free: 1.
+  /// 0 to 1. touches: a time with a contact; for a certified edge, every earlier part is free or undecided, so that no
+  /// earlier contact is deeper than MotionOptions::tolerance, and at a resolution it is the first that was found.
+  /// undecided: the middle of the first part that could not be decided, where the robot is nearer than
+  /// MotionOptions::tolerance to a contact. free: 1.
   double time = 1;
   ConfigurationVerdict contact{};  ///< of the configuration at `time`, for `touches`
   bool operator==(const MotionVerdict&) const = default;
