@@ -235,6 +235,19 @@ TEST(Motions, a_tangential_touch_is_never_free) {
   }
 }
 
+TEST(Motions, numbers_of_a_terrain_s_own_axes_count_as_rounding) {
+  // Its heights are large, and its pose takes them back. The ball is in the ground by less than the heights' rounding.
+  constexpr double height = 0x1p20, radius = 0.125 + 0x1p-33 + 0x1p-40, depth = 0x1p-41;
+  const std::vector<double> heights(4, height);
+  World world;
+  world.add({.heights = heights, .columns = 2, .rows = 2, .spacing = 4, .pose = {.translation = {-2, -2, -height}}});
+  MovingRobot moving;
+  moving.add(0, Kind::prismatic, {1, 0, 0}, {.translation = {0, 0, radius - depth}}, {{{0, 0, 0}, radius}});
+  EXPECT_NE(check(moving, world, {0}, {1e-11}, {.tolerance = 1e-11}).result, MotionResult::free);
+  moving.robot.joints[0].origin.translation.z += 1e-5;
+  EXPECT_EQ(check(moving, world, {0}, {1e-11}, {.tolerance = 1e-11}).result, MotionResult::free);
+}
+
 TEST(Motions, closed_meshes_are_solid_and_resolutions_may_miss) {
   World world;
   const Mesh ball = sample_body("blob", 8);

@@ -82,8 +82,8 @@ class MotionBounds {
   std::vector<Sums> sums_;                             // as MotionBodies::chains
   std::vector<Placed> placed_;                         // by node
   std::vector<Relative> relative_;                     // by pair
-  std::vector<std::uint32_t> placed_in_, related_in_;  // the part for which a node or pair is known
-  std::uint32_t part_ = 0;
+  std::vector<std::uint64_t> placed_in_, related_in_;  // the part for which a node or pair is known
+  std::uint64_t part_ = 0;                             // 2³² parts take less than an hour
   std::span<const double> from_{}, to_{};
   double deviation_ = 0, allowance_ = 0, reach_ = 0, slack_ = 1;
 };

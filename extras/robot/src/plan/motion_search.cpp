@@ -11,16 +11,6 @@ namespace {
 
 constexpr double least_half = 0x1p-48;  // of a part that is halved
 
-double finite_scale(const Box& box) {
-  double scale = 0;
-  for (int k = 0; k < 3; ++k) {
-    for (const double x : {box.lower[k], box.upper[k]}) {
-      if (std::isfinite(x)) scale = std::max(scale, std::abs(x));
-    }
-  }
-  return scale;
-}
-
 bool is_convex(const Obstacle& obstacle) {
   return obstacle.kind != ObstacleKind::other;
 }
@@ -35,10 +25,7 @@ MotionSearch::MotionSearch(const ConfigurationQuery::Model& model, const World::
       options_(options),
       bounds_(bodies_, model.base),
       values_(model.coordinates),
-      poses_(model.link_names.size()) {
-  if (world_ == nullptr) return;
-  for (const ObstaclePointer& obstacle : world_->obstacles) scales_.push_back(finite_scale(obstacle->bounds));
-}
+      poses_(model.link_names.size()) {}
 
 MotionVerdict MotionSearch::certified(std::span<const double> from, std::span<const double> to) {
   from_ = from, to_ = to;
@@ -140,7 +127,7 @@ MotionSearch::Gap MotionSearch::gap_to_obstacle(const Item& item) {
   const MotionBounds::Placed& at = bounds_.placed(item.node);
   Gap result{.motion = at.bound()};
   // mutant robot-motion-world-rounding: `1e-12` -> `-1e-2`
-  result.allowance = bounds_.allowance() + 1e-12 * (scales_[item.other] + bounds_.reach());
+  result.allowance = bounds_.allowance() + 1e-12 * (obstacle.magnitude + bounds_.reach());
   const double needed = radius + result.motion + result.allowance;
   const Vec3 outside = max(max(obstacle.bounds.lower - at.center, at.center - obstacle.bounds.upper), Vec3{});
   if (squared_length(outside) > needed * needed * (1 + 1e-12)) {

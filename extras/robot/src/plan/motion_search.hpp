@@ -57,7 +57,6 @@ class MotionSearch {
   const World::Data* world_;
   const MotionOptions& options_;
   MotionBounds bounds_;
-  std::vector<double> scales_;  // largest finite |coordinate| of each obstacle's bounds
   std::vector<Item> items_, stack_;
   std::vector<double> values_;
   std::vector<RigidTransform> poses_;
