@@ -67,7 +67,7 @@ struct TerrainObstacle final : Obstacle {
     return s >= t ? h00 * (1 - s) + h10 * (s - t) + h11 * t : h00 * (1 - t) + h01 * (t - s) + h11 * s;
   }
 
-  // The nearest place of the solid's border, in the axes of the grid. For a point above the surface, or beside the
+  // The nearest place of the solid's border, in the axes of the grid. For a point above the surface, or next to the
   // grid and above the height of its border, that is on the surface; for one next to the grid and below that height, on
   // the wall; for one inside, on either.
   NearestObstacle local_nearest(const Vec3& p, double within) const {

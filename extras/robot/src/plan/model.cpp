@@ -53,7 +53,7 @@ JointStep step_of(const Robot& robot, std::size_t joint_index) {
 }
 
 // The rotation by an angle about an axis, with the operations of RigidTransform::from_axis() less its scaling by powers
-// of two, which changes no digit here: products of entries vanish only beside others that are much larger.
+// of two, which changes no digit here: products of entries vanish only next to others that are much larger.
 std::array<Vec3, 3> rotation_of(const JointStep& step, double angle) {
   const SinCos half = sin_cos(0.5 * angle);
   const double f = half.sin / step.axis_length, w = half.cos;

@@ -25,7 +25,7 @@ struct MotionFrame {
   double length = 0;  ///< length of the axis
   /// Rotation of the frame in its parent at an angle: fixed + sin × odd + (1 − cos) × even; rows.
   std::array<Vec3, 3> fixed{}, odd{}, even{};
-  Vec3 origin{};  ///< of the frame in its parent, at value 0
+  Vec3 origin{};  ///< origin of the frame in its parent, at value 0
 };
 
 /// A node of the tree over a group's spheres: it contains the spheres of its children.

@@ -97,8 +97,8 @@ bool MotionSearch::visit(double start, double middle, double end) {
       continue;
     }
     // In a part in which the gap shrinks by no more than the tolerance, it is no larger than that if it cannot be
-    // proven free. Where the robot is deeper than the tolerance allows, the contact begins earlier, perhaps in this
-    // part: the gap's bound holds for shrinking alone. Less than the rounding proves no more.
+    // proven free. A contact deeper than the tolerance allows begins earlier, perhaps in this part: the bound holds for
+    // shrinking alone. Less than the rounding proves no more.
     // mutant robot-motion-depth: `-gap.gap - gap.allowance` -> `0.0`
     const double depth = std::max(0.0, -gap.gap - gap.allowance);
     const bool is_short = !is_inner && (gap.motion + depth <= least_motion(gap) || middle - start < least_half);
@@ -183,7 +183,7 @@ MotionSearch::Gap MotionSearch::gap_of_pair(const Item& item) {
 }
 
 bool MotionSearch::is_worth_descent(const Item& item, const Gap& gap) const {
-  // Children of a node that is small beside the motion fail as it does. A factor of 3 took the least time of 1 to 5.
+  // Children of a node that is small next to the motion fail as it does. A factor of 3 took the least time of 1 to 5.
   constexpr double enough = 3;
   double size = bodies_.nodes[item.node].sphere.radius;
   if (item.pair != of_world) size += bodies_.nodes[item.other].sphere.radius;

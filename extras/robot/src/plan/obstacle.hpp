@@ -16,14 +16,14 @@ namespace morula::robot {
 /// Shapes that single-precision kernels know; they test all others by their bounds only.
 enum class ObstacleKind { sphere, box, other };
 
-/// What is known of a signed distance.
+/// Bounds of a signed distance.
 struct DistanceBounds {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   /// An upper bound of its absolute value.
   double largest() const { return std::max(-lower, upper); }
 };
 
-/// An obstacle does not change, so several threads may ask one at once.
+/// An obstacle does not change, so several threads may use one at once.
 class Obstacle {
  public:
   explicit Obstacle(ObstacleKind kind_of = ObstacleKind::other) : kind(kind_of) {}
@@ -44,8 +44,8 @@ class Obstacle {
   const ObstacleKind kind;
   /// Contains the obstacle, also as computed in double. Infinite where the obstacle has no end.
   Box bounds{};
-  /// For bounds of rounding: at least the largest |coordinate| of what the obstacle computes with, and how far its pose
-  /// is from a rotation.
+  /// For bounds of rounding: at least the largest |coordinate| that enters the obstacle's computations, and how far its
+  /// pose is from a rotation.
   double magnitude = 0, deviation = 0;
 
  protected:
