@@ -16,7 +16,7 @@ namespace morula::robot {
 /// Shapes that single-precision kernels know; they test all others by their bounds only.
 enum class ObstacleKind { sphere, box, other };
 
-/// What is known of a signed distance.
+/// Bounds of a signed distance.
 struct DistanceBounds {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   /// An upper bound of its absolute value.
