@@ -99,6 +99,31 @@ std::uint64_t hash_of_modal(const Mesh& mesh, const CoveredTree& model, RuleOpti
   return sum.value();
 }
 
+std::uint64_t hash_of_skinned(const Mesh& mesh, const CoveredTree& model, Workers& workers) {
+  UpdateOptions options{.rules = {Rule::skinned}, .skin = {.bone_count = 4, .begin = {0}}};
+  Skin& skin = options.skin;
+  for (const Vec3& p : mesh.positions) {
+    const std::array<double, 3> shares{1 + p.x * p.x, 0.5 + p.y * p.y, std::abs(p.z)};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      skin.bones.push_back(p.x < 0 ? k : k + 1);
+      skin.weights.push_back(shares[k] / (shares[0] + shares[1] + shares[2]));
+    }
+    skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
+  }
+  Body body(mesh, model, options, workers);
+  Sum sum;
+  Random random(22);
+  for (int frame = 0; frame < 8; ++frame) {
+    std::vector<AffineTransform> transforms(4);
+    for (AffineTransform& t : transforms)
+      for (Vec3* v : {&t.columns[0], &t.columns[1], &t.columns[2], &t.translation})
+        *v += Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)} * (0.2 * frame);
+    require(body.update_skinned(transforms, workers));
+    sum.add(body.hash());
+  }
+  return sum.value();
+}
+
 void add_updates(Claims& claims, std::string_view name, Method method, Workers& workers) {
   const Mesh mesh = sample(name, 14);
   const CoveredTree model =
@@ -124,6 +149,7 @@ void add_updates(Claims& claims, std::string_view name, Method method, Workers& 
           poses, workers));
   add("parts and lazy updates", hash_of_parts(Body(mesh, model, {}, workers), poses, workers));
   add("modal by gradients", hash_of_modal(mesh, model, RuleOptions::ModalBound::gradient, workers));
+  add("skinned", hash_of_skinned(mesh, model, workers));
   add("modal by shifts", hash_of_modal(mesh, model, RuleOptions::ModalBound::shift, workers));
 
   for (const int k : {6, 14, 18, 26}) {

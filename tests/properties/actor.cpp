@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "covering.hpp"
+#include "skins.hpp"
 
 namespace morula::properties {
 namespace {
@@ -89,6 +90,18 @@ void Actor::make_modal(Dice& dice, Record& record) {
   options.modes = random_modes(mesh_, dice);
   start(std::move(options), record);
   judge_now(dice, record, "-modal-rest");
+}
+
+void Actor::make_skinned(Dice& dice, Record& record) {
+  UpdateOptions options;
+  options.rules.clear();
+  for (int n = dice.between(0, 2); n > 0; --n)
+    options.rules.push_back(dice.pick({Rule::skinned, Rule::exact, Rule::wrapped, Rule::approach2, Rule::skinned}));
+  options.rules.push_back(dice.chance(0.9) ? Rule::skinned : Rule::exact);
+  options.conservative = std::find(options.rules.begin(), options.rules.end(), Rule::approach2) != options.rules.end();
+  options.skin = random_skin(mesh_, dice);
+  start(std::move(options), record);
+  judge_now(dice, record, "-skinned-rest");
 }
 
 void Actor::judge_now(Dice& dice, Record& record, const std::string& suffix) {
@@ -268,6 +281,47 @@ void Actor::move_by_modes(Dice& dice, Record& record) {
   if (modal_level && !body_->options().conservative)
     record.expect(body_->modal_sphere(node, q) == body_->sphere(node), "modal-bits",
                   "modal_sphere is not the sphere of the update");
+}
+
+void Actor::move_by_bones(Dice& dice, Record& record) {
+  ++record.counts.frames;
+  const Skin& skin = body_->options().skin;
+  const std::vector<AffineTransform> transforms = random_transforms(mesh_, skin.bone_count, dice);
+  record.place.frame = "bones";
+  // The sums as they are, and in double, influences in order.
+  std::vector<Point> sums = points_of(mesh_.positions);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const Point rest = sums[i];
+    for (std::uint32_t k = skin.begin[i]; k < skin.begin[i + 1]; ++k) {
+      const AffineTransform& t = transforms[skin.bones[k]];
+      const std::vector<Point> columns = points_of(t.columns);
+      const Point moved =
+          rest.x * columns[0] + rest.y * columns[1] + rest.z * columns[2] + points_of(std::span(&t.translation, 1))[0];
+      sums[i] = sums[i] + static_cast<Real>(skin.weights[k]) * (moved - rest);
+    }
+  }
+  Positions rounded = mesh_.positions;
+  move_by_skin(skin, mesh_.positions, transforms, rounded);
+  const std::uint64_t before = body_->hash();
+  const UpdateStatus status = body_->update_skinned(transforms);
+  if (!status) {
+    record.expect(body_->hash() == before, "refused-changed", "a refused update changed the spheres");
+    // The sum of |weights| is below 2^8.
+    if (largest_term(mesh_, transforms) < far_enough_to_refuse / 0x1p8)
+      record.fail("refused", "transforms, code " + std::to_string(static_cast<int>(status.code)));
+    return;
+  }
+  ++record.counts.skinned_frames;
+  const std::vector<Rule>& rules = body_->options().rules;
+  const bool all_skinned = std::all_of(rules.begin(), rules.end(), [](Rule r) { return r == Rule::skinned; });
+  positions_ = std::move(rounded);
+  points_ = all_skinned && dice.chance(0.5) ? std::move(sums) : points_of(positions_);
+  record.place.pose = positions_;
+  judge_now(dice, record, "-skinned");
+  if (!dice.chance(0.2)) return;
+  const std::vector<AffineTransform> at_rest(skin.bone_count);
+  record.expect(body_->update_skinned(at_rest) && body_->hash() == rest_hash_, "rest",
+                "back at rest, the spheres of a skinned body are not those of the start");
 }
 
 }  // namespace morula::properties

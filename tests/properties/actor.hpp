@@ -23,6 +23,9 @@ class Actor {
   /// A frame of the coordinates of its modes; it has some when it was made by make_modal().
   void move_by_modes(Dice& dice, Record& record);
   void make_modal(Dice& dice, Record& record);
+  /// A frame of the transforms of its bones; it has some when it was made by make_skinned().
+  void move_by_bones(Dice& dice, Record& record);
+  void make_skinned(Dice& dice, Record& record);
 
   /// Follows the rules on every level?
   bool covers() const { return covers_; }

@@ -52,6 +52,13 @@ void modal_body(const Source& source, Dice& dice, Record& record) {
   for (int frame = dice.between(3, 6); frame > 0; --frame) body.move_by_modes(dice, record);
 }
 
+// A skinned body at random transforms.
+void skinned_body(const Source& source, Dice& dice, Record& record) {
+  Actor body(source(60, dice, record), dice, record);
+  body.make_skinned(dice, record);
+  for (int frame = dice.between(3, 6); frame > 0; --frame) body.move_by_bones(dice, record);
+}
+
 // Trees for poses that the body may or may not come to, however little they are worth; degenerate ones too.
 CoveredTree with_known_poses(const Mesh& mesh, const CoveredTree& home, Dice& dice, Record& record) {
   CoveredTree model = home;
@@ -300,8 +307,10 @@ void run_case(std::uint64_t seed, std::uint64_t number, Specimens& specimens, Re
       one_body(source, dice, record);
     else if (kind < 0.87)
       two_bodies(source, dice, record);
-    else if (kind < 0.95)
+    else if (kind < 0.91)
       modal_body(source, dice, record);
+    else if (kind < 0.95)
+      skinned_body(source, dice, record);
     else
       rebuilt_body(source, dice, record);
   } catch (const std::exception& error) {

@@ -69,8 +69,9 @@ std::string Record::summary(double seconds) const {
       line("facets held against a level", counts.cover.facets) + line("  of these proved", counts.cover.proved) +
       line("points sampled", counts.cover.samples) + line("corners in their own sphere", counts.corners) +
       line("builds with spheres enlarged", counts.enlarged) + line("modal frames", counts.modal_frames) +
-      line("swaps of rebuilt bodies", counts.swaps) + line("round trips of files", counts.round_trips) +
-      line("poses of pairs", counts.poses_of_pairs) + line("  of these decided exactly", counts.exact_poses) +
+      line("skinned frames", counts.skinned_frames) + line("swaps of rebuilt bodies", counts.swaps) +
+      line("round trips of files", counts.round_trips) + line("poses of pairs", counts.poses_of_pairs) +
+      line("  of these decided exactly", counts.exact_poses) +
       line("  with surfaces that follow", counts.followed_pairs) + line("crossings by brute force", counts.crossings) +
       line("points within a margin", counts.near_pairs) + line("interruptions of queries", counts.interruptions);
   std::size_t uncovered = 0, missed = 0, other = 0;

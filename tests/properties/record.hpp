@@ -19,7 +19,7 @@ struct Counts {
   oracle::CoverTally cover;
   std::size_t corners = 0;   ///< of regions, held against their node's sphere
   std::size_t enlarged = 0;  ///< far builds with spheres that had to grow for rounding
-  std::size_t modal_frames = 0, swaps = 0, round_trips = 0;
+  std::size_t modal_frames = 0, skinned_frames = 0, swaps = 0, round_trips = 0;
   std::size_t poses_of_pairs = 0;
   std::size_t crossings = 0;       ///< pairs of facets that brute force found to meet
   std::size_t exact_poses = 0;     ///< with all pairs known exactly

@@ -299,8 +299,8 @@ std::vector<std::uint8_t> promised(const SphereTree& tree, const UpdateOptions& 
   for (std::size_t level = level_holds.size(); level-- > 0;) {
     const Rule rule = options.rules[std::min(level, options.rules.size() - 1)];
     // Leaves follow `exact` under `wrapped`; those that end above the last level are on levels of their own.
-    const bool holds =
-        options.conservative || rule == Rule::exact || rule == Rule::modal || (rule == Rule::wrapped && below);
+    const bool holds = options.conservative || rule == Rule::exact || rule == Rule::modal || rule == Rule::skinned ||
+                       (rule == Rule::wrapped && below);
     level_holds[level] = holds;
     below = below && holds;
   }

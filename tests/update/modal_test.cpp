@@ -3,6 +3,8 @@
 // The rule `modal` against a plain twin of the paper's formula, the certificate, and what it promises to cost.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/update/body.hpp>
@@ -322,6 +324,29 @@ TEST(ModeRows, the_stretch_of_a_matrix_is_bounded_and_nearly_reached) {
   }
   EXPECT_NEAR(largest_stretch({Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}}), 1.0, 1e-11);
   EXPECT_EQ(largest_stretch({}), 0.0);
+}
+
+// A matrix of any size: its cubes of squares leave the range of double from about 1e51 on, and below about 1e-54.
+TEST(ModeRows, the_stretch_of_very_large_and_very_small_matrices_is_bounded) {
+  Random random(6);
+  for (int k = 0; k < 20000; ++k) {
+    const double size = std::ldexp(1, k % 2 == 0 ? 160 + k % 20 : -1000 + k % 1990);
+    std::array<Vec3, 3> unit, columns;
+    for (std::size_t i = 0; i < 3; ++i) {
+      unit[i] = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      columns[i] = unit[i] * size;
+    }
+    Vec3 v{0.6, 0, 0.8};
+    for (int step = 0; step < 40; ++step) {
+      const Vec3 image = times(unit, v);
+      v = normalized(Vec3{dot(unit[0], image), dot(unit[1], image), dot(unit[2], image)}, v);
+    }
+    EXPECT_GE(largest_stretch(columns) / size, length(times(unit, v)) * (1 - 1e-15)) << k;
+    EXPECT_LE(largest_stretch(columns) / size, 1.03 * largest_stretch(unit)) << k;
+  }
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(largest_stretch({Vec3{infinity, 0, 0}, Vec3{}, Vec3{}}), infinity);
+  EXPECT_EQ(largest_stretch({Vec3{}, Vec3{0, std::nan(""), 0}, Vec3{}}), infinity);
 }
 
 }  // namespace

@@ -262,6 +262,29 @@ TEST(SkinnedCover, radii_stay_in_range_at_the_largest_transforms) {
   for (const Spheref& s : body.spheres()) EXPECT_LE(s.radius, largest_radius);
 }
 
+// Small enough for transforms whose cubes of squares leave the range of double, and for slopes whose squares do.
+TEST(SkinnedCover, tiny_bodies_are_covered_and_get_no_huge_spheres) {
+  Random random(5);
+  for (int round = 0; round < 20000; ++round) {
+    const double size = std::ldexp(1, round % 3 == 0 ? -600 : -122 - round % 7);
+    Mesh mesh;
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(any_vector(random, size));
+    mesh.facets = {{0, 1, 2}};
+    const Skin skin{2, {0, 1, 3, 4}, {0, 0, 1, round % 2 == 0 ? 0u : 1u}, {1, 0.5, 0.5, 1}};
+    const Sphere ball{{}, 2 * size};
+    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}), {.rules = {Rule::skinned}, .skin = skin});
+    EXPECT_LE(body.spheres()[0].radius, 8 * size + 1e-40) << round;
+    Transforms transforms(2);
+    const double factor = std::ldexp(1, round % 5 == 0 ? 3 : 170 + round % 2);
+    for (Vec3& column : transforms[0].columns) column = any_vector(random, factor);
+    transforms[1] = transforms[0];
+    if (round % 4 == 0) transforms[1].translation = any_vector(random, 8 * factor * size);
+    ASSERT_TRUE(body.update_skinned(transforms)) << round;
+    EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0) << round;
+    EXPECT_LE(body.spheres()[0].radius, 50 * (1 + factor) * size + 1e-40) << round;
+  }
+}
+
 // A tube that bends at a joint: no larger than 1.5 times the spheres of `exact` in the middle of all leaves.
 TEST(SkinnedCover, leaves_of_a_bent_limb_stay_near_those_of_exact) {
   const Specimen& b = specimens()[0];

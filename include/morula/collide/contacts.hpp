@@ -117,8 +117,8 @@ struct [[nodiscard]] Contacts {
 Contacts collide(const Collider& a, const Collider& b, const CollideOptions& options = {});
 
 /// True if a leaf sphere of a overlaps a leaf sphere of b, and so do all spheres above them. If the spheres cover
-/// (rules exact and modal, wrapped over those, or conservative), false is a proof under any rounding: the surfaces have
-/// no common point. True means that the bodies are nearer than the leaves are wide.
+/// (rules exact, modal and skinned, wrapped over those, or conservative), false is a proof under any rounding: the
+/// surfaces have no common point. True means that the bodies are nearer than the leaves are wide.
 ///
 /// The test is about surfaces: a body entirely inside another one does not overlap it. Allocates nothing. Throws
 /// std::invalid_argument if the last update of a body was rejected.

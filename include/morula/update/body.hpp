@@ -97,10 +97,10 @@ class Body {
   /// Updates all spheres to the given transforms T of the bones of UpdateOptions::skin, relative to rest: vertex i is
   /// then at rest_i + sum_b w_ib (T_b rest_i - rest_i).
   ///
-  /// transforms: one per bone, finite, affine: singular, mirrored and uneven ones also; the identity for all gives rest,
-  /// bit for bit. Spheres on levels of the rule `skinned` contain every corner that their nodes own, both for positions
-  /// summed in double (move_by_skin) and in exact arithmetic. Levels of other rules follow these positions, which the
-  /// update computes first, and keep their own guarantees.
+  /// transforms: one per bone, finite, affine: singular, mirrored and uneven ones also; the identity for all gives
+  /// rest, bit for bit. Spheres on levels of the rule `skinned` contain every corner that their nodes own, both for
+  /// positions summed in double (move_by_skin) and in exact arithmetic. Levels of other rules follow these positions,
+  /// which the update computes first, and keep their own guarantees.
   ///
   /// Rejects bad transforms, and a body without a skin or with levels of the rule `modal`; the last good spheres then
   /// stay, and is_current() is false. Allocates nothing. The result has the same bits for any number of workers. Cost:

@@ -3,6 +3,7 @@
 #include "update/rules/mode_rows.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <morula/geometry/enclosing_sphere.hpp>
 
 namespace morula::detail {
@@ -133,11 +134,20 @@ LinearModeRow LinearFit::row(std::span<Vec3> displacements) const {
 // p^2 = |H|^2 / 6 and f in 1/2…1 the largest root of 4 f^3 - 3 f = det(H) / (2 p^3). That cubic is convex from 1/2 on,
 // so Newton's steps from above come down to the root and never pass it: every one of them is a bound. As a function of
 // the right side the root is concave, so the lowest of its tangents, at four values of f, is a bound to start from.
+// Cubes of squares leave the range of double early, so very large and very small columns are scaled first.
 double largest_stretch(const std::array<Vec3, 3>& columns) {
   std::array<Vec3, 3> h;
   for (int k = 0; k < 3; ++k)
     h[k] = {dot(columns[0], columns[k]), dot(columns[1], columns[k]), dot(columns[2], columns[k])};
   const double mean = (h[0].x + h[1].y + h[2].z) / 3;
+  // mutant stretch-unscaled: `!(mean >= 0x1p-200 && mean <= 0x1p200)` -> `false`
+  if (!(mean >= 0x1p-200 && mean <= 0x1p200)) {
+    for (const Vec3& column : columns)
+      if (!is_finite(column)) return std::numeric_limits<double>::infinity();
+    const double largest = largest_of(columns);
+    if (largest == 0) return 0;
+    return largest * largest_stretch({columns[0] / largest, columns[1] / largest, columns[2] / largest});
+  }
   for (int k = 0; k < 3; ++k) h[k][k] -= mean;
   const double p = std::sqrt((squared_length(h[0]) + squared_length(h[1]) + squared_length(h[2])) / 6);
   const double cube = p * p * p;

@@ -58,8 +58,8 @@ inline Vec3 times(const std::array<Vec3, 3>& columns, const Vec3& v) {
   return columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
 }
 
-/// At least the largest |F v| over unit vectors v, and at most 3 % more, for finite columns of F; exact to rounding for
-/// rotations.
+/// At least the largest |F v| over unit vectors v, and at most 3 % more, for finite columns of F of any size; exact to
+/// rounding for rotations. Infinite for other columns.
 double largest_stretch(const std::array<Vec3, 3>& columns);
 
 }  // namespace morula::detail

@@ -132,8 +132,8 @@ class TermFit {
     Vec3 product;
     for (std::size_t k = 0; k < places_.size(); ++k)
       product += (places_[k] - mean_) * (weights[k] / static_cast<double>(places_.size()));
-    const Vec3 slope = solution(covariance_, product);
-    return length(slope) <= steepest ? slope / radius_ : Vec3{};
+    const Vec3 scaled = solution(covariance_, product), slope = scaled / radius_;
+    return length(scaled) <= steepest && is_finite(slope) ? slope : Vec3{};
   }
   double scale(std::span<const Vec3> moments) const {
     double product = 0;
@@ -216,7 +216,7 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
   shares.each_bone([&](std::span<const Share> of_bone) {
     if (of_bone.front().bone == result.node.bone) return;
     const BlendTerm& t = result.terms.emplace_back(fit.term(of_bone, places));
-    result.factor_sum += std::abs(t.weight) + t.weight_stray + length(t.slope) * rest.radius + std::abs(t.scale);
+    result.factor_sum += std::abs(t.weight) + t.weight_stray + safe_length(t.slope) * rest.radius + std::abs(t.scale);
     if (reach > 0) result.factor_sum += (max_norm(t.moment) + t.moment_stray) / reach;
   });
   return result;

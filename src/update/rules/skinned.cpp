@@ -24,6 +24,7 @@
 //   C: D_b c to 20 e S; factors and their sum                           1.8 (n + 40) e Q (X + S)
 //   entries of F, times |y| <= 3.5 X                                    6.1 (n + 16) e (1 + Q) (X + S)
 //   fits: strays of rounded weights and moments, times |D_b c|, |D_b|   30 e (L + Q) (X + S)
+//   weights made to add up to 1, times |(T_b - 1) x| and |D_b x|        1.8 x 3 n e L S
 //   cut corners as weighted sums, here and of positions; y of these     20 e (X + S)
 //   reading: origin + center, distances of a certificate                below 10 e (X + S + |origin|)
 // Allowed: 16 (n + 16) e ((L + Q) (X + S) + |origin|). Fits refer to the computed y: only A_r multiplies its rounding.

@@ -74,7 +74,7 @@ std::vector<std::size_t> share_by_size(std::span<const MeshSize> sizes, std::siz
   while (!queue.empty()) {
     const std::size_t i = queue.top().second;
     queue.pop();
-    // What is left goes to no smaller link instead, so that a larger total never takes a sphere away.
+    // The rest goes to no smaller link, so that a larger total never takes a sphere away.
     if (used + sizes[i].links > total) break;
     ++counts[i];
     used += sizes[i].links;

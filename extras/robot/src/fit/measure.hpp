@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the spheres of a link cover, proven, and how far they stick out.
+// Figures of a link's spheres: the surface that they cover, proven, and how far they stick out.
 #pragma once
 
 #include <morula/robot/fit.hpp>

@@ -33,10 +33,10 @@ class PartialCover {
   void set_spheres(std::span<const Sphere> spheres);
   /// Another tolerance, 0 or more. Spheres grow where samples are farther from them.
   void set_tolerance(double tolerance);
-  double area() const { return area_; }  ///< of the mesh, mesh units²
+  double area() const { return area_; }  ///< area of the mesh, mesh units²
   double uncovered_area() const;         ///< by the samples, mesh units²
   double outside_volume() const;         ///< by the samples, mesh units³
-  /// What improve() reduces.
+  /// The cost that improve() reduces.
   double cost(double worth) const { return outside_volume() + worth * uncovered_area(); }
 
  private:

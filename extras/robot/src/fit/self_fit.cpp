@@ -16,10 +16,10 @@ namespace {
 
 constexpr std::array<std::size_t, 9> counts{1, 2, 3, 4, 6, 8, 12, 16, 32};  // of fits of whole links
 constexpr std::size_t spheres_between = 8;  // spheres are left out each time when so many were added
-constexpr double worth_of_sphere = 0.5;     // a sphere that does less of what the next one does is left out
+constexpr double worth_of_sphere = 0.5;     // a sphere with less than this share of the next one's gain is left out
 constexpr double bound_factor = 1.25;       // of the radius of a link's ball: no part reaches farther
 
-/// The steps divide a number of spheres; these options ask for as many as they need.
+/// The steps divide a number of spheres; these options take as many as they need.
 void require_numbers_only(const FitOptions& fit) {
   const auto refuse = [](const char* option, bool is_set) {
     if (is_set)

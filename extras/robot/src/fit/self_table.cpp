@@ -120,7 +120,7 @@ OverlapTable::Effect OverlapTable::effect(const Change& change) const {
         const std::vector<float>& own = is_a ? near.a : near.b;
         removed = own[change.removed];
         if (near.deepest < 0 && removed + most_excess < 0) continue;
-        // Where other parts are as deep, the change has no effect.
+        // The change has no effect if other parts are as deep.
         for (std::size_t i = 0; i < own.size(); ++i)
           if (i != change.removed) deepest = std::max(deepest, own[i]);
       }

@@ -129,7 +129,8 @@ class UncoveredFit {
     return {uncovered / area_, outside};
   }
 
-  /// Starts a part from the spheres that cover, or from those of the tolerance, whichever are worth more when moved.
+  /// Starts a part from the spheres that cover, or from those of the tolerance: from those that are worth more when
+  /// moved.
   void start(UncoveredPart& part) const {
     part.cover.improve(first_worth_, first_rounds, o_.stop);
     const std::vector<Sphere> one(part.cover.spheres().begin(), part.cover.spheres().end());
@@ -206,8 +207,8 @@ class UncoveredFit {
     }
   }
 
-  /// The spheres with all figures, which the fit finds for given ones. Where the fit for the tolerance alone keeps the
-  /// share and has less outside volume, that is the result.
+  /// The spheres with all figures, which the fit finds for given ones. If the fit for the tolerance alone keeps the
+  /// share and has less outside volume, it is the result.
   RobotSpheres measured() const {
     FitOptions given = with_progress(0.9, 1);
     for (std::size_t i = 0; i < covering_.links.size(); ++i) {

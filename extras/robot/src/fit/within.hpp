@@ -9,9 +9,9 @@
 
 namespace morula::robot {
 
-/// Increases the radii of spheres that stay inside the mesh thereby, up to the largest radius: they have no more
-/// outside volume than before, also when files round them outward. Other spheres stay unchanged, and all of them if the
-/// mesh is not closed and oriented, because then it has no inside.
+/// Increases the radii of spheres that stay inside the mesh thereby, up to the largest radius: their
+/// outside volume does not grow, also when files round them outward. Other spheres stay unchanged, and all of them if
+/// the mesh is not closed and oriented, because then it has no inside.
 void grow_inside(const Mesh& mesh, std::vector<Sphere>& spheres, double most_radius);
 
 }  // namespace morula::robot

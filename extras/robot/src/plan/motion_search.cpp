@@ -183,7 +183,7 @@ MotionSearch::Gap MotionSearch::gap_of_pair(const Item& item) {
 }
 
 bool MotionSearch::is_worth_descent(const Item& item, const Gap& gap) const {
-  // Children of a node that is small next to the motion fail as it does. A factor of 3 took the least time of 1 to 5.
+  // Children of a node that is small against the motion fail as it does. A factor of 3 took the least time of 1 to 5.
   constexpr double enough = 3;
   double size = bodies_.nodes[item.node].sphere.radius;
   if (item.pair != of_world) size += bodies_.nodes[item.other].sphere.radius;

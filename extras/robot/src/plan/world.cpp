@@ -36,7 +36,7 @@ std::size_t add_to(std::shared_ptr<World::Data>& data, ObstaclePointer obstacle)
 World::World() : data_(std::make_shared<Data>()) {}
 World::World(const World&) = default;
 World& World::operator=(const World&) = default;
-// A world that was moved from is an empty world.
+// The world that was moved from is empty.
 World::World(World&& other) noexcept : data_(std::make_shared<Data>()) {
   data_.swap(other.data_);
 }

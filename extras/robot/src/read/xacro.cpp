@@ -222,7 +222,7 @@ std::string expand_xacro(const std::filesystem::path& file, int line, const Read
 std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& file, const ReadOptions& options) {
   const Run run = run_xacro({"--deps"}, file, options);
   if (!run.succeeded()) return {};
-  // Absolute paths with a blank between them; names may have blanks, too.
+  // Absolute paths with a blank between them; names may also have blanks.
   std::set<std::filesystem::path> files;
   for (std::size_t begin = 0; begin < run.text.size();) {
     const std::size_t end = std::min(run.text.find(" /", begin), run.text.size());
