@@ -41,8 +41,7 @@ struct TerrainObstacle final : Obstacle {
     for (int k = 0; k < 8; ++k)
       box.add(pose(Vec3{(k & 1) != 0 ? local.upper.x : local.lower.x, (k & 2) != 0 ? local.upper.y : local.lower.y,
                         (k & 4) != 0 ? local.upper.z : local.lower.z}));
-    set_bounds(box);
-    magnitude += largest_coordinate(local) + max_norm(pose.translation);
+    set_bounds(box, largest_coordinate(local) + max_norm(pose.translation));
     deviation = deviation_from_rigid(pose);
     // It has no lower end.
     constexpr double infinite = std::numeric_limits<double>::infinity();

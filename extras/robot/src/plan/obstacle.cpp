@@ -146,9 +146,9 @@ RigidTransform exact_pose(const RigidTransform& pose, std::string_view what) {
   return deviation_from_rigid(rigid) <= 1e-14 ? rigid : orthonormalized(rigid);
 }
 
-void Obstacle::set_bounds(const Box& box) {
+void Obstacle::set_bounds(const Box& box, double own_coordinates) {
   // Positions on the obstacle are products of a few numbers of at most this size.
-  magnitude = largest_coordinate(box);
+  magnitude = largest_coordinate(box) + own_coordinates;
   const double more = 1e-12 * magnitude;
   const Vec3 all{more, more, more};
   bounds = {box.lower - all, box.upper + all};

@@ -49,8 +49,9 @@ class Obstacle {
   double magnitude = 0, deviation = 0;
 
  protected:
-  /// Sets the bounds, enlarged for rounding.
-  void set_bounds(const Box& box);
+  /// Sets the bounds, enlarged for rounding, and the magnitude. own_coordinates: a bound of the numbers in axes of the
+  /// obstacle's own, which the pose may cancel.
+  void set_bounds(const Box& box, double own_coordinates = 0);
 };
 
 /// The single sphere, and the box, for kernels.
