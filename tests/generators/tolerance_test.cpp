@@ -13,32 +13,15 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <support/meshes.hpp>
+#include <support/sampled_distance.hpp>
 
 namespace morula {
 namespace {
 
+using test::sampled_distance;
+
 std::vector<Sphere> leaves(const SphereTree& tree) {
   return level_set_spheres(tree, tree.level_count() - 1);
-}
-
-// The largest distance of points of the facets, taken at even barycentric steps, from the union of the spheres.
-double sampled_distance(const Mesh& mesh, const std::vector<Sphere>& spheres) {
-  constexpr int steps = 6;
-  double largest = 0;
-  for (const Facet& f : mesh.facets) {
-    for (int i = 0; i <= steps; ++i) {
-      for (int j = 0; i + j <= steps; ++j) {
-        const double a = static_cast<double>(i) / steps, b = static_cast<double>(j) / steps;
-        const Vec3 p = mesh.positions[f[0]] * a + mesh.positions[f[1]] * b + mesh.positions[f[2]] * (1 - a - b);
-        double least = std::numeric_limits<double>::infinity();
-        for (const Sphere& s : spheres) {
-          least = std::min(least, std::hypot(p.x - s.center.x, p.y - s.center.y, p.z - s.center.z) - s.radius);
-        }
-        largest = std::max(largest, least);
-      }
-    }
-  }
-  return largest;
 }
 
 double extent(const Mesh& mesh) {

@@ -9,6 +9,7 @@
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/grains/clump.hpp>
 #include <support/meshes.hpp>
+#include <support/sampled_distance.hpp>
 
 namespace morula::test::clump_tolerance {
 namespace {
@@ -19,29 +20,6 @@ ClumpOptions within(double tolerance, std::size_t spheres = 8) {
 
 double as_float(double value) {
   return static_cast<double>(static_cast<float>(value));
-}
-
-/// The largest distance of points of the facets, taken at even barycentric steps, from the spheres, whose numbers are
-/// read as floats if that is asked for.
-double sampled_distance(const Mesh& mesh, const std::vector<Sphere>& spheres, bool floats) {
-  constexpr int steps = 6;
-  double largest = 0;
-  const auto read = [&](double value) { return floats ? as_float(value) : value; };
-  for (const Facet& f : mesh.facets) {
-    for (int i = 0; i <= steps; ++i) {
-      for (int j = 0; i + j <= steps; ++j) {
-        const double a = static_cast<double>(i) / steps, b = static_cast<double>(j) / steps;
-        const Vec3 p = mesh.positions[f[0]] * a + mesh.positions[f[1]] * b + mesh.positions[f[2]] * (1 - a - b);
-        double least = std::numeric_limits<double>::infinity();
-        for (const Sphere& s : spheres) {
-          least = std::min(least, std::hypot(p.x - read(s.center.x), p.y - read(s.center.y), p.z - read(s.center.z)) -
-                                      read(s.radius));
-        }
-        largest = std::max(largest, least);
-      }
-    }
-  }
-  return largest;
 }
 
 Mesh moved(Mesh mesh, double scale, const Vec3& by) {
