@@ -16,13 +16,15 @@ environment = dict(os.environ, PATH=f"{command.parent}{os.pathsep}{os.environ['P
 
 lines = []
 with tempfile.TemporaryDirectory() as folder:
-    in_console = in_sh = False
+    in_console, script = False, None
     for line in page.read_text().splitlines():
         if line.startswith("```"):
-            in_console, in_sh = line == "```console", line == "```sh"
+            if script is not None:
+                subprocess.run("\n".join(script), shell=True, cwd=folder, env=environment, stdout=subprocess.DEVNULL, check=True)
+            in_console, script = line == "```console", [] if line == "```sh" else None
             lines.append(line)
-        elif in_sh:
-            subprocess.run(line, shell=True, cwd=folder, env=environment, stdout=subprocess.DEVNULL, check=True)
+        elif script is not None:
+            script.append(line)
             lines.append(line)
         elif in_console and line.startswith("$ "):
             run = subprocess.run(line[2:], shell=True, cwd=folder, env=environment, text=True,
