@@ -18,10 +18,6 @@ ClumpOptions within(double tolerance, std::size_t spheres = 8) {
   return {.spheres = spheres, .tolerance = tolerance, .quality = Quality::draft};
 }
 
-double as_float(double value) {
-  return static_cast<double>(static_cast<float>(value));
-}
-
 Mesh moved(Mesh mesh, double scale, const Vec3& by) {
   for (Vec3& p : mesh.positions) p = p * scale + by;
   return mesh;
