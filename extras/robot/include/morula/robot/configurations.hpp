@@ -74,7 +74,8 @@ struct MotionOptions {
   double resolution = 0;
   /// Certified edges: every part with at least this gap is proven free, above 0, mesh units. Nearer parts may be
   /// undecided. The cost grows with the length of these parts divided by it. Rounding is the least tolerance: it is
-  /// below 1e-9 of the size of robot and world unless joints turn by thousands of radians.
+  /// below 1e-9 of the size of robot and world unless there are hundreds of joints or they turn by thousands of
+  /// radians.
   double tolerance = 1e-4;
   bool world = true, self = true;  ///< what counts
 };
