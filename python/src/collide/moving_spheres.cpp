@@ -3,6 +3,7 @@
 // Spheres between two frames.
 #include <cmath>
 #include <morula/collide/moving_spheres.hpp>
+#include <utility>
 
 #include "holders.hpp"
 #include "module.hpp"
@@ -123,7 +124,7 @@ void bind_moving_spheres(nb::module_& m) {
       .field("certified", &EarliestTouch::certified, doc::EarliestTouch_certified)
       .field("complete", &EarliestTouch::complete, doc::EarliestTouch_complete)
       .property(
-          "nodes", [](const EarliestTouch& touch) { return nb::make_tuple(touch.nodes.a, touch.nodes.b); },
+          "nodes", [](const EarliestTouch& touch) { return std::pair(touch.nodes.a, touch.nodes.b); },
           doc::EarliestTouch_nodes)
       .field("sphere_tests", &EarliestTouch::sphere_tests);
   m.def("earliest_touch", &earliest, nb::arg("a"), nb::arg("b"), nb::kw_only(), nb::arg("distance") = 0.0,
