@@ -344,9 +344,9 @@ TEST(ModeRows, the_stretch_of_very_large_and_very_small_matrices_is_bounded) {
     EXPECT_GE(largest_stretch(columns) / size, length(times(unit, v)) * (1 - 1e-15)) << k;
     EXPECT_LE(largest_stretch(columns) / size, 1.03 * largest_stretch(unit)) << k;
   }
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(largest_stretch({Vec3{infinity, 0, 0}, Vec3{}, Vec3{}}), infinity);
-  EXPECT_EQ(largest_stretch({Vec3{}, Vec3{0, std::nan(""), 0}, Vec3{}}), infinity);
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(largest_stretch({Vec3{infinite, 0, 0}, Vec3{}, Vec3{}}), infinite);
+  EXPECT_EQ(largest_stretch({Vec3{}, Vec3{0, std::nan(""), 0}, Vec3{}}), infinite);
 }
 
 }  // namespace
