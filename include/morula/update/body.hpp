@@ -108,6 +108,14 @@ class Body {
   /// influences, plus the cost of update().
   UpdateStatus update_skinned(std::span<const AffineTransform> transforms,
                               Workers& workers = serial_workers()) noexcept;
+  /// Like update_skinned(), with morph targets: vertex i first moves by its modes, to m_i = rest_i + sum_j morphs_j
+  /// U_ij, and then by its bones, to m_i + sum_b w_ib (T_b m_i - m_i).
+  ///
+  /// morphs: one coordinate per mode of UpdateOptions::modes, finite. The guarantees are those of update_skinned(),
+  /// which takes all morphs as 0. Also rejects bad coordinates, and a body without both a skin and modes. Cost: for
+  /// each node of the rule `skinned`, linear in modes besides its bones.
+  UpdateStatus update_skinned(std::span<const AffineTransform> transforms, std::span<const double> morphs,
+                              Workers& workers = serial_workers()) noexcept;
 
   /// The sphere that a node on a level of the rule `modal` has at the given coordinates, in mesh coordinates; the
   /// current spheres stay unchanged. A traversal from the root that uses it pays only for the nodes that it visits. The

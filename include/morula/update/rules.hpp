@@ -98,6 +98,10 @@ struct RuleOptions {
   /// modes.
   enum class ModalBound : std::uint8_t { gradient, shift };
   ModalBound modal_bound = ModalBound::gradient;
+  /// Cost of the nodes of `skinned` that are measured on their own corners, over the cost of all: 0 to 1. The
+  /// constructor of the body picks the nodes that gain most at the training poses; the others follow bones alone. 0
+  /// measures none.
+  double skinned_measured = 0;
 };
 
 /// One rule per level from the root; the last rule serves all deeper levels.
@@ -108,8 +112,11 @@ struct UpdateOptions {
   /// children.
   bool conservative = false;
   RuleOptions details{};
-  Modes modes{};  ///< modes of update_modal(); required by `modal`
+  Modes modes{};  ///< modes of update_modal(), required by `modal`; with a skin, its morph targets
   Skin skin{};    ///< skin of update_skinned(); required by `skinned`
+  /// Poses that stand for the motion to come, frame after frame, one transform per bone of `skin`; required by
+  /// RuleOptions::skinned_measured above 0.
+  std::vector<AffineTransform> training{};
 };
 /// True if all levels cover the surface by construction, in any motion.
 bool covers(const UpdateOptions& options);
