@@ -8,6 +8,7 @@
 
 #include "parallel/float_environment.hpp"
 #include "tree/facet_lists.hpp"
+#include "update/posed_vertices.hpp"
 
 namespace morula {
 using namespace detail;
@@ -100,6 +101,14 @@ void Collider::set_positions(const PositionView& positions) {
   data_->given = positions;
   data_->given_frame = data_->pose->frame;
   ++data_->changes.value;
+}
+
+Vec3 Collider::posed(std::uint32_t vertex) const {
+  return (*data_->pose->vertices)[vertex];
+}
+
+const PositionView& Collider::all_posed() const {
+  return data_->pose->vertices->all();
 }
 
 }  // namespace morula

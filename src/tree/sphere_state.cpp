@@ -76,6 +76,8 @@ PosedSpheres::PosedSpheres(const SphereState& pose) : state_(State::make()) {
   s.spheres.assign(pose.spheres.begin(), pose.spheres.end());
   s.pose = pose;
   s.pose.positions.reset();
+  // mutant posed-by-another: `s.pose.vertices = nullptr;` -> ``
+  s.pose.vertices = nullptr;
   s.pose.ended = false;
   s.pose.shared = state_;
   s.show(pose.frame, pose.origin);

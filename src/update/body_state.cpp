@@ -21,6 +21,11 @@ void Body::State::show() noexcept {
   posed.spheres = spheres;
   posed.origin = origin;
   posed.complete = lazy.is_complete();
+  if (models.vertices) {
+    models.vertices->bind(options);
+    // mutant posed-at-rest: `posed.frame > 0` -> `true`
+    posed.vertices = posed.frame > 0 ? &*models.vertices : nullptr;
+  }
 }
 
 UpdateStatus Body::State::shown(const UpdateStatus& status, const PositionView* positions) noexcept {
@@ -162,6 +167,7 @@ UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& w
   const auto move = [&] {
     move_by_modes(options.modes, models.rest_positions, coordinates, models.moved_positions, workers);
   };
+  if (models.vertices) models.vertices->begin({}, coordinates);
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
 }
 
@@ -171,6 +177,7 @@ UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Wo
   const auto move = [&] {
     move_by_skin(options.skin, models.rest_positions, transforms, models.moved_positions, workers);
   };
+  if (models.vertices) models.vertices->begin(transforms, {});
   return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
 }
 
@@ -199,6 +206,7 @@ UpdateStatus Body::State::follow_lazily(std::span<const double> coordinates, std
   const ModalPose pose = models.modal->pose(lazy.coordinates());
   engines[0].update({.origin = pose.origin, .modes = &pose}, nodes, spheres, serial_workers());
   origin = pose.origin;
+  if (models.vertices) models.vertices->begin({}, coordinates);
   return work;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "update/points/local_points.hpp"
+#include "update/posed_vertices.hpp"
 #include "update/rules/corner_walk.hpp"
 #include "update/rules/engine.hpp"
 #include "update/rules/modal.hpp"
@@ -65,6 +66,7 @@ struct Body::State {
     std::optional<detail::SkinPoser> skin{};    // poser of a body with a skin
     // Empty unless a level needs vertices as well; each update by modes or bones writes the moved ones.
     std::vector<Vec3> rest_positions{}, moved_positions{};
+    std::optional<detail::PosedVertices> vertices{};  // of a body that follows modes or bones and writes no positions
   };
   // The nodes of a conservative body whose rules do not cover by themselves: raise_at_rest() makes it.
   struct Raising {

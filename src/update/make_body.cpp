@@ -182,6 +182,8 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
   }
   if (plan.reads_points && (models.modal || models.skin))
     models.rest_positions = models.moved_positions = mesh.positions.to_vector();
+  else if (models.modal || models.skin)
+    models.vertices.emplace(mesh.positions.to_vector(), options);
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};

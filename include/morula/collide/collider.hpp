@@ -26,6 +26,7 @@ namespace morula {
 class Collider;
 namespace detail {
 class ColliderAsRead;
+class CornerReader;
 class FacetLists;
 /// Copies, for each facet of a leaf, the share of its area that the leaf owns.
 void copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
@@ -88,18 +89,21 @@ class Collider {
   void set_transform(const RigidTransform& transform);
   const RigidTransform& transform() const { return data_->transform; }
 
-  /// Sets the vertices of the present frame, for a sphere state without positions: the caller's own spheres, or a body
-  /// that follows coordinates alone. A body that was updated with positions needs no call: the collider reads them from
-  /// the body's view. The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
+  /// Sets the vertices of the present frame, for a sphere state without positions: the caller's own spheres. A body
+  /// needs no call: the collider reads the positions that it was updated with, or those that it computes from modes or
+  /// bones. The view's data is borrowed until the next frame. Throws std::invalid_argument for a wrong count.
   void set_positions(const PositionView& positions);
   /// Positions in the body's own coordinates, without the transform. At rest the mesh's.
+  ///
+  /// If all levels of the body follow `modal` or `skinned`, the first call in a frame computes all positions, at a cost
+  /// linear in modes or influences; vertex() and triangle() compute only theirs, each once per frame.
   const PositionView& positions() const {
-    if (data_->given && data_->given_frame == data_->pose->frame) return *data_->given;
-    return data_->pose->positions ? *data_->pose->positions : *data_->rest;
+    const PositionView* const stored = stored_positions();
+    return stored != nullptr ? *stored : all_posed();
   }
   /// True if positions() belong to the present frame.
   bool has_current_positions() const {
-    return has_surface() && (data_->pose->positions || data_->pose->frame == 0 ||
+    return has_surface() && (data_->pose->positions || data_->pose->vertices != nullptr || data_->pose->frame == 0 ||
                              (data_->given && data_->given_frame == data_->pose->frame));
   }
 
@@ -123,7 +127,10 @@ class Collider {
   }
   /// Position of a vertex in the world: the present position, then the transform, each rounded to double. Exact
   /// verdicts are about these numbers.
-  Vec3 vertex(std::uint32_t index) const { return data_->transform(positions()[index]); }
+  Vec3 vertex(std::uint32_t index) const {
+    const PositionView* const stored = stored_positions();
+    return data_->transform(stored != nullptr ? (*stored)[index] : posed(index));
+  }
   Triangle triangle(std::uint32_t facet) const {
     const Facet& f = data_->mesh_facets[facet];
     return {vertex(f[0]), vertex(f[1]), vertex(f[2])};
@@ -131,6 +138,7 @@ class Collider {
 
  private:
   friend class detail::ColliderAsRead;
+  friend class detail::CornerReader;
   friend void detail::copy_shares(const Collider& collider, std::uint32_t leaf, std::vector<float>& shares);
   friend std::shared_ptr<const Collider> detail::hold(const Collider& collider);
   struct Data {
@@ -149,6 +157,15 @@ class Collider {
   explicit Collider(std::shared_ptr<Data> data) : data_(std::move(data)) {}
   Collider(const MeshView& mesh, const Cover& cover, const SphereState& pose,
            std::shared_ptr<const detail::FacetLists> facet_lists);
+  // Positions in memory; nullptr if the body computes each when it is read.
+  const PositionView* stored_positions() const {
+    if (data_->given && data_->given_frame == data_->pose->frame) return &*data_->given;
+    if (data_->pose->positions) return &*data_->pose->positions;
+    return data_->pose->vertices != nullptr ? nullptr : &*data_->rest;
+  }
+  // Without stored positions.
+  Vec3 posed(std::uint32_t vertex) const;
+  const PositionView& all_posed() const;
   std::shared_ptr<Data> data_;
 };
 

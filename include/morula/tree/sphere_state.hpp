@@ -11,6 +11,9 @@
 #include <span>
 
 namespace morula {
+namespace detail {
+class PosedVertices;
+}
 
 /// A sphere state is borrowed from a source: a Body, a PosedSpheres, or a source of the caller. The source keeps one
 /// SphereState at one address and updates it whenever its spheres move; queries read it there.
@@ -26,7 +29,10 @@ struct SphereState {
   bool current = true;               ///< false: the last update was rejected, and the spheres belong to an older frame
   bool complete = true;              ///< false: a lazy update has left nodes behind
   std::optional<PositionView> positions{};  ///< vertices that the spheres followed; no value if the source had none
-  bool ended = false;                       ///< the source was destroyed or assigned to
+  /// Vertices that a body without `positions` computes one by one, when queries read them; nullptr for other sources,
+  /// and at rest.
+  const detail::PosedVertices* vertices = nullptr;
+  bool ended = false;  ///< the source was destroyed or assigned to
   /// Shared ownership of the borrowed data, if the source shares it. A user that keeps it can still read `ended`.
   std::weak_ptr<const void> shared{};
 

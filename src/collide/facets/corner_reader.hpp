@@ -12,13 +12,15 @@ class CornerReader {
  public:
   explicit CornerReader(const Collider& collider)
       : facets_(collider.mesh_facets().data()),
-        positions_(collider.positions()),
-        is_double_(collider.positions().is_double()) {}
+        unposed_(collider.stored_positions() == nullptr ? &collider : nullptr),
+        positions_(unposed_ == nullptr ? *collider.stored_positions() : PositionView(std::span<const Vec3f>())),
+        is_double_(positions_.is_double()) {}
 
   /// The corners of a facet in the body's own coordinates.
   Triangle operator()(std::uint32_t facet) const {
     const Facet& f = facets_[facet];
     if (is_double_) return {corner<double>(f[0]), corner<double>(f[1]), corner<double>(f[2])};
+    if (unposed_ != nullptr) return {unposed_->posed(f[0]), unposed_->posed(f[1]), unposed_->posed(f[2])};
     return {corner<float>(f[0]), corner<float>(f[1]), corner<float>(f[2])};
   }
 
@@ -34,6 +36,7 @@ class CornerReader {
   }
 
   const Facet* facets_;
+  const Collider* unposed_;  // not nullptr if the body computes positions when they are read
   PositionView positions_;
   bool is_double_;
 };
