@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <morula/generators/build.hpp>
+#include <morula/geometry/sample_bodies.hpp>
 #include <stdexcept>
-#include <support/transforms.hpp>
 #include <utility>
 
 namespace morula::test {
@@ -79,6 +80,26 @@ void PosedBody::pose(const Transforms& pose) {
   transforms = pose;
   move_by_skin(skin, mesh.positions, transforms, positions);
   given.set_positions(positions);
+}
+
+PosedBody& posed_limb() {
+  static PosedBody body(sample_body("limb", 14), 24);
+  return body;
+}
+
+bool same_bits(const PositionView& a, const std::vector<Vec3>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t v = 0; v < b.size(); ++v)
+    if (const Vec3 p = a[v]; std::memcmp(&p, &b[v], sizeof p) != 0) return false;
+  return true;
+}
+
+bool same(const SurfacePoint& a, const SurfacePoint& b) {
+  return a.facet == b.facet && a.barycentric == b.barycentric && a.point == b.point;
+}
+
+bool same(const std::optional<RayPoint>& a, const std::optional<RayPoint>& b) {
+  return a.has_value() == b.has_value() && (!a || (a->t == b->t && same(a->point, b->point) && a->normal == b->normal));
 }
 
 }  // namespace morula::test

@@ -5,8 +5,11 @@
 
 #include <cstddef>
 #include <morula/collide/collider.hpp>
+#include <morula/collide/primitives.hpp>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/update/body.hpp>
+#include <optional>
+#include <support/transforms.hpp>
 #include <vector>
 
 namespace morula::test {
@@ -33,5 +36,21 @@ struct PosedBody {
   std::vector<Vec3> positions;
   Collider collider, given;
 };
+/// A limb with 24 bones.
+PosedBody& posed_limb();
+
+inline std::size_t below(Random& random, std::size_t count) {
+  return static_cast<std::size_t>(random.next() % count);
+}
+/// From up to 4 away to near the origin.
+inline Ray random_ray(Random& random) {
+  Ray ray{random_point(random, 4.0), {}};
+  ray.direction = random_point(random, 1.0) - ray.origin;
+  return ray;
+}
+
+bool same_bits(const PositionView& a, const std::vector<Vec3>& b);
+bool same(const SurfacePoint& a, const SurfacePoint& b);
+bool same(const std::optional<RayPoint>& a, const std::optional<RayPoint>& b);
 
 }  // namespace morula::test

@@ -6,15 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <morula/collide/contact_patches.hpp>
-#include <morula/collide/contacts.hpp>
 #include <morula/collide/containment.hpp>
-#include <morula/collide/crossings.hpp>
-#include <morula/collide/distance.hpp>
-#include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>
-#include <morula/collide/sweep.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/modes.hpp>
@@ -22,9 +15,7 @@
 #include <numeric>
 #include <optional>
 #include <support/allocations.hpp>
-#include <support/meshes.hpp>
 #include <support/numbers.hpp>
-#include <support/transforms.hpp>
 #include <thread>
 
 #include "posed_bodies.hpp"
@@ -32,55 +23,35 @@
 namespace morula {
 namespace {
 
+using test::below;
+using test::posed_limb;
 using test::PosedBody;
 using test::random_point;
 using test::random_pose;
+using test::random_ray;
+using test::same;
+using test::same_bits;
 using test::Transforms;
-
-std::size_t below(Random& random, std::size_t count) {
-  return static_cast<std::size_t>(random.next() % count);
-}
-
-bool same_bits(const PositionView& a, const std::vector<Vec3>& b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t v = 0; v < b.size(); ++v)
-    if (const Vec3 p = a[v]; std::memcmp(&p, &b[v], sizeof p) != 0) return false;
-  return true;
-}
-
-bool same(const SurfacePoint& a, const SurfacePoint& b) {
-  return a.facet == b.facet && a.barycentric == b.barycentric && a.point == b.point;
-}
-bool same(const std::optional<RayPoint>& a, const std::optional<RayPoint>& b) {
-  return a.has_value() == b.has_value() && (!a || (a->t == b->t && same(a->point, b->point) && a->normal == b->normal));
-}
-
-Ray random_ray(Random& random) {
-  Ray ray{random_point(random, 4.0), {}};
-  ray.direction = random_point(random, 1.0) - ray.origin;
-  return ray;
-}
-
-PosedBody& limb() {
-  static PosedBody body(sample_body("limb", 14), 24);
-  return body;
-}
 
 TEST(PosedVertices, have_the_bits_of_move_by_skin_in_any_order_of_reading) {
   Random random(1);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   for (int frame = 0; frame < 12; ++frame) {
     posed.pose(frame == 5 ? Transforms(24) : random_pose(random, 24, 0.4));
     ASSERT_FALSE(posed.body.sphere_state().positions);
     ASSERT_TRUE(posed.collider.has_current_positions());
     const std::vector<Vec3> defined = test::defined_positions(posed.skin, posed.mesh.positions, posed.transforms);
-    if (frame % 3 == 1) EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions)) << frame;
+    if (frame % 3 == 1) {
+      EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions)) << frame;
+    }
     for (int i = 0; i < 200; ++i) {
       const auto v = static_cast<std::uint32_t>(below(random, posed.mesh.vertex_count()));
       EXPECT_EQ(posed.collider.vertex(v), posed.positions[v]) << frame;
       EXPECT_LE(distance(posed.collider.vertex(v), defined[v]), 1e-14) << frame;
     }
-    if (frame % 3 == 2) EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions)) << frame;
+    if (frame % 3 == 2) {
+      EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions)) << frame;
+    }
   }
 }
 
@@ -108,7 +79,7 @@ double slow_first_hit(const std::vector<Facet>& facets, const std::vector<Vec3>&
 
 TEST(PosedVertices, rays_hit_like_brute_force_over_the_skins_definition) {
   Random random(2);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   std::size_t hits = 0, misses = 0;
   for (int frame = 0; frame < 10; ++frame) {
     posed.pose(random_pose(random, 24, 0.3));
@@ -122,7 +93,9 @@ TEST(PosedVertices, rays_hit_like_brute_force_over_the_skins_definition) {
       ASSERT_TRUE(found.certified);
       ASSERT_EQ(found.first.has_value(), std::isfinite(expected)) << frame << ' ' << i;
       ++(found.first ? hits : misses);
-      if (found.first) EXPECT_NEAR(found.first->t, expected, 1e-9) << frame << ' ' << i;
+      if (found.first) {
+        EXPECT_NEAR(found.first->t, expected, 1e-9) << frame << ' ' << i;
+      }
     }
   }
   EXPECT_GT(hits, 100u);
@@ -131,7 +104,7 @@ TEST(PosedVertices, rays_hit_like_brute_force_over_the_skins_definition) {
 
 TEST(PosedVertices, rays_through_corners_and_along_edges_hit_as_over_given_positions) {
   Random random(3);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   std::vector<RayPoint> all, all_given;
   std::size_t hits = 0;
   for (int frame = 0; frame < 5; ++frame) {
@@ -156,7 +129,7 @@ TEST(PosedVertices, rays_through_corners_and_along_edges_hit_as_over_given_posit
 
 TEST(PosedVertices, inside_is_where_solid_angles_wind_around_the_point) {
   Random random(4);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   InsideQuery query(posed.collider);  // made before the frames that it is asked about
   std::size_t inside = 0, outside = 0;
   for (int frame = 0; frame < 6; ++frame) {
@@ -177,125 +150,6 @@ TEST(PosedVertices, inside_is_where_solid_angles_wind_around_the_point) {
   }
   EXPECT_GT(inside, 30u);
   EXPECT_GT(outside, 30u);
-}
-
-void expect_same_contacts(const Contacts& a, const Contacts& b) {
-  ASSERT_EQ(a.contacts.size(), b.contacts.size());
-  ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
-  for (std::size_t i = 0; i < a.surfaces.size(); ++i) {
-    EXPECT_TRUE(same(a.surfaces[i].a, b.surfaces[i].a) && same(a.surfaces[i].b, b.surfaces[i].b));
-    EXPECT_EQ(a.surfaces[i].normal, b.surfaces[i].normal);
-    EXPECT_EQ(a.surfaces[i].depth, b.surfaces[i].depth);
-  }
-  ASSERT_EQ(a.crossings.size(), b.crossings.size());
-  for (std::size_t i = 0; i < a.crossings.size(); ++i) {
-    EXPECT_EQ(a.crossings[i].facet_a, b.crossings[i].facet_a);
-    EXPECT_EQ(a.crossings[i].facet_b, b.crossings[i].facet_b);
-  }
-  ASSERT_EQ(a.containment.size(), b.containment.size());
-  for (std::size_t i = 0; i < a.containment.size(); ++i) {
-    EXPECT_EQ(a.containment[i].a_in_b.inside, b.containment[i].a_in_b.inside);
-    EXPECT_EQ(a.containment[i].b_in_a.inside, b.containment[i].b_in_a.inside);
-  }
-}
-
-void expect_same_distance(const DistanceBounds& a, const DistanceBounds& b) {
-  EXPECT_EQ(a.status, b.status);
-  EXPECT_EQ(a.lower, b.lower);
-  EXPECT_EQ(a.upper, b.upper);
-  EXPECT_TRUE(same(a.a, b.a) && same(a.b, b.b));
-}
-
-// All queries of a pair, against the same over given positions.
-void expect_same_answers(const Collider& a, const Collider& b, const Collider& given_a, const Collider& given_b) {
-  const CollideOptions options{.surfaces = true, .find_crossings = true, .containment = true};
-  expect_same_contacts(collide(a, b, options), collide(given_a, given_b, options));
-  EXPECT_EQ(overlap(a, b), overlap(given_a, given_b));
-  expect_same_distance(distance(a, b), distance(given_a, given_b));
-  const auto patches = [](const Collider& x, const Collider& y) {
-    ContactPatchQuery query(x, y);
-    EXPECT_TRUE(query.run());
-    return query.volume();
-  };
-  EXPECT_EQ(patches(a, b), patches(given_a, given_b));
-  const Penetration shared = PenetrationQuery(a, b).run(), shared_given = PenetrationQuery(given_a, given_b).run();
-  EXPECT_EQ(shared.lower, shared_given.lower);
-  EXPECT_EQ(shared.upper, shared_given.upper);
-  const Sphere ball{{0.2, 0.1, 0}, 0.6};
-  const Touch touched = touch(a, ball, {.nearest = true}), expected = touch(given_a, ball, {.nearest = true});
-  ASSERT_TRUE(touched.deepest && expected.deepest);
-  EXPECT_TRUE(same(touched.deepest->point, expected.deepest->point));
-  const SweepHit swept = sweep(a, Sphere{{-4, 0.1, 0}, 0.1}, {8, 0, 0});
-  const SweepHit swept_given = sweep(given_a, Sphere{{-4, 0.1, 0}, 0.1}, {8, 0, 0});
-  ASSERT_EQ(swept.first.has_value(), swept_given.first.has_value());
-  if (swept.first) EXPECT_EQ(swept.first->t, swept_given.first->t);
-}
-
-TEST(PosedVertices, queries_of_pairs_answer_as_over_given_positions) {
-  Random random(5);
-  PosedBody& a = limb();
-  PosedBody b(sample_body("torus", 12), 7);
-  for (int frame = 0; frame < 8; ++frame) {
-    a.pose(random_pose(random, 24, 0.1));
-    b.pose(random_pose(random, 7, 0.1));
-    const RigidTransform at = test::random_transform(random, frame % 2 == 0 ? 0.5 : 3.0);
-    b.collider.set_transform(at);
-    b.given.set_transform(at);
-    expect_same_answers(a.collider, b.collider, a.given, b.given);  // both skinned
-    expect_same_answers(a.collider, b.given, a.given, b.given);     // one of them
-    expect_same_answers(b.given, a.collider, b.given, a.given);
-  }
-}
-
-TEST(PosedVertices, follow_updates_rejections_copies_and_queries_in_any_order) {
-  Random random(6);
-  PosedBody& posed = limb();
-  posed.pose(random_pose(random, 24, 0.3));
-  DistanceQuery distances, distances_given;
-  PosedBody other(sample_body("torus", 10), 5);
-  InsideQuery inside(posed.collider), inside_given(posed.given);
-  const auto ask = [&] {
-    for (int i = 0; i < 8; ++i) {
-      const Ray ray = random_ray(random);
-      EXPECT_TRUE(same(first_hit(posed.collider, ray).first, first_hit(posed.given, ray).first));
-      EXPECT_EQ(inside.locate(ray.direction).winding, inside_given.locate(ray.direction).winding);
-    }
-    expect_same_distance(distances.run(posed.collider, other.collider), distances_given.run(posed.given, other.given));
-  };
-  for (int step = 0; step < 120; ++step) switch (below(random, 6)) {
-      case 0:
-        posed.pose(random_pose(random, 24, 0.3));
-        break;
-      case 1:
-        other.pose(random_pose(random, 5, 0.2));
-        break;
-      case 2: {  // A rejected update: queries refuse the body, whose positions stay, until the next good one.
-        Transforms bad = posed.transforms;
-        bad[below(random, 24)].columns[1].z = test::nan;
-        ASSERT_FALSE(posed.body.update_skinned(bad));
-        EXPECT_EQ(RayQuery().run(posed.collider, random_ray(random)).status.code, Status::Code::body_not_current);
-        EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions));
-        posed.pose(posed.transforms);
-        break;
-      }
-      case 3: {  // A copy keeps its frame while the original goes on, and the other way around.
-        Body copy = posed.body;
-        const Collider of_copy(posed.mesh, copy);
-        const std::vector<Vec3> before = posed.positions;
-        if (below(random, 2) == 0) EXPECT_TRUE(same_bits(of_copy.positions(), before));
-        posed.pose(random_pose(random, 24, 0.3));
-        ask();
-        EXPECT_TRUE(same_bits(of_copy.positions(), before));
-        ASSERT_TRUE(copy.update_skinned(posed.transforms));
-        EXPECT_TRUE(same_bits(of_copy.positions(), posed.positions));
-        break;
-      }
-      case 4:
-        EXPECT_TRUE(same_bits(posed.collider.positions(), posed.positions));
-        break;
-      default:
-        ask();
-    }
 }
 
 TEST(PosedVertices, a_moved_body_keeps_them_and_an_assigned_one_is_refused) {
@@ -328,7 +182,7 @@ TEST(PosedVertices, at_rest_are_those_of_the_mesh_and_copies_of_states_have_none
 
 TEST(PosedVertices, allocate_at_the_first_read_of_a_body_alone) {
   Random random(9);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   posed.pose(random_pose(random, 24, 0.3));
   const Transforms next = random_pose(random, 24, 0.3);
   const Ray ray = random_ray(random);
@@ -336,11 +190,11 @@ TEST(PosedVertices, allocate_at_the_first_read_of_a_body_alone) {
   Body copy = posed.body;
   const Collider of_copy(posed.mesh, copy);
   EXPECT_EQ(of_copy.vertex(0), posed.collider.vertex(0));  // the first read of a body allocates
-  const std::size_t before = test::allocations();
+  const std::size_t before = test::allocations;
   bool good = static_cast<bool>(posed.body.update_skinned(next)) && static_cast<bool>(copy.update_skinned(next));
   good = good && query.run(posed.collider, ray).status && query.run(of_copy, ray).status;
   const Vec3 last = of_copy.positions()[0];
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(test::allocations, before);
   EXPECT_TRUE(good && is_finite(last));
 }
 
@@ -372,7 +226,7 @@ TEST(PosedVertices, of_modes_have_the_bits_of_move_by_modes) {
 #ifdef MORULA_THREADS
 TEST(PosedVertices, several_threads_read_the_same_positions_at_once) {
   Random random(11);
-  PosedBody& posed = limb();
+  PosedBody& posed = posed_limb();
   constexpr std::size_t thread_count = 4;
   for (int frame = 0; frame < 30; ++frame) {
     posed.pose(random_pose(random, 24, 0.3));
