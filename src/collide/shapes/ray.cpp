@@ -75,6 +75,12 @@ class ShearedRay {
       y[k] = p[y_] - shear_y_ * p[z_];
       z[k] = p[z_];
     }
+    // Most triangles are wholly on one side: the signs below would differ, or all areas be 0.
+    const auto is_aside = [](const double(&c)[3]) {
+      // mutant ray-aside: `c[0] > 0` -> `c[0] >= 0`
+      return (c[0] > 0 && c[1] > 0 && c[2] > 0) || (c[0] < 0 && c[1] < 0 && c[2] < 0);
+    };
+    if (is_aside(x) || is_aside(y)) return false;
     // The side of the origin, which is the ray, on which an edge passes.
     const auto side = [&](int from, int to) {
       return orient2d({}, {x[from], y[from], 0}, {x[to], y[to], 0}, projections[2]);
