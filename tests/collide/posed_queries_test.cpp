@@ -7,11 +7,15 @@
 #include <morula/collide/contact_patches.hpp>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/containment.hpp>
+#include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/collide/penetration.hpp>
 #include <morula/collide/primitives.hpp>
 #include <morula/collide/sweep.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/scene/scene.hpp>
+#include <morula/surface/surface_crossings.hpp>
+#include <morula/surface/surface_tree.hpp>
 #include <support/numbers.hpp>
 
 #include "posed_bodies.hpp"
@@ -67,7 +71,7 @@ void expect_same_answers(const Collider& a, const Collider& b, const Collider& g
     return query.volume();
   };
   EXPECT_EQ(patches(a, b), patches(given_a, given_b));
-  const PenetrationOptions roughly{.volume_tolerance = 0.1};
+  const PenetrationOptions roughly{.budget = Budget{500}};
   const Penetration shared = PenetrationQuery(a, b).run(roughly);
   const Penetration shared_given = PenetrationQuery(given_a, given_b).run(roughly);
   EXPECT_EQ(shared.lower, shared_given.lower);
@@ -98,6 +102,41 @@ TEST(PosedQueries, of_pairs_answer_as_over_given_positions) {
     expect_same_answers(a.collider, b.given, a.given, b.given);     // one of them
     expect_same_answers(b.given, a.collider, b.given, a.given);
   }
+}
+
+TEST(PosedQueries, of_scenes_and_surface_trees_answer_as_over_given_positions) {
+  Random random(12);
+  PosedBody& a = posed_limb();
+  PosedBody b(sample_body("torus", 12), 7);
+  b.collider.set_transform({.translation = {0.3, 0.2, 0.1}});
+  b.given.set_transform({.translation = {0.3, 0.2, 0.1}});
+  Scene scene({.surfaces = true, .find_crossings = true}), scene_given({.surfaces = true, .find_crossings = true});
+  const BodyId first = scene.add(a.collider), second = scene.add(b.collider);
+  const BodyId first_given = scene_given.add(a.given), second_given = scene_given.add(b.given);
+  SurfaceTree tree_a(a.mesh), tree_b(b.mesh);
+  SurfaceCrossingQuery query;
+  std::size_t found = 0;
+  for (int frame = 0; frame < 4; ++frame) {
+    a.pose(random_pose(random, 24, 0.1));
+    b.pose(random_pose(random, 7, 0.1));
+    ASSERT_TRUE(scene.update() && scene_given.update());
+    const ScenePair* const pair = scene.find(first, second);
+    const ScenePair* const expected = scene_given.find(first_given, second_given);
+    ASSERT_TRUE(pair != nullptr && expected != nullptr);
+    ASSERT_EQ(pair->crossings.size(), expected->crossings.size());
+    for (std::size_t i = 0; i < pair->crossings.size(); ++i)
+      EXPECT_EQ(pair->crossings[i].facet_a, expected->crossings[i].facet_a);
+    found += pair->crossings.size();
+    for (int i = 0; i < 20; ++i) {
+      const Ray ray = random_ray(random);
+      EXPECT_TRUE(same(scene.first_hit(ray).first, scene_given.first_hit(ray).first));
+    }
+    ASSERT_TRUE(tree_a.follow(a.collider));
+    ASSERT_TRUE(tree_b.follow(b.collider));
+    ASSERT_TRUE(query.run(tree_a, tree_b));
+    EXPECT_EQ(query.pairs().size(), crossings(a.given, b.given).size());
+  }
+  EXPECT_GT(found, 0u);
 }
 
 TEST(PosedQueries, follow_updates_rejections_copies_and_queries_in_any_order) {
