@@ -188,7 +188,7 @@ class Body {
   ///
   /// `positions` of the state is the view that the last good update got, so queries on facets need the caller's array
   /// unchanged until the next update. After update_modal() and update_skinned() it is a view of the body's own array,
-  /// or has no value if the body computes no positions.
+  /// or has no value if the body computes positions only when queries read them.
   const SphereState& sphere_state() const;
 
   // ---- Identity: frame and tree. ----
