@@ -149,32 +149,6 @@ def test_modes_and_bones(limb, model):
         assert skinned.hash() == follower.hash()
 
 
-def test_queries_compute_the_vertices_that_they_read(limb, model):
-    skin, modes = morula.sample_skin(limb.positions), morula.sample_modes(limb.positions)
-    skinned = morula.Body(limb, model, rules="skinned", skin=skin)
-    modal = morula.Body(limb, model, rules="modal", modes=modes)
-    exact = morula.Body(limb, model)
-    origins = limb.positions + [0.01, 0.02, 9.0]
-    directions = numpy.tile([0.0, 0.0, -1.0], (len(origins), 1))
-    other = placed(morula.Body(limb, model), (0.1, 0.2, 0.0))
-    for frame, transforms in enumerate(morula.sample_bones(limb.positions, 4)[1:]):
-        coordinates = [0.05 * frame, -0.03, 0.0, 0.02]
-        skinned.update_skinned(transforms)
-        modal.update_modal(coordinates)
-        by_skin = morula.move_by_skin(skin, limb.positions, transforms)
-        by_modes = morula.move_by_modes(modes, limb.positions, coordinates)
-        for body, positions in ((skinned, by_skin), (modal, by_modes)):
-            exact.update(positions)
-            collider, expected = morula.Collider(body), morula.Collider(exact)
-            assert collider.has_current_positions
-            hits, expected_hits = (morula.first_hits(side, origins, directions) for side in (collider, expected))
-            assert numpy.array_equal(hits.facet, expected_hits.facet) and numpy.array_equal(hits.t, expected_hits.t)
-            assert numpy.array_equal(morula.crossings(collider, other).facet_a, morula.crossings(expected, other).facet_a)
-            assert numpy.array_equal(morula.InsideQuery(collider).inside(by_skin), morula.InsideQuery(expected).inside(by_skin))
-            assert morula.distance(collider, other).upper == morula.distance(expected, other).upper
-            assert numpy.array_equal(collider.vertices(), positions)
-
-
 def test_a_rebuilding_body_covers_through_swaps(limb, model):
     body = morula.RebuiltBody(limb, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     swapped = 0
