@@ -105,12 +105,12 @@ UpdateStatus Body::State::check_transforms(std::span<const AffineTransform> tran
                                            std::optional<std::span<const double>> morphs,
                                            MorphedRest& morphed) const noexcept {
   if (!models.skin) return refused(Status::Code::no_skin);
-  if (morphs && !models.modal) return refused(Status::Code::no_modes);
+  if (morphs && !morphs->empty() && !models.modal) return refused(Status::Code::no_modes);
   if (models.follows == RuleTraits::Follows::modes) return wrong_kind_of_frame(models.follows);
   if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
   std::size_t bad = 0;
   morphed = models.skin->unmorphed();
-  if (morphs) {
+  if (morphs && models.modal) {
     if (morphs->size() != models.modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
     if (!models.modal->accepts(*morphs, bad)) return refused(Status::Code::bad_coordinate, bad);
     morphed = models.modal->morphed(*morphs);

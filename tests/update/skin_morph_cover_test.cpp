@@ -181,42 +181,6 @@ TEST(SkinMorphCover, holds_far_from_the_origin_and_at_any_size) {
     }
 }
 
-// A facet that stays at the origin and one that a target moves away as a whole, each of size 2^-33 with a sphere of its
-// own: positions are rounded to a millionth of the second one or worse.
-struct TwoFacets {
-  Mesh mesh;
-  CoveredTree model;
-  Skin skin{1, {0, 1, 2, 3, 4, 5, 6}, {0, 0, 0, 0, 0, 0}, {1, 1, 1, 1, 1, 1}};
-
-  explicit TwoFacets(Random& random) {
-    for (int k = 0; k < 6; ++k) mesh.positions.push_back(morph_vector(random, 0x1p-33));
-    mesh.facets = {{0, 1, 2}, {3, 4, 5}};
-    const Sphere ball{{}, 0x1p-32};
-    model = test::root_with_leaves(mesh, ball, std::vector{ball, ball});
-  }
-};
-
-TEST(SkinMorphCover, pays_for_the_rounding_of_morphed_positions) {
-  Random random(11);
-  for (int round = 0; round < 400; ++round) {
-    const TwoFacets two(random);
-    Modes modes{6, 1, std::vector<Vec3>(6)};
-    const Vec3 away = morph_vector(random, 1000);
-    for (std::size_t v = 3; v < 6; ++v) modes.displacements[v] = away;
-    Body body(two.mesh, two.model, {.rules = {Rule::skinned}, .modes = modes, .skin = two.skin});
-    MorphTransforms transforms(1);
-    // Large enough that the rounding of what the bone adds exceeds that of the morph target's own.
-    if (round % 2 == 0)
-      for (Vec3& column : transforms[0].columns) column = morph_vector(random, 1e6);
-    const std::vector<double> morphs{random.uniform(-1, 1)};
-    std::vector<Vec3> positions(6);
-    move_by_skin(two.skin, modes, two.mesh.positions, transforms, morphs, positions);
-    ASSERT_TRUE(body.update_skinned(transforms, morphs));
-    EXPECT_LE(body.certify(positions).worst_excess, 0) << round;
-    EXPECT_LE(morph_excess(body, two.mesh, transforms, morphs), 0) << round;
-  }
-}
-
 // Each summand of the positions is rounded by up to three quarters of a unit in the last place.
 TEST(SkinMorphCover, pays_for_sums_over_many_morph_targets) {
   constexpr std::size_t count = 8192;
@@ -236,6 +200,37 @@ TEST(SkinMorphCover, pays_for_sums_over_many_morph_targets) {
   ASSERT_TRUE(body.update_skinned(MorphTransforms(1), morphs));
   EXPECT_LE(body.certify(positions).worst_excess, 0);
   EXPECT_LE(morph_excess(body, mesh, MorphTransforms(1), morphs), 0);
+}
+
+// The first target moves a facet of size 2^-33 far away and the last one brings it back; in between all steps are lost.
+// Neither the origin nor a bone goes far, but a bone that scales the facet scales the loss.
+TEST(SkinMorphCover, pays_for_targets_that_cancel_each_other) {
+  constexpr std::size_t count = 8192;
+  constexpr double size = 0x1p-33, far = 1024, step = 0.4 * 0x1p-42;
+  ASSERT_EQ(far + step, far);
+  Mesh mesh;
+  mesh.positions = {{-size, -size, -size}, {size, size, size}, {size, size, 0}};
+  mesh.facets = {{0, 1, 2}};
+  const Skin skin{1, {0, 1, 2, 3}, {0, 0, 0}, {1, 1, 1}};
+  Modes modes{3, count, {}};
+  for (std::size_t j = 0; j < count; ++j) {
+    const double by = j == 0 || j + 1 == count ? far : step;
+    modes.displacements.insert(modes.displacements.end(), 3, {by, by, by});
+  }
+  std::vector<double> morphs(count, 1.0);
+  morphs.back() = -1;
+  const Sphere ball{{}, 2 * size};
+  Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}),
+            {.rules = {Rule::skinned}, .modes = modes, .skin = skin});
+  for (const double scale : {1.0, 0x1p20}) {
+    MorphTransforms transforms(1);
+    transforms[0].columns = {Vec3{scale, 0, 0}, Vec3{0, scale, 0}, Vec3{0, 0, scale}};
+    std::vector<Vec3> positions(3);
+    move_by_skin(skin, modes, mesh.positions, transforms, morphs, positions);
+    ASSERT_TRUE(body.update_skinned(transforms, morphs));
+    EXPECT_LE(body.certify(positions).worst_excess, 0) << scale;
+    EXPECT_LE(morph_excess(body, mesh, transforms, morphs), 0) << scale;
+  }
 }
 
 // Displacements of one unit of the smallest double, by the largest coordinates: shares of a third of them are 0.

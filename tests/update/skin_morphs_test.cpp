@@ -230,6 +230,7 @@ TEST(SkinMorphs, bad_input_is_named_and_changes_nothing) {
   UpdateOptions options = with_targets(b.mesh);
   options.modes = {};
   EXPECT_EQ(Body(b.mesh, b.model, options).update_skinned(poses, morphs).code, Code::no_modes);
+  EXPECT_TRUE(Body(b.mesh, b.model, options).update_skinned(poses, {}));  // none for a body without any
   EXPECT_EQ(Body(b.mesh, b.model).update_skinned(poses, morphs).code, Code::no_skin);
   options = with_targets(b.mesh, {Rule::modal});
   EXPECT_EQ(Body(b.mesh, b.model, options).update_skinned(poses, morphs).code, Code::needs_coordinates);

@@ -77,7 +77,7 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
 double SkinPoser::motion_of(const AffineTransform& t, const MorphedRest& rest) const noexcept {
   const double across = max_norm(t.columns[0] - Vec3{1, 0, 0}) + max_norm(t.columns[1] - Vec3{0, 1, 0}) +
                         max_norm(t.columns[2] - Vec3{0, 0, 1});
-  // mutant skin-morph-pad-motion: `rest_reach_ + rest.motion` -> `rest_reach_`
+  // mutant skin-morph-pad-motion: `rest.motion)` -> `0 * rest.motion)`
   return across * (rest_reach_ + rest.motion) + max_norm(t.translation);
 }
 
