@@ -106,7 +106,7 @@ BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> tran
   const double all = factors * (rest_reach_ + rest.motion + motion) + max_norm(origin);
   // mutant skin-morph-pad-terms: `rest.active + morph_terms_` -> `0`
   const std::size_t terms = most_terms_ + (is_morphed ? rest.active + morph_terms_ : 0);
-  // mutant skinned-pad-of-few-terms: `(static_cast<double>(terms) + 16)` -> `16`
+  // mutant skinned-pad-of-few-terms: `(static_cast<double>(terms) + 16)` -> `(static_cast<double>(terms) * 0 + 16)`
   // mutant skinned-pad-less: `49` -> `59`
   // mutant skinned-cut-slack: `8 *` -> `0 *`
   const double share = 0x1p-49 * (static_cast<double>(terms) + 16) + 8 * cut_slack_;
