@@ -14,16 +14,16 @@ namespace {
 
 constexpr std::size_t nodes_per_chunk = 32;
 
-// A summand of a corner's place: a share of a vertex that follows a bone, which is numbered among the node's.
-struct Piece {
+// A share of a vertex that follows a bone, which is numbered among the node's bones.
+struct VertexShare {
   std::uint32_t vertex, bone;
   double factor;
 };
 
-// The corners of a node as sums of pieces.
-class Pieces {
+// The corners of a node, each as a sum of shares.
+class CornerShares {
  public:
-  Pieces(const Skin& skin, const Cover& cover, std::span<const std::uint32_t> corners) {
+  CornerShares(const Skin& skin, const Cover& cover, std::span<const std::uint32_t> corners) {
     for (const std::uint32_t corner : corners) {
       if (corner < cover.vertex_count) {
         add(skin, corner, 1);
@@ -31,44 +31,44 @@ class Pieces {
         const CutPoint& cut = cover.cut_points[corner - cover.vertex_count];
         for (std::size_t i = 0; i < 3; ++i) add(skin, cut.vertex[i], cut.weight[i]);
       }
-      end_.push_back(pieces_.size());
+      end_.push_back(shares_.size());
     }
     bones_ = numbers_;
     std::sort(bones_.begin(), bones_.end());
     bones_.erase(std::unique(bones_.begin(), bones_.end()), bones_.end());
-    for (Piece& p : pieces_)
+    for (VertexShare& p : shares_)
       p.bone = static_cast<std::uint32_t>(std::lower_bound(bones_.begin(), bones_.end(), p.bone) - bones_.begin());
   }
 
   std::size_t corner_count() const { return end_.size(); }
-  std::span<const Piece> corner(std::size_t k) const {
+  std::span<const VertexShare> corner(std::size_t k) const {
     const std::size_t begin = k == 0 ? 0 : end_[k - 1];
-    return std::span(pieces_).subspan(begin, end_[k] - begin);
+    return std::span(shares_).subspan(begin, end_[k] - begin);
   }
-  std::span<const Piece> all() const { return pieces_; }
+  std::span<const VertexShare> all() const { return shares_; }
   std::span<const std::uint32_t> bones() const { return bones_; }
 
  private:
   void add(const Skin& skin, std::uint32_t vertex, double factor) {
     each_weight(skin, vertex, [&](std::uint32_t bone, double weight) {
       if (weight == 0) return;
-      pieces_.push_back({vertex, bone, factor * weight});
+      shares_.push_back({vertex, bone, factor * weight});
       numbers_.push_back(bone);
     });
   }
 
-  std::vector<Piece> pieces_;
+  std::vector<VertexShare> shares_;
   std::vector<std::size_t> end_;  // by corner
   std::vector<std::uint32_t> bones_, numbers_;
 };
 
 // Writes the shares: middles and half ranges of the weights of each bone.
-void add_shares(const Pieces& pieces, NodeMorphs& node) {
-  const std::size_t count = pieces.bones().size();
+void add_shares(const CornerShares& shares, NodeMorphs& node) {
+  const std::size_t count = shares.bones().size();
   std::vector<double> least(count), most(count), sum(count), weights(count);
-  for (std::size_t k = 0; k < pieces.corner_count(); ++k) {
+  for (std::size_t k = 0; k < shares.corner_count(); ++k) {
     std::fill(weights.begin(), weights.end(), 0.0);
-    for (const Piece& p : pieces.corner(k)) weights[p.bone] += p.factor;
+    for (const VertexShare& p : shares.corner(k)) weights[p.bone] += p.factor;
     for (std::size_t b = 0; b < count; ++b) {
       sum[b] += weights[b];
       least[b] = k == 0 ? weights[b] : std::min(least[b], weights[b]);
@@ -76,65 +76,66 @@ void add_shares(const Pieces& pieces, NodeMorphs& node) {
     }
   }
   const auto main = static_cast<std::size_t>(std::max_element(sum.begin(), sum.end()) - sum.begin());
-  node.bone = pieces.bones()[main];
+  node.bone = shares.bones()[main];
   for (std::size_t b = 0; b < count; ++b) {
     if (b == main) continue;
     const double middle = least[b] + (most[b] - least[b]) / 2;
     // mutant skin-morph-weight-stray: `std::max(most[b] - middle, middle - least[b])` -> `0`
-    node.shares.push_back({pieces.bones()[b], middle, std::max(most[b] - middle, middle - least[b])});
+    node.shares.push_back({shares.bones()[b], middle, std::max(most[b] - middle, middle - least[b])});
   }
 }
 
 // The largest sum over bones of |h_b - w_b shift| over the corners.
-double stray_about(const Vec3& shift, const Pieces& pieces, std::span<const Vec3> mode) {
+double stray_about(const Vec3& shift, const CornerShares& shares, std::span<const Vec3> mode) {
   struct OfBone {
     Vec3 displacement;
     double weight = 0;
   };
-  std::vector<OfBone> bones(pieces.bones().size());
+  std::vector<OfBone> bones(shares.bones().size());
   double farthest = 0, largest = max_norm(shift);
-  std::size_t most_pieces = 0;
-  for (std::size_t k = 0; k < pieces.corner_count(); ++k) {
-    const std::span<const Piece> corner = pieces.corner(k);
-    for (const Piece& p : corner) bones[p.bone] = {};
+  std::size_t most_shares = 0;
+  for (std::size_t k = 0; k < shares.corner_count(); ++k) {
+    const std::span<const VertexShare> corner = shares.corner(k);
+    for (const VertexShare& p : corner) bones[p.bone] = {};
     double absolute = 0;
-    for (const Piece& p : corner) {
+    for (const VertexShare& p : corner) {
       bones[p.bone].displacement += p.factor * mode[p.vertex];
       bones[p.bone].weight += p.factor;
       absolute += std::abs(p.factor) * (max_norm(mode[p.vertex]) + max_norm(shift));
     }
     double stray = 0;
-    for (const Piece& p : corner) {  // each bone once
+    for (const VertexShare& p : corner) {  // each bone once
       OfBone& b = bones[p.bone];
       stray += safe_length(b.displacement - b.weight * shift);
       b = {};
     }
     farthest = std::max(farthest, stray);
     largest = std::max(largest, absolute);
-    most_pieces = std::max(most_pieces, corner.size());
+    most_shares = std::max(most_shares, corner.size());
   }
   // Products of displacements near the smallest double lose all their digits.
   // mutant skin-morph-tiny: `* 0x1p-1070` -> `* 0`
-  return rounded_up_radius(farthest, largest) + static_cast<double>(most_pieces) * 0x1p-1070;
+  return rounded_up_radius(farthest, largest) + static_cast<double>(most_shares) * 0x1p-1070;
 }
 
 }  // namespace
 
 NodeMorphs morphs_of_node(const Skin& skin, const Modes& modes, const Cover& cover,
                           std::span<const std::uint32_t> corners) {
-  const Pieces pieces(skin, cover, corners);
   NodeMorphs node;
-  add_shares(pieces, node);
+  if (corners.empty()) return node;
+  const CornerShares shares(skin, cover, corners);
+  add_shares(shares, node);
   std::vector<Vec3> displacements(corners.size());
   for (std::size_t j = 0; j < modes.mode_count; ++j) {
     check_interrupt();
     const std::span<const Vec3> mode = modes.mode(j);
-    const bool moves = std::any_of(pieces.all().begin(), pieces.all().end(),
-                                   [&](const Piece& p) { return p.factor != 0 && mode[p.vertex] != Vec3{}; });
+    const bool moves = std::any_of(shares.all().begin(), shares.all().end(),
+                                   [&](const VertexShare& p) { return p.factor != 0 && mode[p.vertex] != Vec3{}; });
     if (!moves) continue;
     for (std::size_t k = 0; k < corners.size(); ++k) displacements[k] = corner_position(cover, corners[k], mode);
     const Vec3 shift = mode_row(displacements).shift;
-    node.rows.push_back({static_cast<std::uint32_t>(j), shift, stray_about(shift, pieces, mode)});
+    node.rows.push_back({static_cast<std::uint32_t>(j), shift, stray_about(shift, shares, mode)});
   }
   return node;
 }

@@ -43,7 +43,7 @@ struct NodeMorphs {
   };
   std::uint32_t bone = 0;  ///< main bone: the one with the largest sum of weights
   std::vector<Share> shares{};
-  std::vector<Row> rows{};  ///< of the modes that move a corner, ascending
+  std::vector<Row> rows{};  ///< rows of the modes that move a corner, ascending
 };
 
 /// corners: those that the node has to contain, each once. Cost: corners × influences × modes.
@@ -89,7 +89,7 @@ class SkinMorphs {
   double factor_sum_ = 0;
   std::size_t most_terms_ = 0;
 
-  // Of the current frame.
+  // The current frame:
   bool is_moved_ = false;
   std::vector<Bone> bones_;
   std::vector<Vec3> shifts_;    // s, by node

@@ -39,7 +39,7 @@ inline Vec3 skinned_vertex(const Skin& skin, std::size_t i, const Vec3& rest,
   return moved;
 }
 
-/// What morph targets do to the body before its bones move it.
+/// The body moved by morph targets alone, before its bones.
 struct MorphedRest {
   Vec3 guide;                        ///< the vertex that guides the origin
   double motion = 0;                 ///< at least the largest |component| of a vertex' displacement
