@@ -191,7 +191,7 @@ UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms,
     move_by_skin(options.skin, options.modes, models.rest_positions, transforms, rest.morphs, models.moved_positions,
                  workers);
   };
-  if (models.vertices) models.vertices->begin(transforms, {});
+  if (models.vertices) models.vertices->begin(transforms, rest.morphs);
   return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
 }
 

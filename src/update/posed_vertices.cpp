@@ -43,9 +43,7 @@ const PosedVertices::Store& PosedVertices::store() const {
 // The operations of move_by_modes() and move_by_skin() in their order.
 Vec3 PosedVertices::pose(std::uint32_t vertex) const noexcept {
   const StandardFloats standard;
-  Vec3 position = (*rest_)[vertex];
-  for (std::size_t j = 0; j < coordinates_.size(); ++j)
-    if (coordinates_[j] != 0) position += coordinates_[j] * options_->modes.mode(j)[vertex];
+  const Vec3 position = morphed_vertex(options_->modes, vertex, (*rest_)[vertex], coordinates_);
   return transforms_.empty() ? position : skinned_vertex(options_->skin, vertex, position, transforms_);
 }
 

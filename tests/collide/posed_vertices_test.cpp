@@ -11,6 +11,7 @@
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/update/modes.hpp>
+#include <morula/update/skin_morphs.hpp>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -220,6 +221,29 @@ TEST(PosedVertices, of_modes_have_the_bits_of_move_by_modes) {
       EXPECT_TRUE(same(first_hit(collider, ray).first, first_hit(given, ray).first));
     }
     EXPECT_TRUE(same_bits(collider.positions(), positions));
+  }
+}
+
+TEST(PosedVertices, of_morph_targets_and_bones_have_the_bits_of_move_by_skin) {
+  Random random(13);
+  const PosedBody& limb = posed_limb();
+  Modes modes{limb.mesh.vertex_count(), 3, {}};
+  for (std::size_t i = 0; i < 3 * limb.mesh.vertex_count(); ++i)
+    modes.displacements.push_back(random_point(random, 0.05));
+  Body body(limb.mesh, limb.model, {.rules = {Rule::skinned}, .modes = modes, .skin = limb.skin});
+  const Collider collider(limb.mesh, body);
+  std::vector<Vec3> positions(limb.mesh.vertex_count());
+  for (int frame = 0; frame < 6; ++frame) {
+    const Transforms transforms = random_pose(random, 24, 0.3);
+    const std::vector<double> morphs{random.uniform(-1, 1), frame % 2 == 0 ? 0.0 : 0.7, random.uniform(-1, 1)};
+    const bool morphed = frame % 3 != 2;  // without morphs, those of the frame before are gone
+    ASSERT_TRUE(morphed ? body.update_skinned(transforms, morphs) : body.update_skinned(transforms));
+    const std::vector<double> used = morphed ? morphs : std::vector<double>(3);
+    move_by_skin(limb.skin, modes, limb.mesh.positions, transforms, used, positions);
+    EXPECT_EQ(collider.vertex(static_cast<std::uint32_t>(frame)), positions[static_cast<std::size_t>(frame)]);
+    const Body copy = body;
+    EXPECT_TRUE(same_bits(collider.positions(), positions));
+    EXPECT_TRUE(same_bits(Collider(limb.mesh, copy).positions(), positions));
   }
 }
 
