@@ -150,7 +150,7 @@ def test_queries_compute_the_vertices_that_they_read(limb, model):
     other = morula.Collider(morula.Body(limb, model))
     other.set_transform((0.1, 0.2, 0.0))
     for frame, transforms in enumerate(morula.sample_bones(limb.positions, 4)[1:]):
-        coordinates = [0.05 * frame, -0.03, 0.0, 0.02]
+        coordinates = numpy.array([0.05 * frame, -0.03, 0.0, 0.02])
         skinned.update_skinned(transforms)
         modal.update_modal(coordinates)
         by_skin = morula.move_by_skin(skin, limb.positions, transforms)
