@@ -19,6 +19,7 @@ std::vector<std::uint8_t> leaves_below(const SphereTree& tree, const LeafOrder& 
   std::vector<std::uint8_t> flags(order.leaves.size());
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)
     if (measured[node] != 0)
+      // mutant measured-first-leaf: `order.end[node]` -> `order.begin[node] + 1`
       std::fill(flags.begin() + order.begin[node], flags.begin() + order.end[node], std::uint8_t{1});
   return flags;
 }
@@ -144,6 +145,7 @@ void MeasuredNodes::update(const RuleFrame& frame, std::size_t node_end, std::sp
   if (!measure(frame, node_end, spheres, workers)) return;
   for (std::size_t k = 0; k < by_bones_.size(); ++k) {
     Spheref& sphere = spheres[nodes()[k]];
+    // mutant measured-though-larger: `!(sphere.radius < by_bones_[k].radius)` -> `false`
     if (!(sphere.radius < by_bones_[k].radius)) sphere = by_bones_[k];
   }
 }

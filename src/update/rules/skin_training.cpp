@@ -109,6 +109,7 @@ class Selection {
       const auto [worth, node] = queue_.top();
       queue_.pop();
       const double cost = cost_of_taking(node);
+      // mutant measured-beyond-budget: `cost > left` -> `false`
       if (taken_[node] != 0 || worth != gains_[node] / cost || cost > left) continue;
       left -= cost;
       take(node);
