@@ -15,6 +15,12 @@ namespace morula::python {
 
 namespace {
 
+Copy<double, -1, -1, 3, 4> array_of(const BoneFrames& frames) {
+  const auto flat = own_transforms(frames.transforms);
+  auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
+  return {values->data(), {frames.frame_count(), frames.bone_count, 3, 4}, owner};
+}
+
 using Path = FilePath;
 
 struct SpheresOfFrames {
@@ -207,11 +213,12 @@ void bind_io(nb::module_& m) {
 
   m.def(
       "read_modes",
-      [](const Path& path, MeshGiven given) {
+      [](const Path& path, MeshGiven given, const MeshWeld* weld) {
         const auto mesh = mesh_of(given);
-        return without_gil([&] { return read_modes(path, *mesh); });
+        return without_gil([&] { return weld != nullptr ? read_modes(path, *mesh, *weld) : read_modes(path, *mesh); });
       },
-      nb::arg("path"), nb::arg("mesh"), doc::read_modes);
+      nb::arg("path"), nb::arg("mesh"), nb::arg("weld").none() = nb::none(),
+      (std::string(doc::read_modes) + "\n\nweld: the weld of the mesh. " + doc::read_modes_2).c_str());
   m.def(
       "write_modes", [](const Path& path, const Modes& modes) { without_gil([&] { write_modes(path, modes); }); },
       nb::arg("path"), nb::arg("modes"), doc::write_modes);
@@ -241,12 +248,27 @@ void bind_io(nb::module_& m) {
         const BoneFrames read = without_gil([&] {
           return read_bone_frames(path, bone_count, {frames_per_second, animation});
         });
-        const auto flat = own_transforms(read.transforms);
-        auto [values, owner] = kept(std::vector<double>(flat.data(), flat.data() + flat.size()));
-        return Copy<double, -1, -1, 3, 4>(values->data(), {read.frame_count(), bone_count, 3, 4}, owner);
+        return array_of(read);
       },
       nb::arg("path"), nb::arg("bone_count"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
       nb::arg("animation") = 0, doc::read_bone_frames);
+  m.def(
+      "read_bone_frames",
+      [](const Path& path, std::size_t bone_count, std::size_t mode_count, double frames_per_second,
+         std::size_t animation) {
+        BoneFrames read = without_gil([&] {
+          return read_bone_frames(path, bone_count, mode_count, {frames_per_second, animation});
+        });
+        const std::size_t frames = read.frame_count();
+        auto transforms = array_of(read);
+        auto [values, owner] = kept(std::move(read.morphs.coordinates));
+        return std::make_pair(std::move(transforms), Copy<double, -1, -1>(values->data(), {frames, mode_count}, owner));
+      },
+      nb::arg("path"), nb::arg("bone_count"), nb::arg("mode_count"), nb::kw_only(), nb::arg("frames_per_second") = 30.0,
+      nb::arg("animation") = 0,
+      (std::string(doc::read_bone_frames_2) +
+       "\n\nReturns transforms (frames, bones, 3, 4) and coordinates (frames, modes).")
+          .c_str());
   m.def(
       "read_balls", [](const Path& path) { return own_spheres(without_gil([&] { return read_balls(path); })); },
       nb::arg("path"), doc::read_balls);

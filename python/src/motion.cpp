@@ -4,6 +4,7 @@
 #include "motion.hpp"
 
 #include <morula/morula.hpp>
+#include <optional>
 
 #include "choices.hpp"
 #include "holders.hpp"
@@ -243,6 +244,7 @@ void bind_modes(nb::module_& m) {
         return skin_of_vertices(skin, indices_of(vertices.object, "vertices"));
       },
       nb::arg("skin"), nb::arg("vertices"), doc::skin_of_vertices);
+  m.def("complete_weights", &complete_weights, nb::arg("skin"), nb::arg("tolerance") = 1e-6, doc::complete_weights);
   m.def(
       "sample_modes",
       [](ArrayGiven rest, std::size_t mode_count) { return sample_modes(points_of(rest.object, "rest"), mode_count); },
@@ -282,16 +284,28 @@ void bind_modes(nb::module_& m) {
       nb::arg("modes"), nb::arg("rest"), nb::arg("coordinates"), doc::move_by_modes);
   m.def(
       "move_by_skin",
-      [](const Skin& skin, ArrayGiven rest, ArrayGiven transforms) {
+      [](const Skin& skin, ArrayGiven rest, ArrayGiven transforms, const Modes* modes,
+         std::optional<ArrayGiven> morphs) {
         const std::vector<Vec3> at = points_of(rest.object, "rest");
         const std::vector<AffineTransform> bones = transforms_of(transforms.object, "transforms");
         require_rows(at.size(), skin.vertex_count(), "rest", 3, "the skin's vertices");
         require_rows(bones.size(), skin.bone_count, "transforms", 0, "the skin's bones");
         std::vector<Vec3> positions(at.size());
-        move_by_skin(skin, at, bones, positions);
+        if ((modes != nullptr) != morphs.has_value()) throw nb::value_error("modes and morphs belong together");
+        if (modes == nullptr) {
+          move_by_skin(skin, at, bones, positions);
+          return own_points(std::move(positions));
+        }
+        require_rows(modes->vertex_count, skin.vertex_count(), "modes", 0, "the skin's vertices");
+        std::vector<std::size_t> shape;
+        const std::vector<double> q =
+            numbers_of(morphs->object, "morphs", {static_cast<std::int64_t>(modes->mode_count)}, shape);
+        move_by_skin(skin, *modes, at, bones, q, positions);
         return own_points(std::move(positions));
       },
-      nb::arg("skin"), nb::arg("rest"), nb::arg("transforms"), doc::move_by_skin);
+      nb::arg("skin"), nb::arg("rest"), nb::arg("transforms"), nb::arg("modes").none() = nb::none(),
+      nb::arg("morphs") = nb::none(),
+      (std::string(doc::move_by_skin) + "\n\nWith modes and morphs: " + doc::move_by_skin_2).c_str());
 }
 
 }  // namespace

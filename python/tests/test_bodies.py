@@ -158,11 +158,11 @@ def test_nodes_that_bend_most_are_measured_within_a_budget(limb, model):
     assert alone.bind_report.nodes_measured == 0 < body.bind_report.nodes_measured
     for transforms in motion:
         alone.update_skinned(transforms)
-        assert body.update_skinned(transforms).vertices_read < len(limb.positions)
+        assert body.update_skinned(transforms).vertices_read < limb.vertex_count
         assert (body.copy_spheres()[:, 3] <= alone.copy_spheres()[:, 3]).all()
         positions = morula.move_by_skin(skin, limb.positions, transforms)
         assert morula.certify(body.cover, positions, body.copy_spheres())
-    rows = np.concatenate([training, np.broadcast_to([0, 0, 0, 1.0], training.shape[:2] + (1, 4))], axis=2)
+    rows = numpy.concatenate([training, numpy.broadcast_to([0, 0, 0, 1.0], training.shape[:2] + (1, 4))], axis=2)
     again = morula.Body(limb, model, skinned_measured=0.3, training=rows, **options)
     again.update_skinned(transforms)
     assert again.hash() == body.hash()
@@ -172,6 +172,49 @@ def test_nodes_that_bend_most_are_measured_within_a_budget(limb, model):
         morula.Body(limb, model, skinned_measured=0.3, **options)
     with pytest.raises(ValueError, match="skinned_measured"):
         morula.Body(limb, model, skinned_measured=1.5, training=training, **options)
+
+
+def test_morph_targets_move_vertices_before_the_bones_do(limb, model):
+    modes, skin = morula.sample_modes(limb.positions, 3), morula.sample_skin(limb.positions)
+    bones, morphs = morula.sample_bones(limb.positions, 5)[3], numpy.array([0.4, 0.0, -0.2])
+    moved = morula.move_by_skin(skin, limb.positions, bones, modes, morphs)
+    morphed = morula.move_by_modes(modes, limb.positions, morphs)
+    assert numpy.array_equal(moved, morula.move_by_skin(skin, morphed, bones))
+    for rules in ("exact", "skinned"):
+        body = morula.Body(limb, model, rules=rules, modes=modes, skin=skin)
+        rest = body.hash()
+        body.update_skinned(bones, morphs)
+        assert body.certify(moved)
+        body.update_skinned(bones)
+        assert body.certify(morula.move_by_skin(skin, limb.positions, bones))
+        body.update_skinned(bones, morphs=[0, 0, 0])
+        assert body.certify(morula.move_by_skin(skin, limb.positions, bones))
+        body.update_skinned(numpy.tile(numpy.eye(4), (skin.bone_count, 1, 1)), numpy.zeros(3))
+        assert body.hash() == rest
+        with pytest.raises(ValueError):
+            body.update_skinned(bones, [0.1])
+    with pytest.raises(ValueError, match="belong together"):
+        morula.move_by_skin(skin, limb.positions, bones, modes)
+
+
+def test_a_bone_takes_the_weight_that_is_missing(limb, model):
+    weights = numpy.random.default_rng(1).uniform(0, 0.6, (limb.vertex_count, 3))
+    loose = morula.Skin(weights)
+    with pytest.raises(ValueError):
+        morula.Body(limb, model, rules="skinned", skin=loose)
+    skin = morula.complete_weights(loose)
+    assert skin.bone_count == 4
+    transforms = numpy.random.default_rng(2).normal(size=(4, 3, 4))
+    transforms[3] = 0  # as libigl blends
+    homogeneous = numpy.column_stack([limb.positions, numpy.ones(limb.vertex_count)])
+    expected = numpy.einsum("vb,bij,vj->vi", weights, transforms[:3], homogeneous)
+    moved = morula.move_by_skin(skin, limb.positions, transforms)
+    assert numpy.allclose(moved, expected, atol=1e-12)
+    body = morula.Body(limb, model, rules="skinned", skin=skin)
+    body.update_skinned(transforms)
+    assert body.certify(moved)
+    with pytest.raises(ValueError, match="tolerance"):
+        morula.complete_weights(loose, tolerance=1)
 
 
 def test_a_rebuilding_body_covers_through_swaps(limb, model):

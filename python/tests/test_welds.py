@@ -80,6 +80,14 @@ def test_files_are_read_welded_with_motion_and_skin(corners, tmp_path):
     numpy.save(tmp_path / "skin.npy", weights)
     skin = morula.read_skin(tmp_path / "skin.npy", whole, weld)
     assert skin.vertex_count == 4
+    modes = numpy.stack([corners.positions, 2 * corners.positions])
+    numpy.save(tmp_path / "modes.npy", modes)
+    assert numpy.array_equal(
+        morula.read_modes(tmp_path / "modes.npy", whole, weld).displacements[:, weld.new_vertex], modes)
+    modes[1, 11] += 1
+    numpy.save(tmp_path / "torn_modes.npy", modes)
+    with pytest.raises(OSError, match="moves them apart"):
+        morula.read_modes(tmp_path / "torn_modes.npy", whole, weld)
     weights[11] = 0.25, 0.75
     numpy.save(tmp_path / "odd.npy", weights)
     with pytest.raises(OSError, match="different weights"):

@@ -69,7 +69,13 @@ UpdateStatus Body::update_modal(std::span<const double> coordinates, Workers& wo
 
 UpdateStatus Body::update_skinned(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
   const StandardFloats standard;
-  return state_->shown(state_->counted(state_->follow(transforms, workers)));
+  return state_->shown(state_->counted(state_->follow(transforms, std::nullopt, workers)));
+}
+
+UpdateStatus Body::update_skinned(std::span<const AffineTransform> transforms, std::span<const double> morphs,
+                                  Workers& workers) noexcept {
+  const StandardFloats standard;
+  return state_->shown(state_->counted(state_->follow(transforms, morphs, workers)));
 }
 
 UpdateStatus Body::update_lazily(const PositionView& positions, std::size_t level, Workers& workers) noexcept {

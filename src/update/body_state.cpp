@@ -3,6 +3,7 @@
 #include "update/body_state.hpp"
 
 #include <algorithm>
+#include <morula/update/skin_morphs.hpp>
 
 #include "update/rules/exact.hpp"
 
@@ -100,11 +101,21 @@ UpdateStatus Body::State::check_coordinates(std::span<const double> coordinates)
   return {};
 }
 
-UpdateStatus Body::State::check_transforms(std::span<const AffineTransform> transforms) const noexcept {
+UpdateStatus Body::State::check_transforms(std::span<const AffineTransform> transforms,
+                                           std::optional<std::span<const double>> morphs,
+                                           MorphedRest& morphed) const noexcept {
   if (!models.skin) return refused(Status::Code::no_skin);
+  if (morphs && !morphs->empty() && !models.modal) return refused(Status::Code::no_modes);
   if (models.follows == RuleTraits::Follows::modes) return wrong_kind_of_frame(models.follows);
   if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
-  if (std::size_t bad = 0; !models.skin->accepts(transforms, bad)) return refused(Status::Code::bad_transform, bad);
+  std::size_t bad = 0;
+  morphed = models.skin->unmorphed();
+  if (morphs && models.modal) {
+    if (morphs->size() != models.modal->mode_count()) return refused(Status::Code::wrong_coordinate_count);
+    if (!models.modal->accepts(*morphs, bad)) return refused(Status::Code::bad_coordinate, bad);
+    morphed = models.modal->morphed(*morphs);
+  }
+  if (!models.skin->accepts(transforms, morphed, bad)) return refused(Status::Code::bad_transform, bad);
   return {};
 }
 
@@ -165,11 +176,14 @@ UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& w
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
 }
 
-UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
-  if (const UpdateStatus fault = check_transforms(transforms); !fault) return fault;
-  const BonePose pose = models.skin->pose(options.skin, transforms);
+UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms,
+                                 std::optional<std::span<const double>> morphs, Workers& workers) noexcept {
+  MorphedRest rest;
+  if (const UpdateStatus fault = check_transforms(transforms, morphs, rest); !fault) return fault;
+  const BonePose pose = models.skin->pose(options.skin, transforms, rest);
   const auto move = [&] {
-    move_by_skin(options.skin, models.rest_positions, transforms, models.moved_positions, workers);
+    move_by_skin(options.skin, options.modes, models.rest_positions, transforms, rest.morphs, models.moved_positions,
+                 workers);
   };
   return follow_model({.origin = pose.origin, .bones = &pose}, move, workers);
 }

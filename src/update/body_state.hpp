@@ -94,7 +94,9 @@ struct Body::State {
   UpdateStatus follow(const PositionView& positions, Workers& workers) noexcept;
   UpdateStatus follow(const PositionView& positions, std::span<const VertexRange> changed, Workers& workers) noexcept;
   UpdateStatus follow(std::span<const double> coordinates, Workers& workers) noexcept;
-  UpdateStatus follow(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
+  // morphs: none for a body that may lack modes, all of them 0.
+  UpdateStatus follow(std::span<const AffineTransform> transforms, std::optional<std::span<const double>> morphs,
+                      Workers& workers) noexcept;
   UpdateStatus counted(const UpdateStatus& status) noexcept;
 
   // Fits the leaves of a body that follows `exact` on all levels, at the pose that it was made for.
@@ -123,7 +125,10 @@ struct Body::State {
 
   UpdateStatus check_positions(const PositionView& positions) const noexcept;
   UpdateStatus check_coordinates(std::span<const double> coordinates) const noexcept;
-  UpdateStatus check_transforms(std::span<const AffineTransform> transforms) const noexcept;
+  // morphed: written if the transforms and morphs are good.
+  UpdateStatus check_transforms(std::span<const AffineTransform> transforms,
+                                std::optional<std::span<const double>> morphs,
+                                detail::MorphedRest& morphed) const noexcept;
   // Moves the spheres to positions, which move_positions has to compute if a level needs them.
   template <class MovePositions>
   UpdateStatus follow_model(detail::RuleFrame frame, const MovePositions& move_positions, Workers& workers) noexcept;

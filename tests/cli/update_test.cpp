@@ -278,6 +278,25 @@ TEST(UpdateCommand, nodes_of_a_skin_are_measured_within_a_share) {
     EXPECT_EQ(bench.run("update limb.obj limb.morula " + skin_model + "-o t " + arguments).exit_code, 2) << arguments;
 }
 
+TEST(UpdateCommand, modes_beside_a_skin_are_its_morph_targets) {
+  const SkinBench bench;
+  write_npy(bench, "two.npy", "(2, 2)", {0, 0, 0.7, -0.4});
+  const Modes modes = read_modes(bench / "modes.npy", bench.mesh);
+  for (const Rule rule : {Rule::exact, Rule::skinned}) {
+    const std::string rule_name(name(rule));
+    const auto json = bench
+                          .require("update limb.obj limb.morula " + skin_model +
+                                   "--modes modes.npy --coords two.npy -o " + rule_name + " --json --rule " + rule_name)
+                          .json();
+    EXPECT_TRUE(json["certificate"]["covered"].get<bool>());
+    EXPECT_EQ(json["skin"]["morph_targets"], 2);
+    Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh),
+              {.rules = {rule}, .modes = modes, .skin = bench.skin});
+    ASSERT_TRUE(body.update_skinned(std::vector{AffineTransform{}, bench.turned}, std::vector{0.7, -0.4}));
+    EXPECT_EQ(tree_hash(read_tree(bench / (rule_name + "/0001.sph")).tree), tree_hash(body.current_tree()));
+  }
+}
+
 TEST(UpdateCommand, skins_that_do_not_fit_are_refused) {
   const SkinBench bench;
   const auto before = bench.listing();
@@ -290,7 +309,8 @@ TEST(UpdateCommand, skins_that_do_not_fit_are_refused) {
   refuse("--skin weights.npy", "add --transforms FILE");
   refuse("--transforms bones.npy", "add --skin FILE");
   refuse("limb.obj " + skin_model, "both positions (limb.obj) and --skin");
-  refuse(skin_model + modal_model, "both --modes and --skin");
+  refuse(skin_model + modal_model, "coords.npy has 3 frames, but bones.npy has 2");
+  refuse(skin_model + "--modes modes.npy", "add --coords FILE");
   refuse("limb.obj --rule skinned", "--rule skinned needs a skin");
   refuse(modal_model + "--rule skinned", "--rule skinned needs a skin");
   refuse(skin_model + "--rule modal", "--rule modal needs a modal model");

@@ -267,6 +267,36 @@ TEST(WeldOption, takes_the_frames_of_a_gltf_and_its_skin) {
     EXPECT_EQ(pairs.err.find("morula repair merges them") != std::string::npos, is_odd) << pairs.err;
   }
 }
+
+// The hinge of a target that lifts a free corner; its weight goes down from 1 to -1 while the joint turns.
+TEST(UpdateCommand, follows_the_bones_and_morph_targets_of_a_gltf) {
+  GltfMaker file = hinge(false);
+  const int up = file.floats({0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0, 0, 0}, "VEC3");
+  const int times = file.floats({0, 1}, "SCALAR"), weights = file.floats({1, -1}, "SCALAR");
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}};
+  file.json["meshes"][0]["weights"] = {1};
+  Json& animation = file.json["animations"][0];
+  animation["samplers"].push_back({{"input", times}, {"output", weights}});
+  animation["channels"].push_back({{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}});
+  const Workbench bench;
+  bench.write("hinge.gltf", file.text());
+  for (const std::string weld : {"", " --weld"}) {
+    bench.require("build hinge.gltf -o hinge.morula --method octree --depth 1" + weld);
+    for (const std::string rule : {"exact", "skinned"}) {
+      const auto json =
+          bench
+              .require("update hinge.gltf hinge.morula --skin hinge.gltf --transforms hinge.gltf -o s --json --rule " +
+                       rule + weld)
+              .json();
+      EXPECT_EQ(json["frames"], 31);
+      EXPECT_TRUE(json["certificate"]["covered"].get<bool>()) << rule << weld;
+      EXPECT_EQ(json["skin"]["bones"], 2);
+      EXPECT_EQ(json["skin"]["morph_targets"], 1);
+    }
+    bench.require("update hinge.gltf hinge.morula hinge.gltf -o m --rule skinned" + weld);
+    EXPECT_EQ(bench.read("m/0020.sph"), bench.read("s/0020.sph"));
+  }
+}
 #endif
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <morula/io/motion_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/surface/proximity.hpp>
+#include <morula/update/skin_morphs.hpp>
 
 #include "files.hpp"
 #include "gltf_files.hpp"
@@ -210,6 +211,31 @@ TEST(Weld, keeps_the_skin) {
   const Mesh all = welded(apart, by_place);
   EXPECT_EQ(all.vertex_count(), 8u);
   expect_file_error(path, 0, "different weights", [&] { static_cast<void>(read_skin(path, all, by_place)); });
+}
+
+TEST(Weld, keeps_the_morph_targets) {
+  const ScratchFolder folder;
+  const CubeOptions o{.has_skin = true, .has_morph = true, .moves_morph = true, .odd_morph = 9};
+  const auto path = folder.file("cube.gltf", cube(o).text());
+  const Welded cube(path);
+  const Skin skin = read_skin(path, cube.mesh, cube.weld);
+  const Modes targets = read_modes(path, cube.mesh, cube.weld);
+  ASSERT_EQ(targets.vertex_count, 9u);
+  ASSERT_EQ(targets.mode_count, 1u);
+  const BoneFrames bones = read_bone_frames(path, skin.bone_count, 1, {.frames_per_second = 4});
+  for (std::size_t f = 0; f < bones.frame_count(); ++f) {
+    std::vector<Vec3> moved(9);
+    move_by_skin(skin, targets, cube.mesh.positions, bones.frame(f), bones.morphs.frame(f), moved);
+    for (int v = 0; v < 24; ++v) {
+      const Vec3 here = moved[cube.weld.new_vertex[static_cast<std::size_t>(v)]];
+      EXPECT_LT(length(here - posed(v, o, 0.25 * static_cast<double>(f))), 1e-6);
+    }
+  }
+  const Mesh apart = read_mesh(path);
+  const MeshWeld by_place = weld_vertices(apart);
+  const Mesh all = welded(apart, by_place);
+  expect_file_error(path, 0, "moves them apart", [&] { static_cast<void>(read_modes(path, all, by_place)); });
+  EXPECT_THROW(static_cast<void>(read_modes(path, apart, by_place)), std::invalid_argument);
 }
 
 TEST(Weld, keeps_meshes_of_two_nodes_apart) {

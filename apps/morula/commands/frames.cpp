@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <morula/update/skin_morphs.hpp>
 
 #include "shared/command.hpp"
 #include "shared/files.hpp"
@@ -15,7 +16,7 @@ namespace morula::cli {
 using Follows = RuleTraits::Follows;
 
 Follows FrameFiles::follow() const {
-  return !modes.empty() ? Follows::modes : !skin.empty() ? Follows::bones : Follows::positions;
+  return !skin.empty() ? Follows::bones : !modes.empty() ? Follows::modes : Follows::positions;
 }
 
 const std::string& FrameFiles::moving() const {
@@ -31,7 +32,6 @@ void require_frames(const FrameFiles& files) {
     throw UsageError(files.skin.empty() ? "--transforms needs the skin they move: add --skin FILE"
                                         : "--skin needs a transform per frame and bone: add --transforms FILE");
   }
-  if (!files.modes.empty() && !files.skin.empty()) throw UsageError("both --modes and --skin: leave out one of them");
   const bool has_model = !files.modes.empty() || !files.skin.empty();
   if (files.motion.empty() == !has_model) {
     throw UsageError(files.motion.empty()
@@ -70,21 +70,39 @@ Frames::Frames(const FrameFiles& files, const LoadedMesh& loaded) : follow_(file
       motion_.emplace(files.motion, mesh, animation);
       return;
     case Follows::modes:
-      if (loaded.weld)
-        throw UsageError(
-            fmt::format("{}: modes are read for the vertices of the file; leave out --weld, and give a mesh and modes "
-                        "of the welded body",
-                        files.modes));
-      modes_ = read_modes(files.modes, mesh);
+      modes_ = loaded.weld ? read_modes(files.modes, mesh, *loaded.weld) : read_modes(files.modes, mesh);
       coordinates_ = read_coordinates(files.coordinates, modes_.mode_count);
       break;
     case Follows::bones:
-      skin_ = loaded.weld ? read_skin(files.skin, mesh, *loaded.weld) : read_skin(files.skin, mesh);
-      bones_ = read_bone_frames(files.transforms, skin_.bone_count, files.animation);
+      read_bones(files, loaded);
       break;
   }
   rest_ = mesh.positions;
   positions_ = rest_;
+}
+
+// The morph targets are those of --modes, or those of a glTF that has skin and transforms.
+void Frames::read_bones(const FrameFiles& files, const LoadedMesh& loaded) {
+  const Mesh& mesh = loaded.mesh;
+  skin_ = loaded.weld ? read_skin(files.skin, mesh, *loaded.weld) : read_skin(files.skin, mesh);
+  const bool has_own = files.modes.empty() && files.skin == files.transforms;
+  if (const std::string& targets = has_own ? files.skin : files.modes; !targets.empty())
+    modes_ = loaded.weld ? read_modes(targets, mesh, *loaded.weld) : read_modes(targets, mesh);
+  if (has_own) {
+    bones_ = read_bone_frames(files.transforms, skin_.bone_count, modes_.mode_count, files.animation);
+    coordinates_ = std::move(bones_.morphs);
+  } else {
+    bones_ = read_bone_frames(files.transforms, skin_.bone_count, files.animation);
+    if (!files.modes.empty()) coordinates_ = read_coordinates(files.coordinates, modes_.mode_count);
+  }
+  if (!modes_.empty() && coordinates_.frame_count() != bones_.frame_count())
+    throw UsageError(fmt::format("{} has {} frames, but {} has {}", files.coordinates, coordinates_.frame_count(),
+                                 files.transforms, bones_.frame_count()));
+  const auto is_zero = [](double q) { return q == 0; };
+  if (std::all_of(coordinates_.coordinates.begin(), coordinates_.coordinates.end(), is_zero)) {
+    modes_ = {};
+    coordinates_ = {};
+  }
 }
 
 std::size_t Frames::count() const {
@@ -102,7 +120,8 @@ const std::vector<Vec3>& Frames::load(std::size_t i, const Body& body, Workers& 
   if (motion_) {
     positions_ = motion_->frame(i);
   } else if (follow_ == Follows::bones) {
-    move_by_skin(body.options().skin, rest_, bones_.frame(i), positions_, workers);
+    move_by_skin(body.options().skin, body.options().modes, rest_, bones_.frame(i), coordinates_.frame(i), positions_,
+                 workers);
   } else {
     move_by_modes(body.options().modes, rest_, coordinates_.frame(i), positions_, workers);
   }
@@ -111,7 +130,7 @@ const std::vector<Vec3>& Frames::load(std::size_t i, const Body& body, Workers& 
 
 UpdateStatus Frames::update(Body& body, Workers& workers) const {
   if (motion_) return body.update(positions_, workers);
-  return follow_ == Follows::bones ? body.update_skinned(bones_.frame(loaded_), workers)
+  return follow_ == Follows::bones ? body.update_skinned(bones_.frame(loaded_), coordinates_.frame(loaded_), workers)
                                    : body.update_modal(coordinates_.frame(loaded_), workers);
 }
 

@@ -193,7 +193,9 @@ Json outcome_json(const UpdateArguments& o, const CoveredTree& model, const Body
     json["modes"] = {{"file", o.files.modes}, {"count", body.options().modes.mode_count}};
   }
   if (o.files.are_skinned()) {
-    json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
+    json["skin"] = {{"file", o.files.skin},
+                    {"bones", body.options().skin.bone_count},
+                    {"morph_targets", body.options().modes.mode_count}};
     if (o.measured_share) json["skin"]["nodes_measured"] = bind.nodes_measured;
   }
   if (outcome.changes) json["poses"] = {{"trees", model.poses.size()}, {"changes", *outcome.changes}};

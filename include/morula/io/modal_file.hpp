@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Modal models on disk: a NumPy array of modes, and one of coordinates for each frame of a motion.
+// Modal models on disk: a NumPy array of modes, or the morph targets of a glTF, and an array of coordinates for each
+// frame of a motion.
 //
 //   const morula::Modes modes = morula::read_modes("modes.npy", mesh);
 //   const morula::ModalCoordinates motion = morula::read_coordinates("motion.npy", modes.mode_count);
@@ -16,9 +17,14 @@
 namespace morula {
 
 /// Reads the modes of a mesh from a .npy file of float32 or float64 in C order and of the shape (modes, vertices, 3):
-/// the displacement of each vertex at coordinate 1 of each mode, mesh units. Throws FileError for a file that is
-/// missing or no such array, for another shape, with both shapes, and for a number that is not finite, with its index.
+/// the displacement of each vertex at coordinate 1 of each mode, mesh units. Or from a .gltf or .glb with the mesh's
+/// vertices: its morph targets, one mode per target of each node that shows a mesh, in order; without targets there
+/// are 0 modes. Throws FileError for a file that is missing or no such array, for another shape, with both shapes, and
+/// for a number that is not finite, with its index.
 Modes read_modes(const std::filesystem::path& path, const MeshView& mesh);
+/// Reads modes of the unwelded mesh, and returns those of the welded one: read_mesh() welded it. Throws FileError also
+/// if merged vertices have different displacements.
+Modes read_modes(const std::filesystem::path& path, const MeshView& mesh, const MeshWeld& weld);
 
 /// The coordinates of a motion: one number per frame and mode.
 struct ModalCoordinates {

@@ -155,15 +155,17 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                   "morula.typing.FloatArray | None = None, "
                   "skin: Skin | morula.typing.FloatArray | None = None, skinned_measured: float = 0.0, "
                   "training: morula.typing.FloatArray | None = None, workers: Workers | None = None) -> None"),
-          with_arguments(doc::Body_Body,
-                         {{"rules", doc::UpdateOptions},
-                          {"conservative", doc::UpdateOptions_conservative},
-                          {"modes", "Modes, or an array (modes, vertices, 3), for update_modal()"},
-                          {"skin", "Skin, or weights (vertices, bones), for update_skinned()"},
-                          {"skinned_measured", doc::RuleOptions_skinned_measured},
-                          {"training", (std::string("Transforms (frames, bones, 3, 4) or (frames, bones, 4, 4). ") +
-                                        doc::UpdateOptions_training)
-                                           .c_str()}})
+          with_arguments(
+              doc::Body_Body,
+              {{"rules", doc::UpdateOptions},
+               {"conservative", doc::UpdateOptions_conservative},
+               {"modes",
+                "Modes, or an array (modes, vertices, 3), for update_modal(), or morph targets for update_skinned()"},
+               {"skin", "Skin, or weights (vertices, bones), for update_skinned()"},
+               {"skinned_measured", doc::RuleOptions_skinned_measured},
+               {"training", (std::string("Transforms (frames, bones, 3, 4) or (frames, bones, 4, 4). ") +
+                             doc::UpdateOptions_training)
+                                .c_str()}})
               .c_str())
       .def(
           "update",
@@ -243,14 +245,20 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           "update_modal() for coordinates (frames, modes); the spheres of every frame, (frames, nodes, 4).")
       .def(
           "update_skinned",
-          [](PosedBody& self, ArrayGiven given, Threads* workers) {
+          [](PosedBody& self, ArrayGiven given, std::optional<ArrayGiven> targets, Threads* workers) {
             const std::vector<AffineTransform> transforms = transforms_of(given.object, "transforms");
+            if (!targets)
+              return updated(self, {}, workers,
+                             [&](Body& body, Workers& w) { return body.update_skinned(transforms, w); });
+            std::vector<std::size_t> shape;
+            const std::vector<double> morphs = numbers_of(targets->object, "morphs", {-1}, shape);
             return updated(self, {}, workers,
-                           [&](Body& body, Workers& w) { return body.update_skinned(transforms, w); });
+                           [&](Body& body, Workers& w) { return body.update_skinned(transforms, morphs, w); });
           },
-          nb::arg("transforms"), nb::arg("workers") = nb::none(),
+          nb::arg("transforms"), nb::arg("morphs") = nb::none(), nb::arg("workers") = nb::none(),
           (std::string(doc::Body_update_skinned) +
-           "\n\ntransforms: (bones, 3, 4) or (bones, 4, 4), matrices that act on columns.")
+           "\n\ntransforms: (bones, 3, 4) or (bones, 4, 4), matrices that act on columns.\n\nmorphs: " +
+           doc::Body_update_skinned_2)
               .c_str())
       .def(
           "update_lazily",

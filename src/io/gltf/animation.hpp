@@ -3,6 +3,7 @@
 // Animation of a glTF document: its nodes and vertices at a time.
 #pragma once
 
+#include <morula/update/modes.hpp>
 #include <span>
 
 #include "io/gltf/document.hpp"
@@ -34,6 +35,12 @@ std::vector<Vec3> posed(const Document& document, const Moment& moment);
 /// Their bound positions: displaced by the morph targets of the moment, then moved by their node, unless a skin moves
 /// them.
 std::vector<Vec3> bound(const Document& document, const Moment& moment);
+
+/// The morph targets as displacements of bound(document, at_rest(document)): one mode per target of each node drawn, in
+/// order, which moves the vertices of that node. Throws FileError for more displacements than the file can mean.
+Modes joined_targets(const Document& document);
+/// The coordinates of these modes: weights less those at rest.
+std::vector<double> target_coordinates(const Document& document, const Moment& rest, const Moment& moment);
 
 /// A number per vertex, of vertices that move alike from one rest position: the same node, the same joints and weights
 /// in order, the same displacement in every morph target.

@@ -32,6 +32,7 @@ class Reader {
   Reader(const fs::path& path, const morula_tinygltf::Model& model, std::size_t bytes)
       : model_(model), bytes_(bytes), accessors_(document_, model, bytes) {
     document_.name = path.string();
+    document_.bytes = bytes;
   }
 
   Document read() {

@@ -69,6 +69,7 @@ struct Document {
   std::vector<std::uint32_t> drawn;          ///< nodes of the scene with a mesh, in the scene's order
   std::vector<std::vector<Channel>> animations;
   std::vector<std::string> notes;  ///< parts of the file that the document does not have
+  std::size_t bytes = 0;           ///< number of bytes of the text and of all buffers
 
   [[noreturn]] void fail(const std::string& problem) const;
 };

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// glTF 2.0 as a mesh, as frames of it, and as a skin with its bones.
+// glTF 2.0 as a mesh, as frames of it, and as a skin with its bones and morph targets.
 #include <cmath>
 #include <morula/io/skin_file.hpp>
 #include <stdexcept>
@@ -81,7 +81,9 @@ void require_no_morphing(const Document& document, const Timeline& timeline) {
   for (const gltf::Channel& channel : timeline.channels())
     if (channel.path == gltf::Channel::Path::weights)
       document.fail("node " + std::to_string(channel.node) +
-                    " is moved by morph targets, which no skin follows; read it as a motion");
+                    " is moved by morph targets, which the bones alone do not follow; read the targets with "
+                    "read_modes(), and their coordinates with the overload of read_bone_frames() that takes their "
+                    "number");
 }
 
 }  // namespace
@@ -106,15 +108,27 @@ Skin gltf_skin(const fs::path& path) {
   return gltf::joined_skin(gltf::read_document(path, read_whole(path)));
 }
 
-std::vector<std::vector<AffineTransform>> gltf_transforms(const fs::path& path, const MotionOptions& options) {
+Modes gltf_targets(const fs::path& path) {
+  return gltf::joined_targets(gltf::read_document(path, read_whole(path)));
+}
+
+BoneFrames gltf_bone_frames(const fs::path& path, bool with_targets, const MotionOptions& options) {
   const Document document = gltf::read_document(path, read_whole(path));
   const Timeline timeline(document, options);
-  require_no_morphing(document, timeline);
+  if (!with_targets) require_no_morphing(document, timeline);
   const gltf::Moment rest = gltf::at_rest(document);
-  std::vector<std::vector<AffineTransform>> frames;
-  for (std::size_t i = 0; i < timeline.frame_count(); ++i)
-    frames.push_back(gltf::bone_transforms(document, rest, timeline.frame(document, i)));
-  return frames;
+  BoneFrames result;
+  for (std::size_t i = 0; i < timeline.frame_count(); ++i) {
+    const gltf::Moment moment = timeline.frame(document, i);
+    const std::vector<AffineTransform> transforms = gltf::bone_transforms(document, rest, moment);
+    result.bone_count = transforms.size();
+    result.transforms.insert(result.transforms.end(), transforms.begin(), transforms.end());
+    if (!with_targets) continue;
+    const std::vector<double> coordinates = gltf::target_coordinates(document, rest, moment);
+    result.morphs.mode_count = coordinates.size();
+    result.morphs.coordinates.insert(result.morphs.coordinates.end(), coordinates.begin(), coordinates.end());
+  }
+  return result;
 }
 
 }  // namespace morula::detail

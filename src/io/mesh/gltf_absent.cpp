@@ -27,7 +27,11 @@ Skin gltf_skin(const std::filesystem::path& path) {
   fail(path);
 }
 
-std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem::path& path, const MotionOptions&) {
+Modes gltf_targets(const std::filesystem::path& path) {
+  fail(path);
+}
+
+BoneFrames gltf_bone_frames(const std::filesystem::path& path, bool, const MotionOptions&) {
   fail(path);
 }
 

@@ -6,7 +6,9 @@
 #include <morula/io/whole_output.hpp>
 #include <stdexcept>
 
+#include "io/gltf/skin.hpp"
 #include "io/motion/array_motion.hpp"
+#include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
@@ -27,7 +29,31 @@ std::string text_of_coordinate(std::size_t frame, std::size_t mode) {
 }  // namespace
 
 Modes read_modes(const std::filesystem::path& path, const MeshView& mesh) {
-  return modes_of(path, mesh);
+  if (!is_gltf(path)) return modes_of(path, mesh);
+  const StandardFloats standard;
+  Modes targets = gltf_targets(path);
+  if (targets.vertex_count != mesh.vertex_count())
+    throw FileError(path.string() + ": has " + std::to_string(targets.vertex_count) + " vertices, but the mesh has " +
+                    std::to_string(mesh.vertex_count()));
+  return targets;
+}
+
+Modes read_modes(const std::filesystem::path& path, const MeshView& mesh, const MeshWeld& weld) {
+  if (weld.old_vertex.size() != mesh.vertex_count())
+    throw std::invalid_argument("the weld makes " + std::to_string(weld.old_vertex.size()) +
+                                " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
+  const std::vector<Vec3> of_file(weld.new_vertex.size());
+  const Modes modes = read_modes(path, MeshView{of_file, mesh.facets});
+  Modes welded{mesh.vertex_count(), modes.mode_count, {}};
+  for (std::size_t j = 0; j < modes.mode_count; ++j) {
+    const std::span<const Vec3> mode = modes.mode(j);
+    for (std::uint32_t v = 0; v < mode.size(); ++v)
+      if (const std::uint32_t first = weld.old_vertex[weld.new_vertex[v]]; mode[v] != mode[first])
+        throw FileError(path.string() + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
+                        " of the unwelded mesh are merged, but mode " + std::to_string(j) + " moves them apart");
+    for (const std::uint32_t v : weld.old_vertex) welded.displacements.push_back(mode[v]);
+  }
+  return welded;
 }
 
 ModalCoordinates read_coordinates(const std::filesystem::path& path, std::size_t mode_count) {

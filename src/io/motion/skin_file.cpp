@@ -49,9 +49,21 @@ void require_indices(const Skin& skin) {
     if (bone >= skin.bone_count) throw std::invalid_argument("the skin names a bone that it does not have");
 }
 
-bool is_gltf(const fs::path& path) {
-  const MeshFormat* const format = mesh_format(lower_extension(path));
-  return format != nullptr && format->read == read_gltf;
+// Checks the frames of a glTF.
+BoneFrames checked(const fs::path& path, BoneFrames frames, std::size_t bone_count) {
+  if (frames.bone_count != bone_count)
+    throw FileError(path.string() + ": has " + std::to_string(frames.bone_count) + " bones, but the skin has " +
+                    std::to_string(bone_count));
+  for (std::size_t i = 0; i < frames.transforms.size(); ++i)
+    if (!is_finite(frames.transforms[i]))
+      throw FileError(path.string() + ": " + text_of_transform(i / bone_count, i % bone_count));
+  const std::vector<double>& coordinates = frames.morphs.coordinates;
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    if (!std::isfinite(coordinates[i]))
+      throw FileError(path.string() + ": frame " + std::to_string(i / frames.morphs.mode_count) +
+                      ": the weight of morph target " + std::to_string(i % frames.morphs.mode_count) +
+                      " is not finite");
+  return frames;
 }
 
 }  // namespace
@@ -83,17 +95,18 @@ Skin read_skin(const fs::path& path, const MeshView& mesh, const MeshWeld& weld)
 BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const MotionOptions& options) {
   const StandardFloats standard;
   if (!is_gltf(path)) return bone_frames_of(path, bone_count);
-  BoneFrames result{bone_count, {}};
-  for (const std::vector<AffineTransform>& frame : gltf_transforms(path, options)) {
-    if (frame.size() != bone_count)
-      throw FileError(path.string() + ": has " + std::to_string(frame.size()) + " bones, but the skin has " +
-                      std::to_string(bone_count));
-    result.transforms.insert(result.transforms.end(), frame.begin(), frame.end());
-  }
-  for (std::size_t i = 0; i < result.transforms.size(); ++i)
-    if (!is_finite(result.transforms[i]))
-      throw FileError(path.string() + ": " + text_of_transform(i / bone_count, i % bone_count));
-  return result;
+  return checked(path, gltf_bone_frames(path, false, options), bone_count);
+}
+
+BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, std::size_t mode_count,
+                            const MotionOptions& options) {
+  const StandardFloats standard;
+  BoneFrames frames = is_gltf(path) ? checked(path, gltf_bone_frames(path, true, options), bone_count)
+                                    : bone_frames_of(path, bone_count);
+  if (frames.morphs.mode_count != mode_count)
+    throw FileError(path.string() + ": has " + std::to_string(frames.morphs.mode_count) + " morph targets, but " +
+                    std::to_string(mode_count) + " are needed");
+  return frames;
 }
 
 void write_skin(const fs::path& path, const Skin& skin) {
@@ -125,6 +138,11 @@ void write_bone_frames(const fs::path& path, const BoneFrames& frames) {
       values.insert(values.end(), {t.columns[0][row], t.columns[1][row], t.columns[2][row], t.translation[row]});
   write_whole(path,
               npy_bytes(values, std::array{frames.frame_count(), frames.bone_count, std::size_t{3}, std::size_t{4}}));
+}
+
+bool detail::is_gltf(const fs::path& path) {
+  const MeshFormat* const format = mesh_format(lower_extension(path));
+  return format != nullptr && format->read == read_gltf;
 }
 
 Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {

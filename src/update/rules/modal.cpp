@@ -111,6 +111,18 @@ ModalPose ModalPoser::pose(std::span<const double> coordinates) const noexcept {
   return {coordinates, origin, share * (largest + max_norm(origin))};
 }
 
+MorphedRest ModalPoser::morphed(std::span<const double> coordinates) const noexcept {
+  MorphedRest rest{guide_rest_};
+  for (std::size_t j = 0; j < coordinates.size(); ++j) {
+    if (coordinates[j] == 0) continue;
+    rest.guide += coordinates[j] * guide_[j];
+    rest.motion += std::abs(coordinates[j]) * reach_[j];
+    ++rest.active;
+  }
+  if (rest.active != 0) rest.morphs = coordinates;
+  return rest;
+}
+
 ModalRule::ModalRule(const Binding& binding)
     : mode_count_(binding.options.modes.mode_count), slot_(binding.model.tree.node_count(), no_node) {
   const MeshView& mesh = binding.mesh;

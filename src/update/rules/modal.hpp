@@ -9,6 +9,7 @@
 
 #include "update/rules/engine.hpp"
 #include "update/rules/mode_rows.hpp"
+#include "update/rules/skin_poser.hpp"
 
 namespace morula::detail {
 
@@ -34,6 +35,8 @@ class ModalPoser {
   bool accepts(std::span<const double> coordinates, std::size_t& first_bad) const noexcept;
   /// coordinates must be accepted; they are not copied.
   ModalPose pose(std::span<const double> coordinates) const noexcept;
+  /// The coordinates as those of morph targets, ahead of bones; accepted and not copied, as above.
+  MorphedRest morphed(std::span<const double> coordinates) const noexcept;
 
   /// Rows of nodes, unlike those of vertices, may be longer than the displacements that they bound; they enter pads
   /// alone.

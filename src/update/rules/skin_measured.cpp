@@ -95,6 +95,11 @@ MeasuredNodes::MeasuredNodes(const Binding& binding, const Ownership& part, cons
   std::sort(vertices_.begin(), vertices_.end());
   skin_ = skin_of_vertices(binding.options.skin, vertices_);
   for (const std::uint32_t v : vertices_) rest_.push_back(positions_[v]);
+  const Modes& modes = binding.options.modes;
+  modes_.mode_count = modes.mode_count;
+  modes_.vertex_count = vertices_.size();
+  for (std::size_t j = 0; j < modes.mode_count; ++j)
+    for (const std::uint32_t v : vertices_) modes_.displacements.push_back(modes.mode(j)[v]);
 }
 
 ExactRule MeasuredNodes::tied(const Binding& binding, const Ownership& part, const TreeRules& rules) {
@@ -116,16 +121,20 @@ ExactRule MeasuredNodes::tied(const Binding& binding, const Ownership& part, con
                            .workers = binding.workers});
 }
 
-void MeasuredNodes::pose(std::span<const AffineTransform> transforms, Workers& workers) noexcept {
+void MeasuredNodes::pose(const BonePose& pose, Workers& workers) noexcept {
   parallel_for(workers, vertices_.size(), vertices_per_chunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) positions_[vertices_[i]] = skinned_vertex(skin_, i, rest_[i], transforms);
+    for (std::size_t i = begin; i < end; ++i) {
+      // mutant measured-morphs: `morphed_vertex(modes_, i, rest_[i], pose.morphs)` -> `rest_[i]`
+      const Vec3 rest = morphed_vertex(modes_, i, rest_[i], pose.morphs);
+      positions_[vertices_[i]] = skinned_vertex(skin_, i, rest, pose.transforms);
+    }
   });
 }
 
 bool MeasuredNodes::measure(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
                             Workers& workers) noexcept {
   const Uninterrupted whole;
-  pose(frame.bones->transforms, workers);
+  pose(*frame.bones, workers);
   const LocalPoints::Frame at = local_.move_about(frame.origin, positions_, workers);
   // mutant measured-range: `!at.finite` -> `false`
   if (!at.finite) return false;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Nodes of the rule `skinned` that are measured on their own corners, like those of `exact`: only the vertices that
-// their corners depend on are moved by the skin.
+// their corners depend on are moved, by morph targets and then by the skin.
 //
 // The vertices move by the routine that moves the caller's positions, so the rounding of distances and of cut corners
 // is that of `exact` (rounding.hpp). Its largest |coordinate| M is taken over the vertices of all facets of which a
@@ -10,6 +10,7 @@
 // transforms and weights. skinned.cpp bounds it, and the pad of a frame has it.
 #pragma once
 
+#include <morula/update/modes.hpp>
 #include <morula/update/skin.hpp>
 #include <span>
 #include <vector>
@@ -42,10 +43,11 @@ class MeasuredNodes {
  private:
   MeasuredNodes(const Binding& binding, const Ownership& part, const TreeRules& rules);
   ExactRule tied(const Binding& binding, const Ownership& part, const TreeRules& rules);
-  void pose(std::span<const AffineTransform> transforms, Workers& workers) noexcept;
+  void pose(const BonePose& pose, Workers& workers) noexcept;
 
   std::vector<std::uint32_t> vertices_;  // vertices of the mesh that move, ascending
   Skin skin_;                            // skin of these vertices
+  Modes modes_;                          // morph targets of these vertices
   std::vector<Vec3> rest_;               // rest positions of these vertices
   std::vector<Vec3> positions_;          // positions of the mesh; only these vertices move
   LocalPoints local_;

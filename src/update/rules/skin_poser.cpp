@@ -1,5 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
+//
+// The pad without morph targets: skinned.cpp. Morph targets move points at rest by up to M, the largest |component| of
+// sum_j q_j U_j. X and S then bound the morphed points and their displacements, which replaces them in all lines there,
+// and these lines are added; k coordinates are not 0, Q' is the sum of the factors of SkinMorphs, n' the bones of a
+// node:
+//   the caller's own sum rest + sum q_j U_j, moved by the bones         1.8 (k + 1) e L (X + S)
+//   s = sum q_j s_j, moved by the bones                                 1.8 (k + n' + 9) e (1 + Q') (X + S)
+//   h_b and w_b of Delta_j, times |A_b|                                 3.3 (n + 8) e L (X + S)
+// The pad counts k + n' more summands, and adds Q' to Q. The weights of a cut corner that add up to 1 +- s move A_r s
+// by 1.8 s (X + S) more; the allowance of 8 s (L + Q) (X + S) contains it.
 #include "update/rules/skin_poser.hpp"
 
 #include <algorithm>
@@ -63,36 +73,46 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
     cut_slack_ = std::max(cut_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
 }
 
-// At least the largest |component| of the displacement of a point at rest.
-double SkinPoser::motion_of(const AffineTransform& t) const noexcept {
+// At least the largest |component| of the displacement of a morphed point.
+double SkinPoser::motion_of(const AffineTransform& t, const MorphedRest& rest) const noexcept {
   const double across = max_norm(t.columns[0] - Vec3{1, 0, 0}) + max_norm(t.columns[1] - Vec3{0, 1, 0}) +
                         max_norm(t.columns[2] - Vec3{0, 0, 1});
-  return across * rest_reach_ + max_norm(t.translation);
+  // mutant skin-morph-pad-motion: `rest.motion)` -> `0 * rest.motion)`
+  return across * (rest_reach_ + rest.motion) + max_norm(t.translation);
 }
 
-bool SkinPoser::accepts(std::span<const AffineTransform> transforms, std::size_t& first_bad) const noexcept {
+bool SkinPoser::accepts(std::span<const AffineTransform> transforms, const MorphedRest& rest,
+                        std::size_t& first_bad) const noexcept {
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad)
     if (!is_finite(transforms[first_bad])) return false;
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad) {
-    if (!(largest_weights_ * motion_of(transforms[first_bad]) <= largest_displacement)) return false;
+    // mutant skin-morph-range: `rest.motion + largest_weights_` -> `largest_weights_`
+    const double motion = rest.motion + largest_weights_ * motion_of(transforms[first_bad], rest);
+    if (!(motion <= largest_displacement)) return false;
   }
   first_bad = 0;
   return true;
 }
 
-BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> transforms) const noexcept {
-  const Vec3 guide = skinned_vertex(skin, guide_, guide_rest_, transforms);
+BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> transforms,
+                         const MorphedRest& rest) const noexcept {
+  const Vec3 guide = skinned_vertex(skin, guide_, rest.guide, transforms);
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
+  const bool is_morphed = rest.active != 0;
   double motion = 0;
-  for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t));
-  const double all = (largest_weights_ + factor_sum_) * (rest_reach_ + motion) + max_norm(origin);
-  // mutant skinned-pad-of-few-terms: `(static_cast<double>(most_terms_) + 16)` -> `16`
+  for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t, rest));
+  const double factors = largest_weights_ + factor_sum_ + (is_morphed ? morph_factor_sum_ : 0);
+  // mutant skin-morph-pad-reach: `rest_reach_ + rest.motion` -> `rest_reach_`
+  const double all = factors * (rest_reach_ + rest.motion + motion) + max_norm(origin);
+  // mutant skin-morph-pad-terms: `rest.active + morph_terms_` -> `0`
+  const std::size_t terms = most_terms_ + (is_morphed ? rest.active + morph_terms_ : 0);
+  // mutant skinned-pad-of-few-terms: `(static_cast<double>(terms) + 16)` -> `(static_cast<double>(terms) * 0 + 16)`
   // mutant skinned-pad-less: `49` -> `59`
   // mutant skinned-cut-slack: `8 *` -> `0 *`
-  const double share = 0x1p-49 * (static_cast<double>(most_terms_) + 16) + 8 * cut_slack_;
+  const double share = 0x1p-49 * (static_cast<double>(terms) + 16) + 8 * cut_slack_;
   // mutant skinned-pad: `share * all` -> `0 * share * all`
   // mutant skinned-skin-slack: `2 *` -> `0 *`
-  return {transforms, origin, share * all + 2 * skin_slack_ * motion};
+  return {transforms, origin, share * all + 2 * skin_slack_ * motion, rest.morphs};
 }
 
 }  // namespace morula::detail

@@ -32,8 +32,9 @@ void require_training(const Binding& binding) {
   if (training.size() % bones != 0)
     throw std::invalid_argument("the training has " + std::to_string(training.size()) +
                                 " transforms, which is no multiple of the skin's " + std::to_string(bones) + " bones");
+  const SkinPoser& poser = *binding.posers.skin;
   for (std::size_t first = 0; first < training.size(); first += bones)
-    if (std::size_t bad = 0; !binding.posers.skin->accepts(Transforms(training).subspan(first, bones), bad))
+    if (std::size_t bad = 0; !poser.accepts(Transforms(training).subspan(first, bones), poser.unmorphed(), bad))
       throw std::invalid_argument("frame " + std::to_string(first / bones) + " of the training moves bone " +
                                   std::to_string(bad) + " too far, or its transform is not finite");
 }

@@ -32,6 +32,8 @@
 // s |(T_b - 1) x|; allowed: 2 s S. If those of a cut corner do, it moves by 1.8 s S, and by up to 3.5 s (X + S) against
 // the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are
 // positive and pay by a share for their own arithmetic; the motion of the center by narrowing to float is measured.
+//
+// Morph targets move and enlarge any of these spheres (skin_morphs.hpp).
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -46,6 +48,7 @@
 #include "update/rules/engine_table.hpp"
 #include "update/rules/mode_rows.hpp"
 #include "update/rules/skin_blend.hpp"
+#include "update/rules/skin_morphs.hpp"
 #include "update/rules/skin_poser.hpp"
 #include "update/rules/skin_training.hpp"
 
@@ -109,15 +112,20 @@ class SkinnedRule final : public RuleEngine {
     std::vector<NodeBlend> blends;
     for (std::uint32_t node = 0; node < binding.rules.of_node.size(); ++node)
       if (binding.rules.of_node[node] == Rule::skinned) blends.emplace_back().node.node = node;
+    const Modes& modes = binding.options.modes;
+    std::vector<NodeMorphs> morphs(modes.empty() ? 0 : blends.size());
     parallel_for(binding.workers, blends.size(), 1, [&](std::size_t k, std::size_t) {
       const std::uint32_t node = blends[k].node.node;
-      blends[k] = blend_of_node(binding.options.skin, binding.mesh.positions, model.cover,
-                                corners_of(ownership, model.cover, order.begin[node], order.end[node]),
+      const auto corners = corners_of(ownership, model.cover, order.begin[node], order.end[node]);
+      blends[k] = blend_of_node(binding.options.skin, binding.mesh.positions, model.cover, corners,
                                 model.tree.spheres[node].center, binding.posers.skin->rest_reach());
       blends[k].node.node = node;
+      if (!morphs.empty()) morphs[k] = morphs_of_node(binding.options.skin, modes, model.cover, corners);
     });
     blend_ = SkinBlend(blends);
     binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
+    morphs_ = SkinMorphs(morphs, modes.mode_count, binding.options.skin.bone_count);
+    binding.posers.skin->add_morphs(morphs_.factor_sum(), morphs_.most_terms());
     bones_.resize(binding.options.skin.bone_count);
     pairs_.resize(blend_.pairs.size());
     measured_ = trained_nodes(binding, [&](const RuleFrame& frame, std::span<Spheref> spheres) {
@@ -130,9 +138,10 @@ class SkinnedRule final : public RuleEngine {
               Workers& workers) noexcept override {
     const Uninterrupted whole;
     move_bones(frame.bones->transforms);
+    morphs_.begin(*frame.bones, workers);
     parallel_for(workers, blend_.nodes.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
-        if (const BlendNode& n = blend_.nodes[k]; n.node < node_end) spheres[n.node] = sphere_of(n, frame);
+        if (const BlendNode& n = blend_.nodes[k]; n.node < node_end) spheres[n.node] = sphere_of(k, frame);
     });
     if (measured_) measured_->update(frame, node_end, spheres, workers);
   }
@@ -155,10 +164,12 @@ class SkinnedRule final : public RuleEngine {
     }
   }
 
-  Spheref sphere_of(const BlendNode& n, const RuleFrame& frame) const noexcept {
+  Spheref sphere_of(std::size_t k, const RuleFrame& frame) const noexcept {
+    const BlendNode& n = blend_.nodes[k];
     const Difference& main = bones_[n.bone];
     Sphere s{main(n.rest.center), main.stretch * n.rest.radius};
     if (n.first_term != n.end_term) s = blended(n, s);
+    morphs_.add_to(k, s);
     const Vec3 center = n.rest.center + s.center - frame.origin;
     // Adding zero makes a negative zero positive, like the other rules.
     const Vec3f nearest = Vec3f(center) + Vec3f{};
@@ -214,6 +225,7 @@ class SkinnedRule final : public RuleEngine {
   }
 
   SkinBlend blend_;
+  SkinMorphs morphs_;
   std::vector<Difference> bones_, pairs_;  // of the current frame
   std::optional<MeasuredNodes> measured_{};
 };
