@@ -97,8 +97,12 @@ class Selection {
     for (const std::uint32_t node : all.nodes())
       total_ += own_cost_[node] = cost_of_node + static_cast<double>(all.points_of(node));
     for (std::uint32_t v = 0; v < moves_.size(); ++v) {
-      each_node_with(v, [&](std::uint32_t node) { vertex_cost_[node] += cost_of(v); });
-      if (!vertices_.leaves_of(v).empty()) total_ += cost_of(v);
+      bool is_needed = false;
+      each_node_with(v, [&](std::uint32_t node) {
+        vertex_cost_[node] += cost_of(v);
+        is_needed = is_needed || own_cost_[node] > 0;  // not for nodes of other rules
+      });
+      if (is_needed) total_ += cost_of(v);
     }
     for (const std::uint32_t node : all.nodes()) push(node);
   }
@@ -165,7 +169,7 @@ class Selection {
   const Binding& binding_;
   LeafVertices vertices_;
   std::span<const double> gains_;
-  std::vector<double> own_cost_, vertex_cost_;  // costs of each node: its own, and that of vertices that nobody moves
+  std::vector<double> own_cost_, vertex_cost_;  // costs of each node: its own, and that of vertices that no taken node needs
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint32_t> touched_;
   std::vector<std::uint8_t> moves_;  // flags of the mesh's vertices
