@@ -169,7 +169,7 @@ class Selection {
   const Binding& binding_;
   LeafVertices vertices_;
   std::span<const double> gains_;
-  std::vector<double> own_cost_, vertex_cost_;  // costs of each node: its own, and that of vertices that no taken node needs
+  std::vector<double> own_cost_, vertex_cost_;  // costs of each node: its own, and its untaken vertices
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint32_t> touched_;
   std::vector<std::uint8_t> moves_;  // flags of the mesh's vertices
