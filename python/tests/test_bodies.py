@@ -187,12 +187,12 @@ def test_morph_targets_move_vertices_before_the_bones_do(limb, model):
         assert body.certify(moved)
         body.update_skinned(bones)
         assert body.certify(morula.move_by_skin(skin, limb.positions, bones))
-        body.update_skinned(bones, morphs=[0, 0, 0])
+        body.update_skinned(bones, morphs=numpy.zeros(3))
         assert body.certify(morula.move_by_skin(skin, limb.positions, bones))
         body.update_skinned(numpy.tile(numpy.eye(4), (skin.bone_count, 1, 1)), numpy.zeros(3))
         assert body.hash() == rest
         with pytest.raises(ValueError):
-            body.update_skinned(bones, [0.1])
+            body.update_skinned(bones, numpy.array([0.1]))
     with pytest.raises(ValueError, match="belong together"):
         morula.move_by_skin(skin, limb.positions, bones, modes)
 

@@ -84,6 +84,13 @@ def test_files_are_read_welded_with_motion_and_skin(corners, tmp_path):
     numpy.save(tmp_path / "modes.npy", modes)
     assert numpy.array_equal(
         morula.read_modes(tmp_path / "modes.npy", whole, weld).displacements[:, weld.new_vertex], modes)
+    # Arrays of transforms have no morph targets.
+    numpy.save(tmp_path / "bones.npy", numpy.tile(numpy.eye(4)[:3], (5, 2, 1, 1)))
+    transforms, morphs = morula.read_bone_frames(tmp_path / "bones.npy", 2, 0)
+    assert transforms.shape == (5, 2, 3, 4) and morphs.shape == (5, 0)
+    assert numpy.array_equal(transforms, morula.read_bone_frames(tmp_path / "bones.npy", 2))
+    with pytest.raises(OSError, match="has 0 morph targets, but 2 are needed"):
+        morula.read_bone_frames(tmp_path / "bones.npy", 2, 2)
     modes[1, 11] += 1
     numpy.save(tmp_path / "torn_modes.npy", modes)
     with pytest.raises(OSError, match="moves them apart"):

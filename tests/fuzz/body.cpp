@@ -11,6 +11,7 @@
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/distance.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/update/skin_morphs.hpp>
 #include <set>
 #include <stdexcept>
 
@@ -119,6 +120,7 @@ std::unique_ptr<Side> side_of(Bytes& in, bool only_exact) {
     side->model = std::make_shared<CoveredTree>(build(side->mesh, build_options));
     if (is_modal) options.modes = modes_of(side->mesh);
     if (is_skinned) options.skin = skin_of(side->mesh);
+    if (is_skinned && in.flag()) options.modes = modes_of(side->mesh);
     side->body = std::make_unique<Body>(side->mesh, side->model, options);
   } catch (const std::invalid_argument&) {
     return nullptr;
@@ -195,7 +197,7 @@ void reach_all(Body& body) {
 void update(Bytes& in, Side& side) {
   Body& body = *side.body;
   const std::size_t way = in.below(4);
-  const bool is_modal = !body.options().modes.empty();
+  const bool is_skinned = !body.options().skin.empty(), is_modal = !is_skinned && !body.options().modes.empty();
   const std::uint64_t before = body.hash();
   std::vector<Vec3> positions = side.positions;
   UpdateStatus status;
@@ -205,14 +207,18 @@ void update(Bytes& in, Side& side) {
     status = way == 2 ? body.update_modal_lazily(coordinates, in.below(3)) : body.update_modal(coordinates);
     if (status && way == 2) reach_all(body);
     require(side.twin->update_modal(coordinates).code == status.code, "two ways to update end differently");
-  } else if (!body.options().skin.empty()) {
+  } else if (is_skinned) {
     std::array<AffineTransform, 2> transforms;
     for (AffineTransform& t : transforms)
       for (Vec3* v : {&t.columns[0], &t.columns[1], &t.translation})
         *v = {in.byte() / 64.0 - 2, in.byte() / 64.0 - 2, way == 3 ? in.float64() : 0.5};
-    move_by_skin(body.options().skin, side.mesh.positions, transforms, positions);
-    status = body.update_skinned(transforms);
-    require(side.twin->update_skinned(transforms).code == status.code, "two ways to update end differently");
+    std::vector<double> morphs(body.options().modes.mode_count);
+    for (double& q : morphs) q = way == 2 ? 0 : way == 3 ? in.float64() : in.byte() / 64.0 - 2;
+    move_by_skin(body.options().skin, body.options().modes, side.mesh.positions, transforms, morphs, positions);
+    status = body.update_skinned(transforms, morphs);
+    const UpdateStatus other =
+        way == 2 ? side.twin->update_skinned(transforms) : side.twin->update_skinned(transforms, morphs);
+    require(other.code == status.code, "two ways to update end differently");
   } else {
     const VertexRange range = move(in, positions, side.mesh.positions);
     if (way == 1) {

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "actor.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <morula/update/skin_morphs.hpp>
 
 #include "covering.hpp"
 #include "skins.hpp"
@@ -100,6 +103,7 @@ void Actor::make_skinned(Dice& dice, Record& record) {
   options.rules.push_back(dice.chance(0.9) ? Rule::skinned : Rule::exact);
   options.conservative = std::find(options.rules.begin(), options.rules.end(), Rule::approach2) != options.rules.end();
   options.skin = random_skin(mesh_, dice);
+  if (dice.chance(0.5)) options.modes = random_modes(mesh_, dice);
   start(std::move(options), record);
   judge_now(dice, record, "-skinned-rest");
 }
@@ -286,10 +290,23 @@ void Actor::move_by_modes(Dice& dice, Record& record) {
 void Actor::move_by_bones(Dice& dice, Record& record) {
   ++record.counts.frames;
   const Skin& skin = body_->options().skin;
+  const Modes& modes = body_->options().modes;
   const std::vector<AffineTransform> transforms = random_transforms(mesh_, skin.bone_count, dice);
   record.place.frame = "bones";
-  // The sums as they are, and in double, influences in order.
+  std::vector<double> morphs(modes.mode_count);
+  if (dice.chance(0.8))
+    for (double& q : morphs)
+      if (dice.chance(0.6)) q = dice.sign() * dice.logarithmic(1e-9, dice.chance(0.6) ? 10 : 1e6);
+  // The sums as they are, and in double, morph targets and influences in order. reach: bounds of morphed vertices.
   std::vector<Point> sums = points_of(mesh_.positions);
+  Mesh reach = mesh_;
+  for (std::size_t j = 0; j < morphs.size(); ++j)
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const Vec3& u = modes.mode(j)[i];
+      sums[i] = sums[i] + static_cast<Real>(morphs[j]) * Point{u.x, u.y, u.z};
+      const double far = max_norm(reach.positions[i]) + std::abs(morphs[j]) * max_norm(u);
+      reach.positions[i] = {far, far, far};
+    }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Point rest = sums[i];
     for (std::uint32_t k = skin.begin[i]; k < skin.begin[i + 1]; ++k) {
@@ -301,13 +318,16 @@ void Actor::move_by_bones(Dice& dice, Record& record) {
     }
   }
   Positions rounded = mesh_.positions;
-  move_by_skin(skin, mesh_.positions, transforms, rounded);
+  const bool has_morphs = std::any_of(morphs.begin(), morphs.end(), [](double q) { return q != 0; });
+  if (has_morphs) record.place.frame = "bones and morph targets";
+  move_by_skin(skin, modes, mesh_.positions, transforms, morphs, rounded);
   const std::uint64_t before = body_->hash();
-  const UpdateStatus status = body_->update_skinned(transforms);
+  const UpdateStatus status =
+      has_morphs || dice.chance(0.5) ? body_->update_skinned(transforms, morphs) : body_->update_skinned(transforms);
   if (!status) {
     record.expect(body_->hash() == before, "refused-changed", "a refused update changed the spheres");
     // The sum of |weights| is below 2^8.
-    if (largest_term(mesh_, transforms) < far_enough_to_refuse / 0x1p8)
+    if (largest_term(reach, transforms) < far_enough_to_refuse / 0x1p8)
       record.fail("refused", "transforms, code " + std::to_string(static_cast<int>(status.code)));
     return;
   }

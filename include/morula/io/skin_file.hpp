@@ -42,7 +42,8 @@ struct BoneFrames {
 
 /// Reads transforms. path: a .npy, shape (frames, bones, 3, 4), one matrix [A | t] per frame and bone, x ↦ A x + t,
 /// relative to rest; or the .gltf or .glb of the skin, whose animation is sampled by the options and must move no morph
-/// targets. Throws FileError like read_skin.
+/// targets. Dual quaternions are no affine transforms: give Body::update() the positions that they make. Throws
+/// FileError like read_skin.
 BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count,
                             const MotionOptions& options = {});
 /// Also reads the coordinates of the morph targets of a .gltf or .glb, for Body::update_skinned(): their weights less

@@ -111,9 +111,9 @@ class Body {
   /// Like update_skinned(), with morph targets: vertex i first moves by its modes, to m_i = rest_i + sum_j morphs_j
   /// U_ij, and then by its bones, to m_i + sum_b w_ib (T_b m_i - m_i).
   ///
-  /// morphs: one coordinate per mode of UpdateOptions::modes, finite. The guarantees are those of update_skinned(),
-  /// which takes all morphs as 0. Also rejects bad coordinates, and a body without both a skin and modes. Cost: for
-  /// each node of the rule `skinned`, linear in modes besides its bones.
+  /// morphs: one coordinate per mode of UpdateOptions::modes, finite, of any sign; none for a body without modes. The
+  /// guarantees are those of update_skinned(), which takes all morphs as 0. Also rejects bad coordinates. Cost: for a
+  /// node of the rule `skinned`, linear in those of its morphs that are not 0, besides its bones.
   UpdateStatus update_skinned(std::span<const AffineTransform> transforms, std::span<const double> morphs,
                               Workers& workers = serial_workers()) noexcept;
 

@@ -15,7 +15,7 @@ Modes joined_targets(const Document& document) {
   }
   // Each mode has a displacement for every vertex, although a target moves those of one node. By a division, because a
   // product of counts may overflow.
-  constexpr std::size_t most_per_byte = 256;
+  constexpr std::size_t most_per_byte = 32;
   if (modes.mode_count != 0 && modes.vertex_count > most_per_byte * document.bytes / modes.mode_count)
     document.fail("has " + std::to_string(modes.mode_count) + " morph targets over " +
                   std::to_string(modes.vertex_count) + " vertices, more than a file of this size can mean");
@@ -48,6 +48,7 @@ std::vector<double> target_coordinates(const Document& document, const Moment& r
   std::vector<double> coordinates;
   for (const std::uint32_t i : document.drawn)
     for (std::size_t k = 0; k < moment.weights[i].size(); ++k)
+      // mutant gltf-target-rest: `- rest.` -> `- 0 * rest.`
       coordinates.push_back(moment.weights[i][k] - rest.weights[i][k]);
   return coordinates;
 }
