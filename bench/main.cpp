@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 23> scenarios{{
+constexpr std::array<NamedScenario, 24> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -48,6 +48,7 @@ constexpr std::array<NamedScenario, 23> scenarios{{
     {"scene", run_scene},
     {"scene-patches", run_scene_patches},
     {"scene-queries", run_scene_queries},
+    {"skin-bounds", run_skin_bounds},
 }};
 
 int run(int argc, char** argv) {
@@ -66,9 +67,8 @@ int run(int argc, char** argv) {
   std::string baseline_file;
   bool scaling = false;
   app.add_option("--scenario", wanted,
-                 "build, update, modal, skinned-pick, rebuild, measure, query, volumes, collide, patches, pressed, "
-                 "crossings, self, "
-                 "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
+                 "build, update, modal, skinned-pick, skin-bounds, rebuild, measure, query, volumes, collide, patches, "
+                 "pressed, crossings, self, proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));

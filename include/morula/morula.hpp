@@ -67,5 +67,6 @@
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <morula/update/sample_motions.hpp>
+#include <morula/update/skin_bounds.hpp>
 #include <morula/update/skin_morphs.hpp>
 #include <morula/version.hpp>
