@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A stand-in for the glTF reader in builds without one.
+#include <morula/io/skin_bounds_file.hpp>
+
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
 
@@ -32,3 +34,7 @@ std::vector<std::vector<AffineTransform>> gltf_transforms(const std::filesystem:
 }
 
 }  // namespace morula::detail
+
+morula::GltfParts morula::read_gltf_parts(const std::filesystem::path& path) {
+  detail::fail(path);
+}
