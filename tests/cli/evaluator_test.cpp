@@ -63,6 +63,8 @@ std::vector<float> random_bones(std::mt19937& random) {
     bones.push_back(i % 4 == 3 ? away + unit(random) : apart * unit(random) + (is_diagonal ? 1.0f : 0.0f));
     if (scales && i % 12 == 0) bones.back() *= -3;
   }
+  if (random() % 7 == 0)
+    for (float& number : bones) number *= 1e-4f;  // all but a point
   return bones;
 }
 

@@ -28,7 +28,7 @@ struct BoundsArguments {
   std::string mesh;
   std::string output;
   std::string skin, transforms;
-  std::size_t clusters = 1;
+  std::size_t clusters = 64;
   std::string clusters_from;
   bool primitives = false;
   MotionOptions animation;
@@ -111,6 +111,9 @@ int bounds_command(BoundsArguments o) {
   const Mesh mesh = load_mesh(o.mesh);
   const Skin skin = read_skin(o.skin, mesh);
   const GltfParts parts = is_gltf(o.skin) ? read_gltf_parts(o.skin) : GltfParts{};
+  if (parts.morph_targets > 0)
+    note("{}: has {}: bounds hold for their weights in the file alone", o.skin,
+         counted(parts.morph_targets, "morph target"));
   const std::vector<std::uint32_t> clusters = requested_clusters(o, mesh, parts);
   const BoneFrames frames =
       o.transforms.empty() ? BoneFrames{} : read_bone_frames(o.transforms, skin.bone_count, o.animation);
