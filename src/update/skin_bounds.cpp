@@ -76,7 +76,9 @@ class ClusterFit {
       farthest = std::max(farthest, safe_length(y));
       extent = max(extent, Vec3{std::abs(y.x), std::abs(y.y), std::abs(y.z)});
     }
+    // mutant skin-bounds-radius: `farthest * of_rest` -> `0.9 * farthest`
     result.radius = rounded_up(farthest * of_rest + reach * 0x1p-50);
+    // mutant skin-bounds-extent: `rounded_up(extent[axis]` -> `rounded_up(0.9 * extent[axis]`
     for (int axis = 0; axis < 3; ++axis) result.half_extent[axis] = rounded_up(extent[axis] + reach * 0x1p-50);
     result.overhang = rounded_up(overhang_ * of_rest);
     const std::uint32_t main = main_bone();
@@ -107,6 +109,7 @@ class ClusterFit {
       of_bone_[bone].push_back({place, weight});
       negative -= std::min(weight, 0.0);
     }
+    // mutant skin-bounds-overhang: `std::max(overhang_, negative)` -> `0`
     overhang_ = std::max(overhang_, negative);
   }
 
@@ -130,6 +133,7 @@ class ClusterFit {
     const Vec3 middle = Vec3(row.center) - Vec3(cluster.center);
     double farthest = 0;
     for (const Vec3& y : moved) farthest = std::max(farthest, safe_length(y - middle));
+    // mutant skin-bounds-ball: `farthest * of_rest` -> `0.9 * farthest`
     row.radius = rounded_up(farthest * of_rest + static_cast<double>(max_norm(cluster.center)) * 0x1p-50 +
                             max_norm(middle) * 0x1p-50 + static_cast<double>(cluster.radius) * 0x1p-50);
     if (is_main) return row;
@@ -145,7 +149,9 @@ class ClusterFit {
       moment = std::max(moment, strays[k] * safe_length(places_[k]));
     }
     const double rounding = 0x1p-48 * (stray + std::abs(weight));
+    // mutant skin-bounds-weight-stray: `stray + rounding` -> `0`
     row.weight_stray = rounded_up(stray + rounding);
+    // mutant skin-bounds-moment-stray: `moment * of_rest + rounding * static_cast<double>(cluster.radius)` -> `0`
     row.moment_stray = rounded_up(moment * of_rest + rounding * static_cast<double>(cluster.radius));
     return row;
   }
@@ -164,6 +170,8 @@ class ClusterFit {
     const double stretch = root * static_cast<double>(cluster.radius) / reach * (sum + 2 * weights);
     const double linear = center + stretch + 42 * strays + 9 * (1 + 2 * weights);
     const double moved = root * overhang * (v + 6);
+    // mutant skin-bounds-slack: `4 * slack_` -> `0 * slack_`
+    // mutant skin-bounds-rounding: `1.02 * unit` -> `0.01 * unit`
     cluster.rounding = rounded_up(1.02 * unit * (moved + std::max(linear, 40 * overhang)) + 4 * slack_ * overhang);
     cluster.growth = rounded_up(1 + unit * (n + 32));
     weight_sum = std::max(weight_sum, overhang + 2 * weights + strays);

@@ -112,7 +112,9 @@ inline WideBlend blend_rows(const float* bones, const SkinBoundsCluster& k, cons
     blend.center = blend.center + move * weight;
     blend.map = {blend.map.a + turn.a * weight, blend.map.b + turn.b * weight, blend.map.c + turn.c * weight};
     const Wide moment = root(squared(turn.a) + squared(turn.b) + squared(turn.c)) * all(row->moment_stray);
+    // mutant skin-bounds-strays: `blend.stray + (` -> `(`
     blend.stray = blend.stray + (root(squared(move)) * stray + moment);
+    // mutant skin-bounds-axis-strays: `blend.axis_strays + (` -> `(`
     blend.axis_strays = blend.axis_strays + (absolute(move) * stray + WidePoint{moment, moment, moment});
     const WidePoint q = bone.at(row->center.x, row->center.y, row->center.z);
     const WidePoint extent = bone.row_lengths * all(row->radius);
@@ -129,6 +131,7 @@ inline Wide hull_radius(const float* bones, const SkinBoundsCluster& k, const Sk
     const Wide distance = root(squared(bone.at(row->center.x, row->center.y, row->center.z) - center));
     farthest = max(farthest, distance + bone.stretch * all(row->radius));
   }
+  // mutant skin-bounds-sphere-overhang: `all(1 + 2 * k.overhang)` -> `all(1)`
   return farthest * all(1 + 2 * k.overhang);
 }
 
@@ -144,6 +147,7 @@ void bound_cluster(const float* bones, const float* size, const SkinBoundsCluste
   const WidePoint extents = absolute(blend.map.a) * all(k.half_extent.x) +
                             absolute(blend.map.b) * all(k.half_extent.y) + absolute(blend.map.c) * all(k.half_extent.z);
   const WidePoint half = (least(extents, row_lengths(blend.map) * all(k.radius)) + blend.axis_strays) * growth;
+  // mutant skin-bounds-box-overhang: `all(k.overhang)` -> `all(0)`
   const WidePoint over = (blend.high - blend.low) * all(k.overhang), pads{pad, pad, pad};
   store_point(largest(blend.center - half, blend.low - over) - pads, bounds + 4 * lanes);
   store_point(least(blend.center + half, blend.high + over) + pads, bounds + 7 * lanes);
