@@ -113,6 +113,23 @@ TEST(BoundsCommand, primitives_of_a_gltf_file_are_clusters_and_bones_are_named) 
                                            {"node": 3, "name": "n3"}])"));
 }
 
+/// The skin of another file: its bones are named, and primitives are those of the mesh.
+TEST(BoundsCommand, mesh_and_skin_may_be_two_files) {
+  const Workbench bench;
+  bench.write("arm.glb", small_gltf());
+  const Mesh mesh = read_mesh(bench / "arm.glb");
+  write_mesh(bench / "arm.obj", mesh);
+  write_skin(bench / "arm.npy", read_skin(bench / "arm.glb", mesh));
+  bench.require("bounds arm.glb --skin arm.npy -o a.json --primitives");
+  const Json primitives = Json::parse(bench.read("a.json"));
+  EXPECT_EQ(sizes_of_partition(primitives, 12), (std::vector<std::size_t>{8, 4}));
+  EXPECT_FALSE(primitives.contains("bones"));
+  bench.require("bounds arm.obj --skin arm.glb -o b.json");
+  const Json bones = Json::parse(bench.read("b.json"));
+  EXPECT_FALSE(bones.contains("primitives"));
+  EXPECT_EQ(bones["bones"][1]["name"], "n2");
+}
+
 TEST(BoundsCommand, copy_of_a_gltf_file_has_the_bounds_and_nothing_else_new) {
   const Workbench bench;
   const std::string bytes = small_gltf();
@@ -181,6 +198,7 @@ TEST(BoundsCommand, refuses_what_has_no_skin_and_what_it_cannot_write) {
   bench.write("few.txt", "0 0 1");
   bench.expect_refused("bounds bar.obj --skin bar-weights.npy -o a.json --clusters-from few.txt", "has 3 numbers for");
   bench.expect_refused("bounds --evaluator cobol", "unknown evaluator 'cobol'");
+  bench.expect_refused("bounds bar.obj --evaluator c", "leave out MESH and -o");
 }
 
 TEST(BoundsCommand, evaluators_are_printed_as_they_are_tested) {
@@ -189,6 +207,7 @@ TEST(BoundsCommand, evaluators_are_printed_as_they_are_tested) {
     std::ifstream file(std::string(MORULA_PAGES) + "/apps/morula/evaluators/skin_bounds." + (name == "c" ? "h" : name));
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     EXPECT_EQ(bench.require("bounds --evaluator " + name).out, text);
+    EXPECT_EQ(bench.require("bounds --json --evaluator " + name).json()["text"], text);
   }
 }
 

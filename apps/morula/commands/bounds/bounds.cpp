@@ -59,6 +59,13 @@ void require_arguments(BoundsArguments& o) {
   require_not_input(o.output, {o.mesh, o.skin, o.transforms, o.clusters_from});
 }
 
+/// Primitives of the mesh, and bones of the skin, where they are glTF files.
+GltfParts parts_of(const BoundsArguments& o) {
+  GltfParts parts = is_gltf(o.mesh) ? read_gltf_parts(o.mesh) : GltfParts{};
+  if (o.skin != o.mesh) parts.bones = is_gltf(o.skin) ? read_gltf_parts(o.skin).bones : std::vector<GltfBone>{};
+  return parts;
+}
+
 std::vector<std::uint32_t> requested_clusters(const BoundsArguments& o, const Mesh& mesh, const GltfParts& parts) {
   if (o.primitives) return primitive_clusters(parts);
   return o.clusters_from.empty() ? halved_clusters(mesh, o.clusters)
@@ -102,7 +109,12 @@ void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsDa
 int bounds_command(BoundsArguments o) {
   if (!o.evaluator.empty()) {
     check_name("evaluator", o.evaluator, evaluator_names());
-    fmt::print("{}", evaluator_text(o.evaluator));
+    if (!o.mesh.empty() || !o.output.empty())
+      throw UsageError("--evaluator prints a text and writes no bounds: leave out MESH and -o");
+    if (o.json)
+      print_json({{"evaluator", o.evaluator}, {"text", evaluator_text(o.evaluator)}});
+    else
+      fmt::print("{}", evaluator_text(o.evaluator));
     return exit_done;
   }
   require_arguments(o);
@@ -110,9 +122,9 @@ int bounds_command(BoundsArguments o) {
   toolbox::Stopwatch watch;
   const Mesh mesh = load_mesh(o.mesh);
   const Skin skin = read_skin(o.skin, mesh);
-  const GltfParts parts = is_gltf(o.skin) ? read_gltf_parts(o.skin) : GltfParts{};
+  const GltfParts parts = parts_of(o);
   if (parts.morph_targets > 0)
-    note("{}: has {}: bounds hold for their weights in the file alone", o.skin,
+    note("{}: has {}: bounds hold for their weights in the file alone", o.mesh,
          counted(parts.morph_targets, "morph target"));
   const std::vector<std::uint32_t> clusters = requested_clusters(o, mesh, parts);
   const BoneFrames frames =

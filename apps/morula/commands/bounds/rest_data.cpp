@@ -76,8 +76,8 @@ std::string bounds_text(const SkinBoundsData& data, const Mesh& mesh, std::span<
   if (!parts.bones.empty()) {
     head["bones"] = Json::array();
     for (const GltfBone& bone : parts.bones) head["bones"].push_back(bone_json(bone));
-    head["primitives"] = primitives_json(parts);
   }
+  if (!parts.primitives.empty()) head["primitives"] = primitives_json(parts);
   std::string text = json_text(head, -1);
   text.pop_back();
   text += fmt::format(",\n\"reach\":{},\"largest_size\":{}", data.reach, data.largest_size);

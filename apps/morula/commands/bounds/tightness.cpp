@@ -48,9 +48,9 @@ bool is_outside(const Sphere& sphere, const Vec3& p) {
   return !(power.high <= 0);
 }
 
-void Tightness::add(const Sphere& sphere, std::span<const Vec3> points) {
+void Tightness::add(const Sphere& sphere, const Box& box, std::span<const Vec3> points) {
   ++spheres_;
-  for (const Vec3& p : points) bare_ += is_outside(sphere, p) ? 1 : 0;
+  for (const Vec3& p : points) bare_ += is_outside(sphere, p) || !(squared_distance(box, p) == 0) ? 1 : 0;
   const double smallest = enclosing_sphere(points).radius;
   if (!(smallest > 0)) return;
   ratios_.push_back(sphere.radius / smallest);
@@ -127,7 +127,9 @@ Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const
       const skin_bounds found = skin_bounds_of(&clusters[i], cluster_rows.data(), data.reach, bones.data());
       points.clear();
       for (const std::uint32_t v : vertices[i]) points.push_back(positions[v]);
-      tightness.add({{found.center[0], found.center[1], found.center[2]}, found.radius}, points);
+      const auto& [center, radius, lower, upper] = found;
+      tightness.add({{center[0], center[1], center[2]}, radius},
+                    {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, points);
     }
   }
   return tightness;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <morula/geometry/box.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/sphere.hpp>
 #include <morula/io/skin_file.hpp>
@@ -23,10 +24,10 @@ bool is_outside(const Sphere& sphere, const Vec3& p);
 class Tightness {
  public:
   /// points: of one cluster in one frame, at least one.
-  void add(const Sphere& sphere, std::span<const Vec3> points);
+  void add(const Sphere& sphere, const Box& box, std::span<const Vec3> points);
 
   std::size_t sphere_count() const { return spheres_; }
-  /// Points outside of their sphere, over all frames.
+  /// Points outside of their sphere or their box, over all frames.
   std::size_t bare_count() const { return bare_; }
   /// Spheres of a smallest radius of 0 are left out.
   Json json();
