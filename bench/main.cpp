@@ -24,7 +24,7 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 22> scenarios{{
+constexpr std::array<NamedScenario, 23> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
@@ -47,6 +47,7 @@ constexpr std::array<NamedScenario, 22> scenarios{{
     {"scene", run_scene},
     {"scene-patches", run_scene_patches},
     {"scene-queries", run_scene_queries},
+    {"skin-bounds", run_skin_bounds},
 }};
 
 int run(int argc, char** argv) {
@@ -66,7 +67,7 @@ int run(int argc, char** argv) {
   bool scaling = false;
   app.add_option("--scenario", wanted,
                  "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
-                 "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
+                 "proximity, layers, swept, filters, scene, scene-patches, scene-queries, skin-bounds, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")
       ->check(CLI::IsMember(names));

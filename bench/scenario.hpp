@@ -96,6 +96,7 @@ std::vector<Result> run_filters(const Input& input, const Settings& settings);
 std::vector<Result> run_scene(const Input& input, const Settings& settings);
 std::vector<Result> run_scene_patches(const Input& input, const Settings& settings);
 std::vector<Result> run_scene_queries(const Input& input, const Settings& settings);
+std::vector<Result> run_skin_bounds(const Input& input, const Settings& settings);
 
 /// For calls that the rest of a scenario depends on. Throws std::runtime_error with the message of a refused one. It is
 /// one comparison otherwise, so it may stand inside what is timed.

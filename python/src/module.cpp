@@ -78,6 +78,7 @@ NB_MODULE(_morula, m) {
   bind_rebuilt_body(m);
   bind_posed_spheres(m);
   bind_kdop_tree(m);
+  bind_skin_bounds(m);
   bind_looseness_estimate(m);
   bind_shapes(m);
   bind_power_diagram(m);

@@ -149,6 +149,32 @@ def test_modes_and_bones(limb, model):
         assert skinned.hash() == follower.hash()
 
 
+def test_bounds_of_skinned_clusters_contain_their_vertices(limb):
+    skin = morula.sample_skin(limb.positions)
+    bones = morula.sample_bones(limb.positions, 5)
+    clusters = numpy.arange(len(limb.facets)) // 64
+    bounds = morula.SkinBounds(limb, skin, clusters)
+    spheres, boxes, whole_spheres, whole_boxes = bounds.bounds(bones)
+    assert spheres.shape == (5, bounds.cluster_count, 4) and boxes.shape == (5, bounds.cluster_count, 2, 3)
+    assert bounds.clusters.shape == (bounds.cluster_count, 12) and bounds.rows.shape[1] == 8
+    for frame, transforms in enumerate(bones):
+        positions = morula.move_by_skin(skin, limb.positions, transforms)
+        for cluster in range(bounds.cluster_count):
+            points = positions[numpy.unique(limb.facets[clusters == cluster])]
+            sphere, box = spheres[frame, cluster].astype(float), boxes[frame, cluster]
+            assert (numpy.linalg.norm(points - sphere[:3], axis=1) <= sphere[3]).all()
+            assert (points >= box[0]).all() and (points <= box[1]).all()
+        assert (positions >= whole_boxes[frame, 0]).all() and (positions <= whole_boxes[frame, 1]).all()
+        whole = whole_spheres[frame].astype(float)
+        assert (numpy.linalg.norm(positions - whole[:3], axis=1) <= whole[3]).all()
+        assert numpy.array_equal(bounds.bounds(transforms)[0][0], spheres[frame])
+    with pytest.raises(ValueError):
+        bounds.bounds(numpy.full((2, 3, 4), numpy.nan))
+    with pytest.raises(ValueError):
+        bounds.bounds(bones[0, :1])
+    assert morula.clusters_of_runs([0, 2, 3]).tolist() == [0, 0, 1]
+
+
 def test_a_rebuilding_body_covers_through_swaps(limb, model):
     body = morula.RebuiltBody(limb, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     swapped = 0

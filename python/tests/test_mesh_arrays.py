@@ -127,6 +127,9 @@ CALLS = {
     "MotionWriter.__init__": lambda mesh, parts: parts.written(lambda path: with_writer(path, mesh, parts)),
     "RebuiltBody.__init__": lambda mesh, parts: followed(morula.RebuiltBody(mesh, parts.model, thread="none"), parts),
     "SignedDistance.__init__": lambda mesh, parts: morula.SignedDistance(mesh)(parts.mesh.positions[:20] * 1.1),
+    "SkinBounds.__init__": lambda mesh, parts: list(morula.SkinBounds(
+        mesh, numpy.ones((len(parts.mesh.positions), 1)), numpy.arange(len(parts.mesh.facets)) // 50).bounds(
+            numpy.eye(4)[None, :3])),
     "SurfaceTree.__init__": lambda mesh, parts: morula.SurfaceTree(mesh).hash(),
     "TriangleBvh.__init__": lambda mesh, parts: morula.TriangleBvh(mesh).closest_points(parts.mesh.positions[:20] * 1.1),
 }

@@ -77,7 +77,7 @@ void narrow_transforms(std::span<const AffineTransform> transforms, std::size_t 
   }
 }
 
-// One character's bounds of one cluster, and what they add to those of the whole.
+// The box around the boxes of a character's clusters.
 struct WholeBounds {
   Boxf box{};
   bool is_empty = true;
@@ -139,6 +139,7 @@ Status SkinBounds::bounds(std::span<const AffineTransform> transforms, const Ski
   const auto lanes = static_cast<std::size_t>(kernels.lanes);
   const std::size_t groups = (characters + lanes - 1) / lanes;
   const std::size_t slots = std::min<std::size_t>(groups, workers.thread_count());
+  const bool has_whole = !output.whole_spheres.empty() || !output.whole_boxes.empty();
   const std::size_t words = bones * skin_bone_words * lanes;
   if (scratch_.size() < slots * words) scratch_.resize(slots * words);
   const Uninterrupted whole;
@@ -160,7 +161,7 @@ Status SkinBounds::bounds(std::span<const AffineTransform> transforms, const Ski
         if (!output.spheres.empty()) output.spheres[place] = {{b[0], b[lanes], b[2 * lanes]}, b[3 * lanes]};
         const Boxf box{{b[4 * lanes], b[5 * lanes], b[6 * lanes]}, {b[7 * lanes], b[8 * lanes], b[9 * lanes]}};
         if (!output.boxes.empty()) output.boxes[place] = box;
-        if (cluster.row_count != 0) wholes[lane].add(box);
+        if (has_whole && cluster.row_count != 0) wholes[lane].add(box);
       }
     }
     for (std::size_t lane = 0; lane < count; ++lane) {

@@ -59,6 +59,7 @@ void bind_sphere_tree(nanobind::module_& m);
 // update
 void bind_body(nanobind::module_& m);
 void bind_kdop_tree(nanobind::module_& m);
+void bind_skin_bounds(nanobind::module_& m);
 void bind_looseness_estimate(nanobind::module_& m);
 void bind_posed_spheres(nanobind::module_& m);
 void bind_rebuilt_body(nanobind::module_& m);
