@@ -103,6 +103,7 @@ int run(int argc, char** argv, bool parse_only) {
   add_collide(app, run);
   add_pairs(app, run);
   add_medial(app, run);
+  add_bounds(app, run);
   add_info(app, run);
   add_repair(app, run);
   add_paraview(app, run);

@@ -39,6 +39,7 @@
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/io/paraview_file.hpp>
+#include <morula/io/skin_bounds_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/tree_file.hpp>

@@ -58,6 +58,7 @@ LEFT_OUT = {
     "io/file_reference.hpp": "readers ask it", "io/whole_output.hpp": "every writer of the package writes whole files",
     "parallel/interrupt.hpp": "Ctrl-C", "parallel/snapshots.hpp": "a template for threads of C++; a body of Python is locked while a call reads it", "parallel/workers.hpp": "Workers is there; loops of one's own are Python's",
     "collide/budget.hpp": "an int, a timedelta or a text",
+    "io/skin_bounds_file.hpp": "the command `morula bounds` writes these files; JSON is Python's own",
     "tree/walk.hpp": "a template over functions: each step would call Python",
 }
 LEFT_OUT_NAMES = {

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> command_pages{"docs/reference/cli.md", "docs/reference/cli_collide.md",
-                                             "extras/study/docs/cli_study.md"};
+                                             "docs/reference/bounds.md", "extras/study/docs/cli_study.md"};
 
 /// README and every page of docs and of the extras, by name.
 std::vector<std::string> all_pages() {

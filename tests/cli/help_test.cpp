@@ -14,7 +14,7 @@ namespace {
 
 /// Those of the library, then those of the extras that the command was built with.
 std::vector<std::string> commands_of_this_build() {
-  std::vector<std::string> all{"build", "measure", "deform",   "update",  "collide", "pairs",   "medial",
+  std::vector<std::string> all{"build", "measure", "deform",   "update",  "collide", "pairs",   "medial", "bounds",
                                "info",  "repair",  "paraview", "formats", "sample",  "convert", "batch"};
   if (has_extra("grains")) all.push_back("clump");
   if (has_extra("page")) all.push_back("view");

@@ -13,6 +13,7 @@
 #include <morula/update/rules.hpp>
 #include <morula/version.hpp>
 
+#include "commands/bounds/evaluators.hpp"
 #include "shared/command.hpp"
 #include "shared/options.hpp"
 
@@ -43,6 +44,7 @@ std::vector<std::string> values_of(const std::string& command, const CLI::Option
   if (first == "quality") return names_of(all_qualities());
   if (first == "optimizer") return names_of(all_optimizers());
   if (first == "reducers") return names_of(all_reductions());
+  if (first == "evaluator") return evaluator_names();
   if (first == "rule" || first == "rules") return names_of(all_rules());
   if (command == "sample" && option.get_positional()) return {sample_body_names().begin(), sample_body_names().end()};
   if (command == "completion" && option.get_positional()) return {"bash", "zsh", "fish", "man"};

@@ -55,6 +55,7 @@ void add_update(CLI::App& app, Run& run);
 void add_collide(CLI::App& app, Run& run);
 void add_pairs(CLI::App& app, Run& run);
 void add_medial(CLI::App& app, Run& run);
+void add_bounds(CLI::App& app, Run& run);
 void add_info(CLI::App& app, Run& run);
 void add_repair(CLI::App& app, Run& run);
 void add_paraview(CLI::App& app, Run& run);

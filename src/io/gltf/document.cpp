@@ -83,6 +83,7 @@ class Reader {
       require_finite(from.scale, 3, owner + "'s scale");
       require_finite(from.weights, 0, owner + "'s weights");
       node.weights = from.weights;
+      node.name = from.name;
       if (!from.matrix.empty()) {
         node.has_matrix = true;
         node.matrix = matrix(from.matrix.data(), owner);
@@ -170,7 +171,7 @@ class Reader {
       target_count = std::max(target_count, from.targets.size());
       const auto [place, is_new] = known.emplace(attributes, mesh.vertices.size());
       if (is_new) mesh.vertices.push_back(read_vertices(attributes, own));
-      mesh.primitives.push_back({place->second, read_facets(from, mesh.vertices[place->second], own)});
+      mesh.primitives.push_back({p, place->second, read_facets(from, mesh.vertices[place->second], own)});
     }
     mesh.weights = model_.meshes[i].weights;
     require_finite(mesh.weights, 0, owner + "'s weights");

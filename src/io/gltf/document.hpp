@@ -26,6 +26,7 @@ struct VertexSet {
   std::vector<double> weights;             ///< weights above 0; the weights of a vertex add up to 1
 };
 struct Primitive {
+  std::size_t index;          ///< its index in the file's mesh, which also counts points and lines
   std::size_t vertices;       ///< index of its VertexSet in the mesh
   std::vector<Facet> facets;  ///< facets of these vertices
 };
@@ -49,6 +50,7 @@ struct Node {
   AffineTransform matrix{};
   Pose pose{};
   std::vector<double> weights{};  ///< weights of morph targets; empty: the weights of its mesh
+  std::string name{};             ///< may be empty
 };
 struct Channel {
   enum class Path { translation, rotation, scale, weights };

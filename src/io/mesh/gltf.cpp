@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // glTF 2.0 as a mesh, as frames of it, and as a skin with its bones and morph targets.
 #include <cmath>
+#include <morula/io/skin_bounds_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <stdexcept>
 
@@ -132,3 +133,27 @@ BoneFrames gltf_bone_frames(const fs::path& path, bool with_targets, const Motio
 }
 
 }  // namespace morula::detail
+
+namespace morula {
+
+GltfParts read_gltf_parts(const std::filesystem::path& path) {
+  const gltf::Document document = gltf::read_document(path, detail::read_whole(path));
+  GltfParts parts;
+  for (const std::uint32_t i : document.drawn) {
+    const gltf::Node& node = document.nodes[i];
+    if (node.skin == gltf::none) {
+      parts.bones.push_back({.node = i, .name = node.name});
+    } else {
+      const std::vector<std::uint32_t>& joints = document.skins[node.skin].joints;
+      for (std::uint32_t k = 0; k < joints.size(); ++k)
+        parts.bones.push_back(
+            {.node = joints[k], .name = document.nodes[joints[k]].name, .skin = node.skin, .joint = k, .mesh_node = i});
+    }
+    for (const gltf::Primitive& primitive : document.meshes[node.mesh].primitives)
+      parts.primitives.push_back({i, node.mesh, static_cast<std::uint32_t>(primitive.index), primitive.facets.size()});
+    parts.morph_targets += document.meshes[node.mesh].weights.size();
+  }
+  return parts;
+}
+
+}  // namespace morula

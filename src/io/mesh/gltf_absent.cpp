@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // A stand-in for the glTF reader in builds without one.
+#include <morula/io/skin_bounds_file.hpp>
+
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
 
@@ -36,3 +38,7 @@ BoneFrames gltf_bone_frames(const std::filesystem::path& path, bool, const Motio
 }
 
 }  // namespace morula::detail
+
+morula::GltfParts morula::read_gltf_parts(const std::filesystem::path& path) {
+  detail::fail(path);
+}

@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/bounds/tightness.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <morula/geometry/enclosing_sphere.hpp>
+
+#include "commands/bounds/clusters.hpp"
+#include "evaluators/skin_bounds.h"
+#include "shared/command.hpp"
+#include "shared/figures.hpp"
+#include "shared/progress.hpp"
+
+namespace morula::cli {
+namespace {
+
+/// A number as the sum of two, the second one of at most half an ulp of the first.
+struct Double2 {
+  double high, low;
+};
+
+Double2 sum(double a, double b) {
+  const double s = a + b, part = s - a;
+  return {s, (a - (s - part)) + (b - part)};
+}
+
+Double2 operator+(const Double2& a, const Double2& b) {
+  const Double2 high = sum(a.high, b.high);
+  return sum(high.high, high.low + (a.low + b.low));
+}
+
+/// The square of a number, without its part of 2^-106.
+Double2 square(const Double2& a) {
+  const double high = a.high * a.high;
+  return sum(high, std::fma(a.high, a.high, -high) + 2 * a.high * a.low);
+}
+
+}  // namespace
+
+bool is_outside(const Sphere& sphere, const Vec3& p) {
+  Double2 power = square({sphere.radius, 0});
+  power = {-power.high, -power.low};
+  for (int axis = 0; axis < 3; ++axis) power = power + square(sum(p[axis], -sphere.center[axis]));
+  return !(power.high <= 0);
+}
+
+void Tightness::add(const Sphere& sphere, const Box& box, std::span<const Vec3> points) {
+  ++spheres_;
+  for (const Vec3& p : points) bare_ += is_outside(sphere, p) || !(squared_distance(box, p) == 0) ? 1 : 0;
+  const double smallest = enclosing_sphere(points).radius;
+  if (!(smallest > 0)) return;
+  ratios_.push_back(sphere.radius / smallest);
+  sorted_ = false;
+}
+
+double Tightness::ratio(double share) {
+  if (!sorted_) std::sort(ratios_.begin(), ratios_.end());
+  sorted_ = true;
+  return ratios_[static_cast<std::size_t>(share * static_cast<double>(ratios_.size() - 1))];
+}
+
+Json Tightness::json() {
+  const auto or_null = [&](double share) { return ratios_.empty() ? Json(nullptr) : Json(ratio(share)); };
+  return {{"spheres", spheres_},
+          {"bare_corners", bare_},
+          {"radius_over_smallest", {{"median", or_null(0.5)}, {"95%", or_null(0.95)}, {"largest", or_null(1)}}}};
+}
+
+std::string Tightness::text() {
+  if (ratios_.empty()) return "n/a";
+  return fmt::format("median {}, 95 % {}, largest {}", figure(ratio(0.5)), figure(ratio(0.95)), figure(ratio(1)));
+}
+
+namespace {
+
+/// Rows of matrices as an engine has them.
+std::vector<float> engine_rows(const SkinBoundsData& data, std::span<const AffineTransform> transforms,
+                               std::size_t frame) {
+  std::vector<float> rows;
+  const double reach = std::max(1.0, static_cast<double>(data.reach));
+  for (std::size_t bone = 0; bone < transforms.size(); ++bone)
+    for (int row = 0; row < 3; ++row) {
+      const auto& [x, y, z] = transforms[bone].columns;
+      const double last = transforms[bone].translation[row];
+      if (!(reach * (std::abs(x[row]) + std::abs(y[row]) + std::abs(z[row])) + std::abs(last) <=
+            static_cast<double>(data.largest_size)))
+        throw UsageError(fmt::format(
+            "frame {}: the transform of bone {} is too large for engines, which compute in float", frame, bone));
+      for (const double number : {x[row], y[row], z[row], last}) rows.push_back(static_cast<float>(number));
+    }
+  return rows;
+}
+
+std::vector<AffineTransform> transforms_of(std::span<const float> rows) {
+  std::vector<AffineTransform> transforms(rows.size() / 12);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    AffineTransform& t = transforms[i / 12];
+    const auto row = static_cast<int>(i % 12 / 4);
+    (i % 4 == 3 ? t.translation : t.columns[i % 4])[row] = static_cast<double>(rows[i]);
+  }
+  return transforms;
+}
+
+}  // namespace
+
+Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const Skin& skin,
+                             std::span<const std::uint32_t> cluster_of_facet, const BoneFrames& frames,
+                             Workers& workers) {
+  const auto vertices = cluster_vertices(mesh, cluster_of_facet, data.clusters.size());
+  std::vector<skin_bounds_cluster> clusters;
+  std::vector<skin_bounds_row> cluster_rows;
+  for (const SkinBoundsCluster& c : data.clusters) clusters.push_back(std::bit_cast<skin_bounds_cluster>(c));
+  for (const SkinBoundsRow& r : data.rows) cluster_rows.push_back(std::bit_cast<skin_bounds_row>(r));
+  Tightness tightness;
+  Progress progress("checking");
+  std::vector<Vec3> positions(mesh.vertex_count()), points;
+  for (std::size_t frame = 0; frame < frames.frame_count(); ++frame) {
+    progress.update(static_cast<double>(frame) / static_cast<double>(frames.frame_count()));
+    const std::vector<float> bones = engine_rows(data, frames.frame(frame), frame);
+    move_by_skin(skin, mesh.positions, transforms_of(bones), positions, workers);
+    for (std::size_t i = 0; i < clusters.size(); ++i) {
+      if (vertices[i].empty()) continue;
+      const skin_bounds found = skin_bounds_of(&clusters[i], cluster_rows.data(), data.reach, bones.data());
+      points.clear();
+      for (const std::uint32_t v : vertices[i]) points.push_back(positions[v]);
+      const auto& [center, radius, lower, upper] = found;
+      tightness.add({{center[0], center[1], center[2]}, radius},
+                    {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, points);
+    }
+  }
+  return tightness;
+}
+
+}  // namespace morula::cli
