@@ -36,8 +36,8 @@ Character read(const std::string& mesh_file, const std::string& skin_file, const
   character.mesh = is_gltf ? read_mesh(mesh_file, info, weld) : read_mesh(mesh_file);
   character.skin = is_gltf ? read_skin(mesh_file, character.mesh, weld) : read_skin(skin_file, character.mesh);
   for (std::size_t i = 0; i < animations; ++i)
-    character.animations.push_back(read_bone_frames(bones_file.empty() ? mesh_file : bones_file,
-                                                    character.skin.bone_count, {.animation = i}));
+    character.animations.push_back(
+        read_bone_frames(bones_file.empty() ? mesh_file : bones_file, character.skin.bone_count, {.animation = i}));
   return character;
 }
 
@@ -75,7 +75,7 @@ struct Verdict {
 
 /// Radii and times over all frames of the animations.
 struct Comparison {
-  std::vector<double> leaf_ratios, root_ratios, box_ratios, joint_box_ratios;
+  std::vector<double> leaf_ratios, inner_ratios, root_ratios, box_ratios, joint_box_ratios;
   std::vector<double> skinned_us, exact_us, joint_box_us;
   std::size_t joint_boxes_bare = 0;  ///< frames in which the boxes per joint miss a vertex
 
@@ -83,6 +83,7 @@ struct Comparison {
     return {{"leaf_median", rounded(quantile(leaf_ratios, 0.5))},
             {"leaf_95", rounded(quantile(leaf_ratios, 0.95))},
             {"leaf_largest", rounded(quantile(leaf_ratios, 1))},
+            {"inner_largest", rounded(quantile(inner_ratios, 1))},
             {"root", rounded(quantile(root_ratios, 0.5))},
             {"box", rounded(quantile(box_ratios, 0.5))},
             {"joint_boxes", rounded(quantile(joint_box_ratios, 0.5))},
@@ -111,7 +112,10 @@ void compare(const Body& skinned, const Body& exact, const JointBoxes& joints,
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const double ratio = skinned.sphere(node).radius / exact.sphere(node).radius;
     if (!std::isfinite(ratio)) continue;
-    if (tree.is_leaf(node)) into.leaf_ratios.push_back(ratio);
+    if (tree.is_leaf(node))
+      into.leaf_ratios.push_back(ratio);
+    else
+      into.inner_ratios.push_back(ratio);
     if (node == 0) into.root_ratios.push_back(ratio);
   }
   Box points, spheres;
@@ -193,14 +197,27 @@ void run_random(const Character& character, Body& body, std::size_t poses, std::
   }
 }
 
+nlohmann::json sizes_of(const Character& character) {
+  const Skin& skin = character.skin;
+  std::size_t most = 0;
+  for (std::size_t v = 0; v < skin.vertex_count(); ++v)
+    most = std::max<std::size_t>(most, skin.begin[v + 1] - skin.begin[v]);
+  return {{"vertices", character.mesh.vertex_count()},
+          {"facets", character.mesh.facets.size()},
+          {"bones", skin.bone_count},
+          {"influences", most}};
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Covers a skinned character by its bones, and verifies the cover in every frame.", "morula_characters"};
   std::string mesh_file, skin_file, bones_file, peer_file;
   std::size_t animations = 1, poses = 1000, max_frames = 1000;
   std::uint64_t seed = 1;
+  bool sizes = false;
   app.add_option("MESH", mesh_file, "mesh at rest; .gltf and .glb have the skin also")->required();
   app.add_option("--skin", skin_file, "weights, a .npy of shape (vertices, bones)");
   app.add_option("--bones", bones_file, "transforms, a .npy of shape (frames, bones, 3, 4)");
+  app.add_flag("--sizes", sizes, "prints sizes only");
   app.add_option("--animations", animations, "animations of the file to run, from the first on (default 1)");
   app.add_option("--frames", max_frames, "most frames of an animation (default 1000)");
   app.add_option("--poses", poses, "random poses (default 1000)");
@@ -212,21 +229,19 @@ int run(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   const Character character = read(mesh_file, skin_file, bones_file, animations);
+  nlohmann::json row = sizes_of(character);
+  if (sizes) {
+    fmt::print("{}\n", row.dump());
+    return 0;
+  }
   const auto model = std::make_shared<const CoveredTree>(build(character.mesh));
   Body skinned(character.mesh, model, {.rules = {Rule::skinned}, .skin = character.skin});
   Body exact(character.mesh, model, {.rules = {Rule::exact}, .skin = character.skin});
   if (!peer_file.empty()) write_peer_file(peer_file, character.mesh, character.skin, character.animations);
   Verdict animated, random;
-  nlohmann::json row = run_animations(character, skinned, exact, animated, max_frames).json();
+  row.update(run_animations(character, skinned, exact, animated, max_frames).json());
   run_random(character, skinned, poses, seed, random);
-  std::size_t most = 0;
-  for (std::size_t v = 0; v < character.skin.vertex_count(); ++v)
-    most = std::max<std::size_t>(most, character.skin.begin[v + 1] - character.skin.begin[v]);
-  row.update({{"vertices", character.mesh.vertex_count()},
-              {"facets", character.mesh.facets.size()},
-              {"bones", character.skin.bone_count},
-              {"influences", most},
-              {"spheres", model->tree.node_count()},
+  row.update({{"spheres", model->tree.node_count()},
               {"frames", animated.frames},
               {"poses", random.frames},
               {"judged", animated.judged + random.judged},
