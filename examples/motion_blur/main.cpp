@@ -100,11 +100,13 @@ std::size_t outside(const Cover& cover, const MovingSpheres& moving, double t, c
 
 int main() {
   const Arm arm;
+  // [motion_blur]
   Body body(arm.mesh, build(arm.mesh), {.rules = {Rule::skinned}, .skin = arm.skin});
   const Collider collider(body.sphere_state());
   MovingSpheres moving;
   if (!body.update_skinned(arm.bones(0)) || !moving.set_start(collider)) return 1;
   if (!body.update_skinned(arm.bones(1)) || !moving.set_end(collider)) return 1;
+  // [end]
 
   const std::vector<Vec3> start = arm.positions(0), end = arm.positions(1);
   const double deviation = arm.deviation();
