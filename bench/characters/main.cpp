@@ -30,6 +30,14 @@ struct Character {
 Character read(const std::string& mesh_file, const std::string& skin_file, const std::string& bones_file,
                std::size_t animations) {
   Character character;
+  if (constexpr std::string_view prefix = "sample:"; mesh_file.starts_with(prefix)) {
+    constexpr int resolution = 64;
+    constexpr std::size_t frames = 25;
+    character.mesh = sample_body(std::string_view(mesh_file).substr(prefix.size()), resolution);
+    character.skin = sample_skin(character.mesh.positions);
+    character.animations = {{character.skin.bone_count, sample_bones(character.mesh.positions, frames)}};
+    return character;
+  }
   MeshInfo info;
   MeshWeld weld;
   const bool is_gltf = skin_file.empty();
@@ -214,7 +222,8 @@ int run(int argc, char** argv) {
   std::size_t animations = 1, poses = 1000, max_frames = 1000;
   std::uint64_t seed = 1;
   bool sizes = false;
-  app.add_option("MESH", mesh_file, "mesh at rest; .gltf and .glb have the skin also")->required();
+  app.add_option("MESH", mesh_file, "mesh at rest; .gltf and .glb have the skin also; sample:NAME for a sample body")
+      ->required();
   app.add_option("--skin", skin_file, "weights, a .npy of shape (vertices, bones)");
   app.add_option("--bones", bones_file, "transforms, a .npy of shape (frames, bones, 3, 4)");
   app.add_flag("--sizes", sizes, "prints sizes only");
