@@ -62,6 +62,19 @@ std::vector<AffineTransform> transforms_of(nb::handle given, const char* name) {
   return transforms;
 }
 
+std::vector<AffineTransform> frames_of_transforms(nb::handle given, const char* name, std::size_t bone_count) {
+  std::vector<std::size_t> shape;
+  const std::vector<double> numbers = numbers_of(given, name, {-1, -1, -1, 4}, shape);
+  if (shape[1] != bone_count || (shape[2] != 3 && shape[2] != 4)) {
+    const std::string bones = std::to_string(bone_count);
+    throw std::invalid_argument(std::string(name) + ": " + describe(given) + ", but shape (frames, " + bones +
+                                ", 3, 4) or (frames, " + bones + ", 4, 4) is needed");
+  }
+  std::vector<AffineTransform> transforms;
+  for (std::size_t k = 0; k < shape[0] * shape[1]; ++k) transforms.push_back(transform_of(&numbers[k * shape[2] * 4]));
+  return transforms;
+}
+
 Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms) {
   std::vector<double> numbers;
   for (const AffineTransform& t : transforms) {

@@ -149,6 +149,31 @@ def test_modes_and_bones(limb, model):
         assert skinned.hash() == follower.hash()
 
 
+def test_nodes_that_bend_most_are_measured_within_a_budget(limb, model):
+    skin = morula.sample_skin(limb.positions)
+    training, motion = morula.sample_bones(limb.positions, 9), morula.sample_bones(limb.positions, 12)
+    options = dict(rules="skinned", skin=skin)
+    alone = morula.Body(limb, model, **options)
+    body = morula.Body(limb, model, skinned_measured=0.3, training=training, **options)
+    assert alone.bind_report.nodes_measured == 0 < body.bind_report.nodes_measured
+    for transforms in motion:
+        alone.update_skinned(transforms)
+        assert body.update_skinned(transforms).vertices_read < len(limb.positions)
+        assert (body.copy_spheres()[:, 3] <= alone.copy_spheres()[:, 3]).all()
+        positions = morula.move_by_skin(skin, limb.positions, transforms)
+        assert morula.certify(body.cover, positions, body.copy_spheres())
+    rows = np.concatenate([training, np.broadcast_to([0, 0, 0, 1.0], training.shape[:2] + (1, 4))], axis=2)
+    again = morula.Body(limb, model, skinned_measured=0.3, training=rows, **options)
+    again.update_skinned(transforms)
+    assert again.hash() == body.hash()
+    with pytest.raises(ValueError, match=r"training: .*\(frames, 2, 3, 4\)"):
+        morula.Body(limb, model, skinned_measured=0.3, training=training[:, :1], **options)
+    with pytest.raises(ValueError, match="needs poses"):
+        morula.Body(limb, model, skinned_measured=0.3, **options)
+    with pytest.raises(ValueError, match="skinned_measured"):
+        morula.Body(limb, model, skinned_measured=1.5, training=training, **options)
+
+
 def test_a_rebuilding_body_covers_through_swaps(limb, model):
     body = morula.RebuiltBody(limb, model, thread="caller", rebuild_every=3, min_improvement=-1e9)
     swapped = 0

@@ -23,6 +23,9 @@ std::vector<Rule> rules_of_levels(const UpdateOptions& options, std::size_t leve
   const double floor = options.details.distance_floor;
   if (!(floor >= 0 && floor <= 1))
     throw std::invalid_argument("distance_floor " + std::to_string(floor) + " is not in 0…1");
+  const double measured = options.details.skinned_measured;
+  if (!(measured >= 0 && measured <= 1))
+    throw std::invalid_argument("skinned_measured " + std::to_string(measured) + " is not in 0…1");
   for (const Rule rule : options.rules)
     if (!is_rule(rule))
       throw std::invalid_argument("there is no update rule of the number " + std::to_string(static_cast<int>(rule)));
@@ -201,7 +204,12 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
       .report = report,
       .workers = workers};
   bind_engines(binding, engines);
-  for (const auto& engine : engines) work.points_tested += engine->tested_points();
+  for (const auto& engine : engines) {
+    const auto [vertices, cut_points] = engine->moved_points();
+    work.points_tested += engine->tested_points();
+    work.vertices_read += vertices;
+    work.cut_points_moved += cut_points;
+  }
 }
 
 void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, Workers& workers) {
@@ -224,8 +232,8 @@ void Body::State::note_promises(const BodyPlan& plan) {
     posed.nested = posed.nested && (tree.is_leaf(node) || plan.rules.of_node[node] == Rule::wrapped);
   work.nodes_updated = tree.node_count();
   if (plan.reads_points) {
-    work.vertices_read = local.vertex_count();
-    work.cut_points_moved = local.cut_point_count();
+    work.vertices_read += local.vertex_count();
+    work.cut_points_moved += local.cut_point_count();
   }
 }
 

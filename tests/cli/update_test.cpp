@@ -255,6 +255,29 @@ TEST(UpdateCommand, follows_a_skin_by_any_rule_and_certifies_those_that_cover) {
   EXPECT_NE(text.out.find("certificate  holds in every frame"), std::string::npos) << text.out;
 }
 
+TEST(UpdateCommand, nodes_of_a_skin_are_measured_within_a_share) {
+  const SkinBench bench;
+  const std::string call = "update limb.obj limb.morula " + skin_model + "--rule skinned -o s --json";
+  const auto alone = bench.require(call).json();
+  EXPECT_FALSE(alone["skin"].contains("nodes_measured"));
+  EXPECT_EQ(alone["points_tested"], 0);
+  const auto measured = bench.require(call + " --measured 0.3").json();
+  EXPECT_GT(measured["skin"]["nodes_measured"], 0);
+  EXPECT_GT(measured["points_tested"], 0);
+  EXPECT_TRUE(measured["certificate"]["covered"].get<bool>());
+  UpdateOptions options{.rules = {Rule::skinned}, .skin = bench.skin};
+  options.details.skinned_measured = 0.3;
+  options.training = {AffineTransform{}, AffineTransform{}, AffineTransform{}, bench.turned};
+  Body body(bench.mesh, read_covered_tree(bench / "limb.morula", bench.mesh), options);
+  ASSERT_TRUE(body.update_skinned(std::vector{AffineTransform{}, bench.turned}));
+  EXPECT_EQ(tree_hash(read_tree(bench / "s/0001.sph").tree), tree_hash(body.current_tree()));
+  const CommandResult text =
+      bench.require("update limb.obj limb.morula " + skin_model + "-o s --rule skinned --measured 0.3");
+  EXPECT_NE(text.out.find("measured     "), std::string::npos) << text.out;
+  for (const std::string arguments : {"--measured 0.3", "--rule skinned --measured 1.5", "--rule skinned --measured x"})
+    EXPECT_EQ(bench.run("update limb.obj limb.morula " + skin_model + "-o t " + arguments).exit_code, 2) << arguments;
+}
+
 TEST(UpdateCommand, skins_that_do_not_fit_are_refused) {
   const SkinBench bench;
   const auto before = bench.listing();

@@ -45,6 +45,8 @@ class Frames {
   /// The modes, for the options of the moving body; empty if the files have none.
   Modes take_modes() { return std::move(modes_); }
   Skin take_skin() { return std::move(skin_); }
+  /// The transforms of all frames of a skin, frame after frame.
+  const std::vector<AffineTransform>& transforms() const { return bones_.transforms; }
   std::size_t count() const;
   std::string name(std::size_t i) const;
 

@@ -35,6 +35,7 @@ struct UpdateArguments {
   std::string output;
   std::optional<std::string> rule;
   RuleDetailNames details;
+  std::optional<double> measured_share;
   std::string sph_origin = "none";
   std::string format;
   bool conservative = false;
@@ -193,6 +194,7 @@ Json outcome_json(const UpdateArguments& o, const CoveredTree& model, const Body
   }
   if (o.files.are_skinned()) {
     json["skin"] = {{"file", o.files.skin}, {"bones", body.options().skin.bone_count}};
+    if (o.measured_share) json["skin"]["nodes_measured"] = bind.nodes_measured;
   }
   if (outcome.changes) json["poses"] = {{"trees", model.poses.size()}, {"changes", *outcome.changes}};
   if (o.measure) json["measured"] = frames_json(outcome.measured);
@@ -244,6 +246,10 @@ void print_text(const UpdateArguments& o, const CoveredTree& model, const Body& 
                counted(*outcome.changes, "time"));
   }
   const BindReport& bind = body.bind_report();
+  if (o.measured_share) {
+    fmt::print("measured     {} on their own corners, {} moved\n", counted(bind.nodes_measured, "sphere"),
+               counted(outcome.last.vertices_read, "vertex", "vertices"));
+  }
   if (bind.void_spheres > 0) {
     fmt::print("note         {} enclose no vertex and follow a facet instead\n", counted(bind.void_spheres, "sphere"));
   }
@@ -277,6 +283,12 @@ UpdateOptions update_options(const UpdateArguments& o) {
   UpdateOptions options{.rules = o.rule ? parse_rules(*o.rule) : std::vector<Rule>{usual},
                         .conservative = o.conservative,
                         .details = parse_rule_details(o.details)};
+  if (o.measured_share) {
+    if (std::find(options.rules.begin(), options.rules.end(), Rule::skinned) == options.rules.end()) {
+      throw UsageError("--measured is for nodes of the rule skinned: add --rule skinned");
+    }
+    options.details.skinned_measured = *o.measured_share;
+  }
   return options;
 }
 
@@ -300,6 +312,7 @@ int update_command(const UpdateArguments& given) {
   Frames frames(o.files, loaded);
   options.modes = frames.take_modes();
   options.skin = frames.take_skin();
+  if (o.measured_share) options.training = frames.transforms();
   require_sphere_output(
       o.output, format, frames.count(),
       {o.mesh, o.tree, o.files.motion, o.files.modes, o.files.coordinates, o.files.skin, o.files.transforms});
@@ -374,6 +387,11 @@ void add_update(CLI::App& app, Run& run) {
   add_flag(*command, "--conservative", o->conservative,
            "Grow the radii of other rules until each sphere contains its region, so that every level covers");
   add_rule_details(*command, o->details);
+  add_option(*command, "--measured", o->measured_share,
+             "With --rule skinned: cost of nodes that are measured on their own corners, over that of all; the frames "
+             "decide which")
+      ->type_name("SHARE")
+      ->transform(real_number(0.0, 1.0));
   add_sph_origin(*command, o->sph_origin);
   add_option(*command, "--format", o->format,
              "Format of the spheres: sph, json or npz; default: npz for FILE.npz, otherwise sph")

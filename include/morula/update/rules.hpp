@@ -98,9 +98,10 @@ struct RuleOptions {
   /// modes.
   enum class ModalBound : std::uint8_t { gradient, shift };
   ModalBound modal_bound = ModalBound::gradient;
-  /// Cost of the nodes of `skinned` that are measured on their own corners, over the cost of all: 0 to 1. The
-  /// constructor of the body picks the nodes that gain most at the training poses; the others follow bones alone. 0
-  /// measures none.
+  /// Budget of the nodes of `skinned` that are measured on their own corners: 0 to 1, as a share of the estimated cost
+  /// of measuring all of them, which is that of `exact` on the same levels with the vertices to move. The constructor
+  /// of the body picks the nodes that get most for their cost at UpdateOptions::training; the others follow bones
+  /// alone. All nodes still cover. 1 measures each node that gets smaller by it, 0 none.
   double skinned_measured = 0;
 };
 
@@ -114,8 +115,10 @@ struct UpdateOptions {
   RuleOptions details{};
   Modes modes{};  ///< modes of update_modal(), required by `modal`; with a skin, its morph targets
   Skin skin{};    ///< skin of update_skinned(); required by `skinned`
-  /// Poses that stand for the motion to come, frame after frame, one transform per bone of `skin`; required by
-  /// RuleOptions::skinned_measured above 0.
+  /// Poses that are typical of the motion to come: the frames of an animation, or bones at and between the limits of
+  /// their joints. Frame after frame, one transform per bone of `skin`; needed with RuleOptions::skinned_measured above
+  /// 0, unused otherwise. Ten to forty frames are enough; the constructor updates a body at each. The constructor
+  /// throws std::invalid_argument for a frame that update_skinned() would reject.
   std::vector<AffineTransform> training{};
 };
 /// True if all levels cover the surface by construction, in any motion.
@@ -126,7 +129,7 @@ bool covers(const UpdateOptions& options, Rule rule);
 /// A rejection, or the work done, which is the same in every run; all 0 if nothing was changed.
 struct [[nodiscard]] UpdateStatus : Status {
   std::size_t nodes_updated = 0;
-  std::size_t vertices_read = 0;  ///< 0 if no level reads points
+  std::size_t vertices_read = 0;  ///< 0 if no node reads points; `skinned` moves those of measured nodes by itself
   std::size_t cut_points_moved = 0;
   std::size_t points_tested = 0;  ///< vertices and corners that nodes read: measured, or boxed by approach2
 };
@@ -146,7 +149,8 @@ struct BindReport {
   std::size_t degenerate_anchors = 0;  ///< nodes with fewer than four independent anchors; they follow their mean
   /// Centers far outside the hull of their anchors; the remainder rotates with the anchors.
   std::size_t carried_centers = 0;
-  std::size_t corners_owned = 0;  ///< points tested by a leaf level of `exact`
+  std::size_t corners_owned = 0;   ///< points tested by a leaf level of `exact`
+  std::size_t nodes_measured = 0;  ///< nodes of `skinned` that are measured on their own corners
 };
 
 /// The rule of a level; the last rule serves all deeper levels.

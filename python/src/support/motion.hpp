@@ -16,6 +16,8 @@ Modes modes_of(nb::handle given, const char* name);
 Skin skin_of(nb::handle given, const char* name);
 /// (bones, 3, 4) or (bones, 4, 4): matrices that act on columns.
 std::vector<AffineTransform> transforms_of(nb::handle given, const char* name);
+/// (frames, bone_count, 3, 4) or (frames, bone_count, 4, 4): the transforms of frame after frame.
+std::vector<AffineTransform> frames_of_transforms(nb::handle given, const char* name, std::size_t bone_count);
 /// The transform of three rows of four numbers.
 AffineTransform transform_of(const double* rows);
 Copy<double, -1, 3, 4> own_transforms(std::span<const AffineTransform> transforms);

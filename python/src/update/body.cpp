@@ -33,7 +33,7 @@ std::vector<VertexRange> ranges_of(nb::handle given) {
 UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view approach1_weights,
                          std::string_view approach1_inner_center, std::string_view approach2_inner_boxes,
                          std::string_view wrapped_center, double distance_floor, std::string_view modal_bound,
-                         nb::handle modes, nb::handle skin) {
+                         nb::handle modes, nb::handle skin, double skinned_measured, nb::handle training) {
   using O = RuleOptions;
   UpdateOptions options;
   options.rules.clear();
@@ -58,6 +58,8 @@ UpdateOptions options_of(nb::handle rules, bool conservative, std::string_view a
   options.details.modal_bound = choice<O::ModalBound>(modal_bound, "modal_bound", modal_bound_choices);
   if (!modes.is_none()) options.modes = modes_of(modes, "modes");
   if (!skin.is_none()) options.skin = skin_of(skin, "skin");
+  options.details.skinned_measured = skinned_measured;
+  if (!training.is_none()) options.training = frames_of_transforms(training, "training", options.skin.bone_count);
   return options;
 }
 
@@ -121,10 +123,11 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           [](PosedBody* self, MeshGiven given, std::shared_ptr<CoveredTree> model, nb::object rules, bool conservative,
              std::string_view approach1_weights, std::string_view approach1_inner_center,
              std::string_view approach2_inner_boxes, std::string_view wrapped_center, double distance_floor,
-             std::string_view modal_bound, nb::object modes, nb::object skin, Threads* workers) {
+             std::string_view modal_bound, nb::object modes, nb::object skin, double skinned_measured,
+             nb::object training, Threads* workers) {
             UpdateOptions options =
                 options_of(rules, conservative, approach1_weights, approach1_inner_center, approach2_inner_boxes,
-                           wrapped_center, distance_floor, modal_bound, modes, skin);
+                           wrapped_center, distance_floor, modal_bound, modes, skin, skinned_measured, training);
             auto mesh = kept_mesh_of(given);
             auto owned = without_gil([&] {
               return std::make_unique<Body>(*mesh, borrowed_tree(model), std::move(options), CallWorkers(workers));
@@ -138,7 +141,8 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
           nb::arg("approach1_weights") = "uniform", nb::arg("approach1_inner_center") = "children",
           nb::arg("approach2_inner_boxes") = "child_spheres", nb::arg("wrapped_center") = "children",
           nb::arg("distance_floor") = 0.0, nb::arg("modal_bound") = "gradient", nb::arg("modes") = nb::none(),
-          nb::arg("skin") = nb::none(), nb::arg("workers") = nb::none(),
+          nb::arg("skin") = nb::none(), nb::arg("skinned_measured") = 0.0, nb::arg("training") = nb::none(),
+          nb::arg("workers") = nb::none(),
           nb::sig("def __init__(self, mesh: morula.typing.MeshLike, model: CoveredTree, *, "
                   "rules: morula.typing.Rule | collections.abc.Sequence[morula.typing.Rule] = 'exact', conservative: "
                   "bool = False, "
@@ -149,11 +153,17 @@ void bind_body_updates(nb::class_<PosedBody>& body) {
                   "morula.typing.WrappedCenter = 'children', distance_floor: "
                   "float = 0.0, modal_bound: morula.typing.ModalBound = 'gradient', modes: Modes | "
                   "morula.typing.FloatArray | None = None, "
-                  "skin: Skin | morula.typing.FloatArray | None = None, workers: Workers | None = None) -> None"),
-          with_arguments(doc::Body_Body, {{"rules", doc::UpdateOptions},
-                                          {"conservative", doc::UpdateOptions_conservative},
-                                          {"modes", "Modes, or an array (modes, vertices, 3), for update_modal()"},
-                                          {"skin", "Skin, or weights (vertices, bones), for update_skinned()"}})
+                  "skin: Skin | morula.typing.FloatArray | None = None, skinned_measured: float = 0.0, "
+                  "training: morula.typing.FloatArray | None = None, workers: Workers | None = None) -> None"),
+          with_arguments(doc::Body_Body,
+                         {{"rules", doc::UpdateOptions},
+                          {"conservative", doc::UpdateOptions_conservative},
+                          {"modes", "Modes, or an array (modes, vertices, 3), for update_modal()"},
+                          {"skin", "Skin, or weights (vertices, bones), for update_skinned()"},
+                          {"skinned_measured", doc::RuleOptions_skinned_measured},
+                          {"training", (std::string("Transforms (frames, bones, 3, 4) or (frames, bones, 4, 4). ") +
+                                        doc::UpdateOptions_training)
+                                           .c_str()}})
               .c_str())
       .def(
           "update",

@@ -23,7 +23,8 @@ void bind_rules(nb::module_& m) {
       .field("unlinked_spheres", &BindReport::unlinked_spheres, doc::BindReport_unlinked_spheres)
       .field("degenerate_anchors", &BindReport::degenerate_anchors, doc::BindReport_degenerate_anchors)
       .field("carried_centers", &BindReport::carried_centers, doc::BindReport_carried_centers)
-      .field("corners_owned", &BindReport::corners_owned, doc::BindReport_corners_owned);
+      .field("corners_owned", &BindReport::corners_owned, doc::BindReport_corners_owned)
+      .field("nodes_measured", &BindReport::nodes_measured, doc::BindReport_nodes_measured);
   Record<RuleTraits>(m, "RuleTraits", doc::RuleTraits)
       .property("name", [](const RuleTraits& t) { return std::string(t.name); })
       .property("follows",

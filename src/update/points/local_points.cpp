@@ -87,9 +87,10 @@ void LocalPoints::list_cuts_of_blocks() {
   cuts_.of_block = BlockLists(std::move(cuts), block_count());
 }
 
-LocalPoints::Frame LocalPoints::move(const PositionView& positions, Workers& workers) noexcept {
+LocalPoints::Frame LocalPoints::move_about(const Vec3& origin, const PositionView& positions,
+                                           Workers& workers) noexcept {
   const Uninterrupted whole;
-  origin_ = guide_.origin_of(positions);
+  origin_ = origin;
   parallel_for(workers, stretch_largest_.size(), stretches_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t stretch = begin; stretch < end; ++stretch) narrow_stretch(positions, stretch);
   });

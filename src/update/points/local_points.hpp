@@ -82,7 +82,11 @@ class LocalPoints {
     Rounding rounding;
   };
   /// Reads every used vertex once and moves the cut points. Afterwards points() belongs to the returned frame.
-  Frame move(const PositionView& positions, Workers& workers) noexcept;
+  Frame move(const PositionView& positions, Workers& workers) noexcept {
+    return move_about(guide_.origin_of(positions), positions, workers);
+  }
+  /// The same about a given origin.
+  Frame move_about(const Vec3& origin, const PositionView& positions, Workers& workers) noexcept;
 
   /// Whether these positions have the origin of the last frame. Then vertices that did not move need no second read.
   bool keeps_origin(const PositionView& positions) const noexcept { return guide_.origin_of(positions) == origin_; }

@@ -78,6 +78,11 @@ class RuleEngine {
 
   /// Number of points that all its nodes test in a frame.
   virtual std::size_t tested_points() const { return 0; }
+  /// Points that the engine moves by itself in a frame.
+  struct MovedPoints {
+    std::size_t vertices = 0, cut_points = 0;
+  };
+  virtual MovedPoints moved_points() const { return {}; }
 
   /// Whether update() can run for fewer levels than all, and update_one() for the other nodes, if there is no other
   /// engine.

@@ -74,6 +74,8 @@ class ExactRule final : public RuleEngine {
   void fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,
                   Workers& workers);
 
+  /// Number of points that a node of the tree tests.
+  std::size_t points_of(std::uint32_t node) const { return walk_.points_of(place_of(node)); }
   const Anchors& anchors() const { return anchors_; }
   const CornerWalk& walk() const { return walk_; }
 

@@ -47,6 +47,7 @@
 #include "update/rules/mode_rows.hpp"
 #include "update/rules/skin_blend.hpp"
 #include "update/rules/skin_poser.hpp"
+#include "update/rules/skin_training.hpp"
 
 namespace morula::detail {
 namespace {
@@ -119,6 +120,9 @@ class SkinnedRule final : public RuleEngine {
     binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
     bones_.resize(binding.options.skin.bone_count);
     pairs_.resize(blend_.pairs.size());
+    measured_ = trained_nodes(binding, [&](const RuleFrame& frame, std::span<Spheref> spheres) {
+      update(frame, spheres.size(), spheres, binding.workers);
+    });
   }
   std::unique_ptr<RuleEngine> clone() const override { return std::make_unique<SkinnedRule>(*this); }
 
@@ -130,7 +134,10 @@ class SkinnedRule final : public RuleEngine {
       for (std::size_t k = begin; k < end; ++k)
         if (const BlendNode& n = blend_.nodes[k]; n.node < node_end) spheres[n.node] = sphere_of(n, frame);
     });
+    if (measured_) measured_->update(frame, node_end, spheres, workers);
   }
+  std::size_t tested_points() const override { return measured_ ? measured_->tested_points() : 0; }
+  MovedPoints moved_points() const override { return measured_ ? measured_->moved_points() : MovedPoints{}; }
 
  private:
   void move_bones(std::span<const AffineTransform> transforms) noexcept {
@@ -208,6 +215,7 @@ class SkinnedRule final : public RuleEngine {
 
   SkinBlend blend_;
   std::vector<Difference> bones_, pairs_;  // of the current frame
+  std::optional<MeasuredNodes> measured_{};
 };
 
 }  // namespace
