@@ -62,7 +62,7 @@ double rounded(double value) {
   return std::round(value * 1e4) / 1e4;
 }
 
-/// What was found bare, by both judges; counted in frames.
+/// The covers that were checked, and those that were bare by either judge.
 struct Verdict {
   std::size_t frames = 0, judged = 0, bare = 0;
   double worst = -HUGE_VAL;
@@ -83,14 +83,19 @@ struct Verdict {
 
 /// Radii and times over all frames of the animations.
 struct Comparison {
-  std::vector<double> leaf_ratios, inner_ratios, root_ratios, box_ratios, joint_box_ratios;
-  std::vector<double> skinned_us, exact_us, joint_box_us;
+  std::vector<double> leaf_ratios, measured_ratios, inner_ratios, root_ratios, box_ratios, joint_box_ratios;
+  std::vector<double> skinned_us, measured_us, exact_us, joint_box_us;
   std::size_t joint_boxes_bare = 0;  ///< frames in which the boxes per joint miss a vertex
 
   nlohmann::json json() const {
-    return {{"leaf_median", rounded(quantile(leaf_ratios, 0.5))},
+    return {{"frames", skinned_us.size()},
+            {"leaf_median", rounded(quantile(leaf_ratios, 0.5))},
             {"leaf_95", rounded(quantile(leaf_ratios, 0.95))},
             {"leaf_largest", rounded(quantile(leaf_ratios, 1))},
+            {"measured_median", rounded(quantile(measured_ratios, 0.5))},
+            {"measured_95", rounded(quantile(measured_ratios, 0.95))},
+            {"measured_largest", rounded(quantile(measured_ratios, 1))},
+            {"measured_us", rounded(quantile(measured_us, 0.5))},
             {"inner_largest", rounded(quantile(inner_ratios, 1))},
             {"root", rounded(quantile(root_ratios, 0.5))},
             {"box", rounded(quantile(box_ratios, 0.5))},
@@ -114,22 +119,28 @@ double microseconds(const Call& call) {
   return least;
 }
 
-void compare(const Body& skinned, const Body& exact, const JointBoxes& joints,
-             std::span<const AffineTransform> transforms, const std::vector<Vec3>& positions, Comparison& into) {
-  const SphereTree& tree = skinned.rest_tree();
+/// A body by bones alone, one with measured nodes, and one by all vertices.
+struct Bodies {
+  Body skinned, measured, exact;
+};
+
+void compare(const Bodies& bodies, const JointBoxes& joints, std::span<const AffineTransform> transforms,
+             const std::vector<Vec3>& positions, Comparison& into) {
+  const SphereTree& tree = bodies.skinned.rest_tree();
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-    const double ratio = skinned.sphere(node).radius / exact.sphere(node).radius;
+    const double exact = bodies.exact.sphere(node).radius, ratio = bodies.skinned.sphere(node).radius / exact;
     if (!std::isfinite(ratio)) continue;
-    if (tree.is_leaf(node))
+    if (tree.is_leaf(node)) {
       into.leaf_ratios.push_back(ratio);
-    else
+      into.measured_ratios.push_back(bodies.measured.sphere(node).radius / exact);
+    } else
       into.inner_ratios.push_back(ratio);
     if (node == 0) into.root_ratios.push_back(ratio);
   }
   Box points, spheres;
   for (const std::uint32_t v : joints.used_vertices()) points.add(positions[v]);
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
-    const Sphere s = skinned.sphere(node);
+    const Sphere s = bodies.skinned.sphere(node);
     if (!tree.is_leaf(node)) continue;
     spheres.add(s.center - Vec3{s.radius, s.radius, s.radius});
     spheres.add(s.center + Vec3{s.radius, s.radius, s.radius});
@@ -143,8 +154,7 @@ void compare(const Body& skinned, const Body& exact, const JointBoxes& joints,
   });
 }
 
-Comparison run_animations(const Character& character, Body& skinned, Body& exact, Verdict& verdict,
-                          std::size_t max_frames) {
+Comparison run_animations(const Character& character, Bodies& bodies, Verdict& verdict, std::size_t max_frames) {
   Comparison comparison;
   const JointBoxes joints(character.mesh, character.skin);
   std::vector<Vec3> positions(character.mesh.vertex_count());
@@ -152,16 +162,19 @@ Comparison run_animations(const Character& character, Body& skinned, Body& exact
     for (std::size_t i = 0; i < std::min(max_frames, animation.frame_count()); ++i) {
       const auto transforms = animation.frame(i);
       bool good = true;
-      comparison.skinned_us.push_back(microseconds([&] { good &= bool(skinned.update_skinned(transforms)); }));
-      comparison.exact_us.push_back(microseconds([&] { good &= bool(exact.update_skinned(transforms)); }));
+      comparison.skinned_us.push_back(microseconds([&] { good &= bool(bodies.skinned.update_skinned(transforms)); }));
+      comparison.measured_us.push_back(microseconds([&] { good &= bool(bodies.measured.update_skinned(transforms)); }));
+      comparison.exact_us.push_back(microseconds([&] { good &= bool(bodies.exact.update_skinned(transforms)); }));
       double sum = 0;  // keeps the call
       comparison.joint_box_us.push_back(microseconds([&] { sum += joints.box(transforms).lower.x; }));
       good &= std::isfinite(sum);
       if (!good) throw std::runtime_error("a frame was rejected");
       move_by_skin(character.skin, character.mesh.positions, transforms, positions);
-      verdict.check(skinned, positions);
-      if (i % 8 == 0) verdict.judge(skinned, character, transforms);
-      compare(skinned, exact, joints, transforms, positions, comparison);
+      for (const Body* body : {&bodies.skinned, &bodies.measured}) {
+        verdict.check(*body, positions);
+        if (i % 8 == 0) verdict.judge(*body, character, transforms);
+      }
+      compare(bodies, joints, transforms, positions, comparison);
     }
   return comparison;
 }
@@ -188,7 +201,7 @@ AffineTransform any_transform(Random& random, const Box& rest, int kind) {
   return t;
 }
 
-void run_random(const Character& character, Body& body, std::size_t poses, std::uint64_t seed, Verdict& verdict) {
+void run_random(const Character& character, Bodies& bodies, std::size_t poses, std::uint64_t seed, Verdict& verdict) {
   Random random(seed);
   const Box rest = bounding_box(character.mesh);
   std::vector<AffineTransform> transforms(character.skin.bone_count);
@@ -198,11 +211,26 @@ void run_random(const Character& character, Body& body, std::size_t poses, std::
     for (AffineTransform& t : transforms)
       t = any_transform(random, rest, kind == 5 ? static_cast<int>(random.next() % 5) : kind);
     if (pose % 7 == 0) transforms[random.next() % transforms.size()] = {};
+    // Every fourth pose goes to the body with measured nodes.
+    Body& body = pose % 4 == 3 ? bodies.measured : bodies.skinned;
     if (!body.update_skinned(transforms)) throw std::runtime_error("a random pose was rejected");
     move_by_skin(character.skin, character.mesh.positions, transforms, positions);
     verdict.check(body, positions);
     if (pose % 64 == 0) verdict.judge(body, character, transforms);
   }
+}
+
+/// Some 20 frames, evenly over the animations.
+std::vector<AffineTransform> training_of(const Character& character) {
+  constexpr std::size_t wanted = 20;
+  std::size_t frames = 0, number = 0;
+  for (const BoneFrames& animation : character.animations) frames += animation.frame_count();
+  std::vector<AffineTransform> training;
+  for (const BoneFrames& animation : character.animations)
+    for (std::size_t i = 0; i < animation.frame_count(); ++i)
+      if (number++ % std::max<std::size_t>(1, frames / wanted) == 0)
+        training.insert(training.end(), animation.frame(i).begin(), animation.frame(i).end());
+  return training;
 }
 
 nlohmann::json sizes_of(const Character& character) {
@@ -222,6 +250,7 @@ int run(int argc, char** argv) {
   std::size_t animations = 1, poses = 1000, max_frames = 1000;
   std::uint64_t seed = 1;
   bool sizes = false;
+  double budget = 0.2;
   app.add_option("MESH", mesh_file, "mesh at rest; .gltf and .glb have the skin also; sample:NAME for a sample body")
       ->required();
   app.add_option("--skin", skin_file, "weights, a .npy of shape (vertices, bones)");
@@ -229,6 +258,7 @@ int run(int argc, char** argv) {
   app.add_flag("--sizes", sizes, "prints sizes only");
   app.add_option("--animations", animations, "animations of the file to run, from the first on (default 1)");
   app.add_option("--frames", max_frames, "most frames of an animation (default 1000)");
+  app.add_option("--budget", budget, "RuleOptions::skinned_measured of the second body (default 0.2)");
   app.add_option("--poses", poses, "random poses (default 1000)");
   app.add_option("--seed", seed, "seed of the random poses (default 1)");
   app.add_option("--peer", peer_file, "writes mesh, skin and frames for another program: little-endian numbers");
@@ -244,14 +274,17 @@ int run(int argc, char** argv) {
     return 0;
   }
   const auto model = std::make_shared<const CoveredTree>(build(character.mesh));
-  Body skinned(character.mesh, model, {.rules = {Rule::skinned}, .skin = character.skin});
-  Body exact(character.mesh, model, {.rules = {Rule::exact}, .skin = character.skin});
+  UpdateOptions by_bones{.rules = {Rule::skinned}, .skin = character.skin}, measured = by_bones;
+  measured.training = training_of(character);
+  measured.details.skinned_measured = measured.training.empty() ? 0 : budget;
+  Bodies bodies{Body(character.mesh, model, by_bones), Body(character.mesh, model, measured),
+                Body(character.mesh, model, {.rules = {Rule::exact}, .skin = character.skin})};
   if (!peer_file.empty()) write_peer_file(peer_file, character.mesh, character.skin, character.animations);
   Verdict animated, random;
-  row.update(run_animations(character, skinned, exact, animated, max_frames).json());
-  run_random(character, skinned, poses, seed, random);
-  row.update({{"spheres", model->tree.node_count()},
-              {"frames", animated.frames},
+  row.update(run_animations(character, bodies, animated, max_frames).json());
+  run_random(character, bodies, poses, seed, random);
+  row.update({{"nodes_measured", bodies.measured.bind_report().nodes_measured},
+              {"spheres", model->tree.node_count()},
               {"poses", random.frames},
               {"judged", animated.judged + random.judged},
               {"bare", animated.bare + random.bare},
