@@ -67,4 +67,5 @@
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <morula/update/sample_motions.hpp>
+#include <morula/update/skin_bounds.hpp>
 #include <morula/version.hpp>
