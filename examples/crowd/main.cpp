@@ -4,13 +4,14 @@
 // every posed facet to the frustum: a visible character must be drawn. Three usual bounds do the same: a sphere at
 // rest, a box per joint, and a sphere of the posed vertices, which needs all of them.
 #include <cstdio>
+#include <morula/update/skin_bounds.hpp>
 
 #include "walker.hpp"
 
 namespace crowd {
 namespace {
 
-constexpr int walkers = 200, frames = 24;
+constexpr std::size_t walkers = 200, frames = 24, facets_of_cluster = 48;
 
 /// A camera's frustum: points x with normal . x + offset >= 0 for all planes.
 struct Plane {
@@ -93,64 +94,121 @@ struct Score {
   }
 };
 
+/// A walker of the crowd in a frame: where it is, and its bones relative to rest.
+struct Member {
+  RigidTransform to_world;
+  std::vector<AffineTransform> bones;
+};
+
+Member member(const Walker& walker, std::size_t number, std::size_t frame) {
+  Random random(number);
+  const Vec3 place{random.uniform(-30, 30), 0, random.uniform(-30, 30)};
+  Member m{RigidTransform::from_axis({0, 1, 0}, random.uniform(0, 2 * std::numbers::pi), place), {}};
+  walker.pose(random.uniform(0, 6) + 0.5 * static_cast<double>(frame), random.uniform(), m.bones);
+  return m;
+}
+
+/// What others do: each answers whether a walker may be visible.
+class UsualBounds {
+ public:
+  explicit UsualBounds(const Walker& walker) : joint_boxes_(walker.skin.bone_count) {
+    const Box box = bounding_box(walker.mesh);
+    rest_ = {box.center(), box.diagonal() / 2};
+    for (std::size_t v = 0; v < walker.mesh.vertex_count(); ++v)
+      for (std::uint32_t k = walker.skin.begin[v]; k < walker.skin.begin[v + 1]; ++k)
+        joint_boxes_[walker.skin.bones[k]].add(walker.mesh.positions[v]);
+  }
+  bool at_rest(const Member& m, const Frustum& view) const {
+    return !is_outside(view, Sphere{m.to_world(rest_.center), rest_.radius});
+  }
+  bool by_joints(const Member& m, const Frustum& view) const {
+    Box moved;
+    for (std::size_t b = 0; b < joint_boxes_.size(); ++b)
+      for (const Vec3& corner : corners_of(joint_boxes_[b])) moved.add(m.bones[b](corner));
+    std::array<Vec3, 8> corners = corners_of(moved);
+    for (Vec3& corner : corners) corner = m.to_world(corner);
+    return !is_outside(view, corners);
+  }
+  /// posed: all vertices, in the world.
+  static bool by_vertices(std::span<const Vec3> posed, const Frustum& view) {
+    Box box;
+    for (const Vec3& p : posed) box.add(p);
+    double radius = 0;
+    for (const Vec3& p : posed) radius = std::max(radius, length(p - box.center()));
+    return !is_outside(view, Sphere{box.center(), radius});
+  }
+
+ private:
+  Sphere rest_;
+  std::vector<Box> joint_boxes_;
+};
+
 int run() {
   const Walker walker;
+  const std::size_t facet_count = walker.mesh.facets.size();
+  const UsualBounds usual(walker);
   Body body(walker.mesh, build(walker.mesh), {.rules = {Rule::skinned}, .skin = walker.skin});
-  const Box at_rest = bounding_box(walker.mesh);
-  const Sphere rest{at_rest.center(), at_rest.diagonal() / 2};
-  std::vector<Box> joint_boxes(walker.skin.bone_count);
-  for (std::size_t v = 0; v < walker.mesh.vertex_count(); ++v)
-    for (std::uint32_t k = walker.skin.begin[v]; k < walker.skin.begin[v + 1]; ++k)
-      joint_boxes[walker.skin.bones[k]].add(walker.mesh.positions[v]);
+  // [clusters]
+  std::vector<std::uint32_t> cluster_of_facet;
+  for (std::uint32_t f = 0; f < facet_count; ++f) cluster_of_facet.push_back(f / facets_of_cluster);
+  SkinBounds bounds(walker.mesh, walker.skin, cluster_of_facet);
+  const std::size_t clusters = bounds.cluster_count();
+  std::vector<Spheref> spheres(walkers * clusters);
+  // [end]
 
-  Score by_bones{"spheres from bones"}, by_rest{"sphere at rest"}, by_joints{"box per joint"},
-      by_vertices{"sphere of posed vertices"};
-  std::size_t visible_count = 0;
-  std::vector<AffineTransform> bones;
+  Score by_tree{"tree of spheres"}, by_clusters{"spheres of clusters"}, by_rest{"sphere at rest"},
+      by_joints{"box per joint"}, by_vertices{"sphere of posed vertices"};
+  std::size_t visible_count = 0, clusters_drawn = 0, clusters_visible = 0, clusters_lost = 0;
   std::vector<Vec3> posed(walker.mesh.vertex_count()), polygon;
-  for (int frame = 0; frame < frames; ++frame) {
-    const auto turn = sin_cos(2 * std::numbers::pi * frame / frames);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const auto turn = sin_cos(2 * std::numbers::pi * static_cast<double>(frame) / frames);
     const Frustum view = frustum({0, 1.7, 0}, normalized(Vec3{turn.cos, -0.1, turn.sin}), 0.6, 0.4, 0.1, 25);
-    for (int w = 0; w < walkers; ++w) {
-      Random random(static_cast<std::uint64_t>(w));
-      const Vec3 place{random.uniform(-30, 30), 0, random.uniform(-30, 30)};
-      const RigidTransform to_world =
-          RigidTransform::from_axis({0, 1, 0}, random.uniform(0, 2 * std::numbers::pi), place);
-      walker.pose(random.uniform(0, 6) + 0.5 * frame, random.uniform(), bones);
+    std::vector<Member> crowd;
+    for (std::size_t w = 0; w < walkers; ++w) crowd.push_back(member(walker, w, frame));
+    // All clusters of all walkers in one call.
+    std::vector<AffineTransform> bones;
+    for (const Member& m : crowd) bones.insert(bones.end(), m.bones.begin(), m.bones.end());
+    if (!bounds.bounds(bones, {.spheres = spheres})) return 1;
 
-      if (!body.update_skinned(bones)) return 1;
-      const bool drawn = may_be_visible(body, to_world, view);
+    for (std::size_t w = 0; w < walkers; ++w) {
+      const Member& m = crowd[w];
+      if (!body.update_skinned(m.bones)) return 1;
+      const bool tree_draws = may_be_visible(body, m.to_world, view);
+      std::vector<bool> draws(clusters), shows(clusters);
+      for (std::size_t k = 0; k < clusters; ++k) {
+        const Spheref& s = spheres[w * clusters + k];
+        draws[k] = !is_outside(view, Sphere{m.to_world(Vec3(s.center)), static_cast<double>(s.radius)});
+      }
 
-      move_by_skin(walker.skin, walker.mesh.positions, bones, posed);
-      Box all, moved_boxes;
-      for (Vec3& p : posed) all.add(p), p = to_world(p);
-      const bool visible = std::any_of(walker.mesh.facets.begin(), walker.mesh.facets.end(), [&](const Facet& f) {
-        polygon = {posed[f[0]], posed[f[1]], posed[f[2]]};
-        return is_visible(view, polygon);
-      });
-      for (std::size_t b = 0; b < bones.size(); ++b)
-        for (const Vec3& corner : corners_of(joint_boxes[b])) moved_boxes.add(bones[b](corner));
-      std::array<Vec3, 8> box = corners_of(moved_boxes);
-      for (Vec3& corner : box) corner = to_world(corner);
-      Sphere around{to_world(all.center()), 0};
-      for (const Vec3& p : posed) around.radius = std::max(around.radius, length(p - around.center));
-
+      move_by_skin(walker.skin, walker.mesh.positions, m.bones, posed);
+      for (Vec3& p : posed) p = m.to_world(p);
+      for (std::size_t f = 0; f < facet_count; ++f) {
+        const Facet& facet = walker.mesh.facets[f];
+        polygon = {posed[facet[0]], posed[facet[1]], posed[facet[2]]};
+        if (is_visible(view, polygon)) shows[cluster_of_facet[f]] = true;
+      }
+      const auto any = [](const std::vector<bool>& of) { return std::find(of.begin(), of.end(), true) != of.end(); };
+      const bool visible = any(shows);
       visible_count += visible;
-      by_bones.count(drawn, visible);
-      by_rest.count(!is_outside(view, Sphere{to_world(rest.center), rest.radius}), visible);
-      by_joints.count(!is_outside(view, box), visible);
-      by_vertices.count(!is_outside(view, around), visible);
+      for (std::size_t k = 0; k < clusters; ++k) {
+        clusters_drawn += draws[k], clusters_visible += shows[k];
+        clusters_lost += shows[k] && !draws[k];
+      }
+      by_tree.count(tree_draws, visible);
+      by_clusters.count(any(draws), visible);
+      by_rest.count(usual.at_rest(m, view), visible);
+      by_joints.count(usual.by_joints(m, view), visible);
+      by_vertices.count(UsualBounds::by_vertices(posed, view), visible);
     }
   }
 
-  std::printf("%d walkers of %zu facets, %d frames: %zu visible\n", walkers, walker.mesh.facets.size(), frames,
-              visible_count);
-  for (const Score* s : {&by_bones, &by_rest, &by_joints, &by_vertices})
+  std::printf("%zu walkers of %zu facets, %zu frames: %zu visible\n", walkers, facet_count, frames, visible_count);
+  for (const Score* s : {&by_tree, &by_clusters, &by_rest, &by_joints, &by_vertices})
     std::printf("%-25s %5zu drawn, %4zu needlessly, %3zu visible ones lost\n", s->name, s->drawn, s->needless, s->lost);
-  return visible_count > 0 && by_bones.lost == 0 && by_joints.lost == 0 && by_vertices.lost == 0 &&
-                 by_bones.needless < by_vertices.needless
-             ? 0
-             : 1;
+  std::printf("clusters: %zu drawn, %zu visible, %zu visible ones lost\n", clusters_drawn, clusters_visible,
+              clusters_lost);
+  const std::size_t lost = by_tree.lost + by_clusters.lost + by_joints.lost + by_vertices.lost + clusters_lost;
+  return visible_count > 0 && lost == 0 && by_tree.needless < by_vertices.needless ? 0 : 1;
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ class Walker {
     bones.resize(skin.bone_count);
     // The pelvis moves with the stride and leaps: the body leaves its place at rest.
     bones[0] = {};
-    bones[0].translation = {0, 0.6 * lively * (1 - sin_cos(2 * phase).cos), 1.2 * lively * sin_cos(phase).cos};
+    bones[0].translation = {0, 0.6 * lively * (1 - sin_cos(2 * phase).cos), 2.5 * lively * sin_cos(phase).cos};
     bones[1] = bones[0] * rotation_about({0, 1.1, 0}, {1, 0, 0}, 0.3 * lively);
     bones[2] = bones[1] * rotation_about({0, 1.55, 0}, {0, 1, 0}, 0.8 * stride);
     for (const int side : {0, 1}) {
@@ -88,14 +88,14 @@ class Walker {
       }
     add(1, 0, 0);
     const auto at = [&](std::uint32_t r, std::uint32_t k) { return first + 1 + r * around + k % around; };
-    for (std::uint32_t k = 0; k < around; ++k) {
-      mesh.facets.push_back({first, at(0, k + 1), at(0, k)});
-      mesh.facets.push_back({at(rings - 1, k), at(rings - 1, k + 1), first + 1 + rings * around});
-      for (std::uint32_t r = 0; r + 1 < rings; ++r) {
+    for (std::uint32_t k = 0; k < around; ++k) mesh.facets.push_back({first, at(0, k + 1), at(0, k)});
+    for (std::uint32_t r = 0; r + 1 < rings; ++r)
+      for (std::uint32_t k = 0; k < around; ++k) {
         mesh.facets.push_back({at(r, k), at(r + 1, k + 1), at(r + 1, k)});
         mesh.facets.push_back({at(r, k), at(r, k + 1), at(r + 1, k + 1)});
       }
-    }
+    for (std::uint32_t k = 0; k < around; ++k)
+      mesh.facets.push_back({at(rings - 1, k), at(rings - 1, k + 1), first + 1 + rings * around});
   }
 };
 
