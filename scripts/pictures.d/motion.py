@@ -149,6 +149,43 @@ def skinned():
     return page
 
 
+def spheres_by_center(mesh, built, weights, transforms, level):
+    """Leaves moved by the mean weights of their region's vertices alone, with the radii of rest."""
+    tree, cover = built.tree, built.cover
+    nodes = tree.level_set(level)
+    moved = np.array(built.spheres[nodes], float)
+    for sphere, node in zip(moved, nodes):
+        first, last = cover.corner_begin[[cover.region_begin[node], cover.region_end[node]]]
+        corners = np.unique(cover.corners[first:last])
+        mean = np.tensordot(weights[corners[corners < mesh.vertex_count]].mean(0), transforms, 1)
+        sphere[:3] = mean[:, :3] @ sphere[:3] + mean[:, 3]
+    return moved
+
+
+@picture("skinned_cover.svg")
+def skinned_cover():
+    mesh, built = limb(32), model(resolution=32, branching=10, depth=1)
+    weights, transforms = bones_of(mesh.positions)
+    skin = morula.Skin(weights)
+    pose = morula.move_by_skin(skin, mesh.positions, transforms)
+    body = morula.Body(mesh, built, rules="skinned", skin=skin)
+    body.update_skinned(transforms)
+    assert body.certify(pose).covered
+    by_center = spheres_by_center(mesh, built, weights, transforms, 1)
+    uncovered = morula.coverage(mesh, by_center, pose)
+    assert not uncovered.covered
+    loops, _ = section(pose, mesh.facets, ORIGIN, UP)
+    page = Picture(600)
+    for y, spheres, kind, words in ((0, by_center, "bare", f"moved by mean weights alone: {two_digits(100 * uncovered.uncovered_area)} % uncovered"),
+                                    (300, body.copy_spheres()[built.tree.level_set(1)], "sphere", "skinned: radii pay for the spread of weights, and cover")):
+        circles, _ = cut_circles(spheres, ORIGIN, UP)
+        view = View(0, y, 720, 250, pose * [1.22, 1.3, 1], margin=10)
+        balls(page, view, circles, kind, "")
+        outline(page, view, loops, circles)
+        page.text(360, y + 282, words, "bare" if kind == "bare" else "ink", size=22)
+    return page
+
+
 @picture("lazy.svg")
 def lazy():
     mesh, built = limb(), model(branching=4)
