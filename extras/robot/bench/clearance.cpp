@@ -69,31 +69,27 @@ struct Loop {
 
 Result run_clearance(std::size_t configurations, const Settings& settings) {
   const ArmAmongObstacles given(configurations, settings);
-  const robot::Robot& robot = given.robot;
-  const robot::RobotSpheres& spheres = given.spheres;
-  const robot::SelfCollision& self = given.self;
-  const std::vector<robot::ObstacleBox>& boxes = given.boxes;
-  const robot::World& world = given.world;
-  const std::vector<double>& values = given.values;
   const SignedDistance to_mesh(given.mesh);
-  const robot::ConfigurationQuery query(robot, spheres, self);
-  Loop loop{robot, spheres, self, boxes, to_mesh};
+  const robot::ConfigurationQuery query(given.robot, given.spheres, given.self);
+  Loop loop{given.robot, given.spheres, given.self, given.boxes, to_mesh};
   loop.list_pairs();
   std::vector<Clearance> found(configurations), limited(configurations);
-  std::vector<double> gradients(values.size()), by_loop(configurations), loop_seconds, plain_seconds, limited_seconds;
+  std::vector<double> gradients(given.values.size()), by_loop(configurations), loop_seconds, plain_seconds,
+      limited_seconds;
   constexpr double limit = 0.05;
   Result result{.scenario = "clearance", .item = "configurations", .mesh = "arm"};
   const std::size_t coordinates = query.coordinates();
   // In turn, so that what disturbs one disturbs the others.
   for (int repeat = 0; repeat < settings.repeats; ++repeat) {
     result.seconds.push_back(
-        seconds_of([&] { query.clearance(values, world, found, gradients, {}, serial_workers()); }));
-    plain_seconds.push_back(seconds_of([&] { query.clearance(values, world, found, {}, {}, serial_workers()); }));
-    limited_seconds.push_back(
-        seconds_of([&] { query.clearance(values, world, limited, gradients, {.limit = limit}, serial_workers()); }));
+        seconds_of([&] { query.clearance(given.values, given.world, found, gradients, {}, serial_workers()); }));
+    plain_seconds.push_back(
+        seconds_of([&] { query.clearance(given.values, given.world, found, {}, {}, serial_workers()); }));
+    limited_seconds.push_back(seconds_of(
+        [&] { query.clearance(given.values, given.world, limited, gradients, {.limit = limit}, serial_workers()); }));
     loop_seconds.push_back(seconds_of([&] {
       for (std::size_t i = 0; i < configurations; ++i)
-        by_loop[i] = loop(std::span(values).subspan(i * coordinates, coordinates));
+        by_loop[i] = loop(std::span(given.values).subspan(i * coordinates, coordinates));
     }));
   }
   std::size_t wrong = 0, contacts = 0;

@@ -222,31 +222,26 @@ namespace {
 /// One call against one configuration after the other.
 Result check_in_one_call(std::size_t configurations, const Settings& settings) {
   const ArmAmongObstacles given(configurations, settings);
-  const robot::Robot& robot = given.robot;
-  const robot::RobotSpheres& spheres = given.spheres;
-  const robot::SelfCollision& self = given.self;
-  const std::vector<robot::ObstacleBox>& boxes = given.boxes;
-  const robot::World& world = given.world;
-  const std::vector<double>& values = given.values;
   const SignedDistance distance(given.mesh);
-  const std::size_t coordinates = robot.independent_joints.size();
-  const robot::ConfigurationQuery query(robot, spheres, self);
-  robot::SphereRobot moving(robot, spheres, self);
-  Flat list(spheres, self, false);
+  const std::size_t coordinates = given.robot.independent_joints.size();
+  const robot::ConfigurationQuery query(given.robot, given.spheres, given.self);
+  robot::SphereRobot moving(given.robot, given.spheres, given.self);
+  Flat list(given.spheres, given.self, false);
   std::vector<robot::ConfigurationVerdict> verdicts(configurations), own(configurations);
   Result result{.scenario = "planning", .item = "configurations", .mesh = "arm"};
   std::vector<double> one_by_one, self_seconds, self_one_by_one, kinematics;
-  const auto pose_of = [&](std::size_t i) { return std::span(values).subspan(i * coordinates, coordinates); };
+  const auto pose_of = [&](std::size_t i) { return std::span(given.values).subspan(i * coordinates, coordinates); };
   // In turn, so that what disturbs one disturbs the others.
   for (int repeat = 0; repeat < settings.repeats; ++repeat) {
-    result.seconds.push_back(seconds_of([&] { query.check(values, world, verdicts, serial_workers()); }));
-    self_seconds.push_back(seconds_of([&] { query.check_self(values, own, serial_workers()); }));
+    result.seconds.push_back(seconds_of([&] { query.check(given.values, given.world, verdicts, serial_workers()); }));
+    self_seconds.push_back(seconds_of([&] { query.check_self(given.values, own, serial_workers()); }));
     std::size_t hits = 0;
     one_by_one.push_back(seconds_of([&] {
       for (std::size_t i = 0; i < configurations; ++i) {
         moving.set_joint_values(pose_of(i));
-        hits += std::any_of(boxes.begin(), boxes.end(), [&](const auto& b) { return moving.collides(b); }) ||
-                moving.self_collision();
+        hits +=
+            std::any_of(given.boxes.begin(), given.boxes.end(), [&](const auto& b) { return moving.collides(b); }) ||
+            moving.self_collision();
       }
     }));
     self_one_by_one.push_back(seconds_of([&] {
@@ -256,14 +251,14 @@ Result check_in_one_call(std::size_t configurations, const Settings& settings) {
       }
     }));
     kinematics.push_back(seconds_of([&] {
-      for (std::size_t i = 0; i < configurations; ++i) hits += link_poses(robot, pose_of(i)).size();
+      for (std::size_t i = 0; i < configurations; ++i) hits += link_poses(given.robot, pose_of(i)).size();
     }));
     result.expect(hits > 0, "nothing was done");
   }
   std::size_t wrong = 0, collide = 0, itself = 0;
   for (std::size_t i = 0; i < configurations; ++i) {
-    const std::vector<RigidTransform> poses = link_poses(robot, pose_of(i));
-    bool hit = list.collides(poses, boxes);
+    const std::vector<RigidTransform> poses = link_poses(given.robot, pose_of(i));
+    bool hit = list.collides(poses, given.boxes);
     for (std::size_t g = 0; g < list.moved.size() && !hit; ++g)
       hit = std::any_of(list.moved[g].begin(), list.moved[g].end(),
                         [&](const Sphere& s) { return distance(s.center) <= s.radius; });

@@ -163,8 +163,7 @@ void require_sense(const RobotArguments& o) {
   if (o.max_uncovered && (o.tolerance == 0 || !o.max_protrusion.empty() || o.self_collision)) {
     throw UsageError(
         "--max-uncovered belongs to --tolerance, and contradicts --max-protrusion and --self-collision: it places "
-        "spheres "
-        "for the share alone");
+        "spheres for the share alone");
   }
   if (o.keep.empty() && !o.refit.empty()) throw UsageError("--refit belongs to --keep DIR/spheres.json: add it");
   for (const std::string& argument : o.xacro_arguments) {

@@ -222,6 +222,36 @@ TEST(RobotCommand, covers_within_a_tolerance_and_a_table_shows_what_that_saves) 
   EXPECT_LE(shared["within"], 0.004);
 }
 
+TEST(RobotCommand, leaves_a_share_uncovered_and_says_so) {
+  Workbench bench;
+  with_gripper(bench);
+  const std::string robot = "robot gripper.urdf -o out --spheres 5 --samples 100 ", share = "--max-uncovered 0.3 ";
+  const nlohmann::json covering = bench.require(robot + "--json").json();
+  const nlohmann::json report =
+      bench.require(robot + "--tolerance 0.01 --tolerances 0,0.01 " + share + "--json").json();
+  EXPECT_EQ(report["covered"], false);
+  EXPECT_GT(report["uncovered_share"], 0);
+  EXPECT_LE(report["uncovered_share"], 0.3);
+  EXPECT_LE(report["within"], 0.01);
+  const auto outside = [](const nlohmann::json& of) {
+    double sum = 0;
+    for (const nlohmann::json& link : of["links"]) sum += link["outside_volume"].get<double>();
+    return sum;
+  };
+  EXPECT_LT(outside(report), outside(covering));
+  // The row without a tolerance covers; the other one is the result.
+  ASSERT_EQ(report["tolerances"].size(), 2u);
+  EXPECT_EQ(report["tolerances"][0]["uncovered_share"], 0);
+  EXPECT_EQ(report["tolerances"][1]["uncovered_share"], report["uncovered_share"]);
+  EXPECT_EQ(nlohmann::json::parse(bench.read("out/spheres.json"))["uncovered_share"], report["uncovered_share"]);
+  const std::string text = bench.require(robot + "--tolerance 0.01 " + share).out;
+  EXPECT_NE(text.find(" % of the surface is in no sphere"), std::string::npos) << text;
+  for (const char* options : {"", "--tolerance 0.01 --max-protrusion 0.01", "--tolerance 0.01 --self-collision"})
+    bench.expect_refused(robot + share + options, "--max-uncovered belongs to --tolerance");
+  for (const char* bad : {"0", "-0.1", "1.1", "nan"})
+    bench.expect_refused(robot + "--tolerance 0.01 --max-uncovered " + bad, "uncovered");
+}
+
 TEST(RobotCommand, refuses_tolerances_that_are_none) {
   Workbench bench;
   with_gripper(bench);

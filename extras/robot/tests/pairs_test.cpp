@@ -295,10 +295,11 @@ TEST(IgnoredPairs, over_floating_and_planar_joints_and_followers_of_unknown_ones
   EXPECT_EQ(fate(made.robot, robot::find_ignored(made.robot, made.spheres), "arm", "post"), "tested");
 }
 
-/// Two links, each a fixed joint from the base, whose single spheres overlap.
-robot::SelfCollision two_fixed(const std::function<void(Maker&, std::size_t, std::size_t)>& shapes) {
+/// Two links whose single spheres overlap. Their joints could move them against each other, but have no room for it.
+robot::SelfCollision two_links(const std::function<void(Maker&, std::size_t, std::size_t)>& shapes) {
   Maker made;
-  const std::size_t left = made.fix(0, "left", {}), right = made.fix(0, "right", {});
+  const std::size_t left = made.slide(0, "left", {}, {1, 0, 0}, 0, 0),
+                    right = made.slide(0, "right", {}, {1, 0, 0}, 0, 0);
   shapes(made, left, right);
   const robot::RobotSpheres spheres = robot::fit_spheres(made.robot, {.spheres = 1});
   const robot::SelfCollision found = robot::find_ignored(made.robot, spheres, {.samples = 100});
@@ -308,7 +309,7 @@ robot::SelfCollision two_fixed(const std::function<void(Maker&, std::size_t, std
 
 TEST(IgnoredPairs, at_rest_the_surfaces_decide_not_the_spheres) {
   const auto boxes = [](double gap) {
-    return two_fixed([&](Maker& made, std::size_t left, std::size_t right) {
+    return two_links([&](Maker& made, std::size_t left, std::size_t right) {
       made.box(left, {}, {1, 1, 1});
       made.box(right, {1 + gap, 0.3, 0.2}, {1, 1, 1});
     });
@@ -331,7 +332,7 @@ TEST(IgnoredPairs, at_rest_the_surfaces_decide_not_the_spheres) {
   }
   // The nearest points may be on edges: an upright one of the left box, and a level one of the other, which is turned
   // by 45 degrees about z and then about its own y, on the diagonal.
-  const robot::SelfCollision edges = two_fixed([](Maker& made, std::size_t left, std::size_t right) {
+  const robot::SelfCollision edges = two_links([](Maker& made, std::size_t left, std::size_t right) {
     made.box(left, {}, {2, 2, 2});
     made.box(right, {}, {2, 2, 2});
     const double c = std::cos(pi / 8), s = std::sin(pi / 8), along = 3 / std::sqrt(2);
@@ -345,7 +346,7 @@ TEST(IgnoredPairs, at_rest_the_surfaces_decide_not_the_spheres) {
 TEST(IgnoredPairs, polyhedra_around_round_shapes_do_not_make_them_touch) {
   // Polyhedra around cylinders stick out by up to 0.3 % of the radius.
   const auto cylinders = [](double gap) {
-    return two_fixed([&](Maker& made, std::size_t left, std::size_t right) {
+    return two_links([&](Maker& made, std::size_t left, std::size_t right) {
       made.cylinder(left, {}, 1, 1);
       made.cylinder(right, {2 + gap, 0, 0}, 1, 1);
     });
@@ -356,7 +357,8 @@ TEST(IgnoredPairs, polyhedra_around_round_shapes_do_not_make_them_touch) {
   // Balls are exact.
   const auto balls = [](double gap) {
     Maker made;
-    const std::size_t left = made.fix(0, "left", {}), right = made.fix(0, "right", {});
+    const std::size_t left = made.slide(0, "left", {}, {1, 0, 0}, 0, 0),
+                      right = made.slide(0, "right", {}, {1, 0, 0}, 0, 0);
     robot::Shape ball;
     ball.kind = robot::Shape::Kind::sphere;
     ball.radius = 1;
@@ -369,6 +371,24 @@ TEST(IgnoredPairs, polyhedra_around_round_shapes_do_not_make_them_touch) {
   EXPECT_EQ(balls(1e-4), 0u);
   EXPECT_EQ(balls(0), 1u);
   EXPECT_EQ(balls(-1e-4), 1u);
+}
+
+// A chain of fixed joints makes one body of a tool and a link that is not its neighbor. Their spheres overlap in every
+// configuration, whatever the robot does.
+TEST(IgnoredPairs, links_of_one_rigid_body_are_neighbors) {
+  for (const bool is_rigid : {true, false}) {
+    Maker made;
+    const std::size_t arm = made.turn(0, "arm", {}, {0, 0, 1}, -1, 1), flange = made.fix(arm, "flange", {0.3, 0, 0});
+    const std::size_t tool = is_rigid ? made.fix(flange, "tool", {0.3, 0, 0})
+                                      : made.slide(flange, "tool", {0.3, 0, 0}, {1, 0, 0}, -0.01, 0.01);
+    made.box(arm, {}, {0.5, 0.5, 0.5});
+    made.box(flange, {}, {0.05, 0.05, 0.05});
+    made.box(tool, {}, {0.5, 0.5, 0.5});
+    const robot::RobotSpheres spheres = robot::fit_spheres(made.robot, {.spheres = 1});
+    const robot::SelfCollision found = robot::find_ignored(made.robot, spheres, {.samples = 100});
+    EXPECT_EQ(fate(made.robot, found, "arm", "tool"), is_rigid ? "Adjacent" : "tested");
+    EXPECT_EQ(found.overlapping.size(), is_rigid ? 0u : 1u);
+  }
 }
 
 TEST(IgnoredPairs, an_arm_apart_at_rest_that_hits_the_body_later_is_tested) {

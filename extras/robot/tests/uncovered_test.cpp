@@ -12,6 +12,7 @@
 #include <numbers>
 #include <support/scratch_folder.hpp>
 
+#include "fit/partial_cover.hpp"
 #include "fit/within.hpp"
 
 namespace morula::test::uncovered {
@@ -210,6 +211,24 @@ TEST(Uncovered, an_open_surface_is_covered_within_the_tolerance) {
   EXPECT_LE(fitted.within(), 0.2);
 }
 
+// Vertices that no facet has are no part of the surface, wherever they are.
+TEST(Uncovered, loose_vertices_do_not_count) {
+  const ScratchFolder folder;
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 -.5\n",
+                    facets = "f 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\nf 1 2 3\nf 1 3 4\n";
+  (void)folder.file("plain.obj", corners + facets);
+  (void)folder.file("loose.obj", corners + "v 9 8 7\n" + facets);
+  const auto fitted = [&](const std::string& file) {
+    const robot::Robot one =
+        robot_of(folder, "<collision><geometry><mesh filename='" + file + "'/></geometry></collision>");
+    return robot::fit_spheres(one, {.spheres = 4, .tolerance = 0.05, .max_uncovered = 0.4}).links[0];
+  };
+  const robot::LinkSpheres plain = fitted("plain.obj"), loose = fitted("loose.obj");
+  EXPECT_EQ(plain.surface.mesh.positions.size(), 5u);
+  EXPECT_EQ(loose.surface.mesh.positions, plain.surface.mesh.positions);
+  EXPECT_EQ(loose.spheres, plain.spheres);
+}
+
 TEST(Uncovered, refuses_what_it_cannot_keep) {
   const auto refused = [](const robot::FitOptions& options) {
     EXPECT_THROW((void)robot::fit_spheres(arm, options), std::invalid_argument);
@@ -229,6 +248,18 @@ Mesh box_mesh(bool closed) {
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   if (!closed) mesh.facets.pop_back();
   return mesh;
+}
+
+TEST(Uncovered, spheres_grow_up_to_the_largest_radius_alone) {
+  const Mesh box = box_mesh(true);
+  const std::vector<Sphere> start{{{0.1, 0, 0}, 0.03}, {{-0.1, 0, 0}, 0.09}};
+  robot::PartialCover cover(box, SignedDistance(box), start, 0.5, 0.06, 1);
+  cover.set_tolerance(0.01);
+  EXPECT_EQ(cover.spheres()[0].radius, 0.06);
+  EXPECT_EQ(cover.spheres()[1].radius, 0.09) << "it does not shrink";
+  robot::PartialCover free(box, SignedDistance(box), start, 0.5, 1e300, 1);
+  free.set_tolerance(0.01);
+  for (const Vec3& corner : box.positions) EXPECT_LE(gap(corner, free.spheres()), 0.01 + 1e-6);
 }
 
 TEST(FitTolerance, spheres_inside_grow_to_the_surface_and_no_farther) {

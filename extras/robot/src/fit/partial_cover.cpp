@@ -128,7 +128,9 @@ void PartialCover::set_tolerance(double tolerance) {
     const auto gap = [&](const Sphere& s) { return distance(p, s.center) - s.radius; };
     Sphere& nearest = *std::min_element(spheres_.begin(), spheres_.end(),
                                         [&](const Sphere& a, const Sphere& b) { return gap(a) < gap(b); });
-    nearest.radius += std::max(0.0, gap(nearest) - tolerance);
+    // mutant robot-uncovered-radius: `most_radius_` -> `1e300`
+    const double most = std::max(nearest.radius, most_radius_);
+    nearest.radius = std::clamp(nearest.radius + gap(nearest) - tolerance, nearest.radius, most);
   }
   count_all();
 }

@@ -31,7 +31,7 @@ class PartialCover {
 
   std::span<const Sphere> spheres() const { return spheres_; }
   void set_spheres(std::span<const Sphere> spheres);
-  /// Another tolerance, 0 or more. Spheres grow where samples are farther from them.
+  /// Another tolerance, 0 or more. Spheres grow up to the largest radius where samples are farther from them.
   void set_tolerance(double tolerance);
   double area() const { return area_; }  ///< area of the mesh, mesh units²
   double uncovered_area() const;         ///< by the samples, mesh units²

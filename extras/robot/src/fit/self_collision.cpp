@@ -8,6 +8,7 @@
 #include <morula/geometry/reproducible.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <mutex>
+#include <numeric>
 
 #include "fit/pair_chain.hpp"
 #include "fit/pair_search.hpp"
@@ -109,11 +110,18 @@ class Finder {
     for (const auto& [a, b] : o_.given) mark(robot_.find_link(a), robot_.find_link(b), IgnoreReason::given);
     // Joints chain links without spheres between two that have some.
     std::vector<std::size_t> nearest(robot_.links.size(), none);  // the link with spheres that carries a link
+    std::vector<std::size_t> body(robot_.links.size());           // the first link of those that move as one
+    std::iota(body.begin(), body.end(), std::size_t{0});
     for (const std::size_t i : robot_.order) {
       const Joint& joint = robot_.joints[i];
       nearest[joint.child] = place_[joint.parent] != none ? joint.parent : nearest[joint.parent];
       mark(joint.child, nearest[joint.child], IgnoreReason::adjacent);
+      // mutant robot-pairs-floating: `joint.kind == Joint::Kind::fixed` -> `!joint.moves()`
+      if (joint.kind == Joint::Kind::fixed) body[joint.child] = body[joint.parent];
     }
+    // mutant robot-pairs-rigid: `body[link(pair.a)] == body[link(pair.b)]` -> `false`
+    for (const Pair& pair : pairs_)
+      if (body[link(pair.a)] == body[link(pair.b)]) mark(link(pair.a), link(pair.b), IgnoreReason::adjacent);
   }
 
   /// Overlapping spheres do not suffice: the surfaces inside them decide.

@@ -176,7 +176,9 @@ Pieces PieceMaker::reassigned(const Pieces& pieces) const {
   if (shared.size() < 2) return pieces;
   const auto regions = shared_by_power(link_.surface.mesh, covers_of(shared));
   for (std::size_t i = 0; i < shared.size(); ++i) {
-    if (regions[i]) kept.push_back(made_around(shared[i]->cover.center, regions[i]));
+    if (!regions[i]) continue;
+    kept.push_back(made_around(shared[i]->cover.center, regions[i]));
+    if (!is_in_bound(kept.back()->sphere)) return pieces;
   }
   return kept;
 }
@@ -194,6 +196,7 @@ Pieces PieceMaker::without(const Pieces& pieces, std::size_t left_out) const {
       continue;
     }
     auto both = std::make_shared<Mesh>(*shared[i]->region);
+    // mutant robot-self-left-out: `*regions[i]` -> `Mesh{}`
     append_mesh(*both, *regions[i]);
     const Sphere around = sphere_around(*both, shared[i]->cover.center);
     rest.push_back(made({around.center, std::max(around.radius, shared[i]->cover.radius)}, both));

@@ -30,7 +30,7 @@ struct Piece {
 };
 using Pieces = std::vector<std::shared_ptr<Piece>>;
 
-/// Makes the pieces of one link. One thread at a time may use an object.
+/// Makes the pieces of one link. One thread at a time may call divided(); the other functions are safe at any time.
 class PieceMaker {
  public:
   /// link: a fit of the link; borrowed. bound: a ball that contains all pieces. Borrows the options.
@@ -44,8 +44,8 @@ class PieceMaker {
   /// The same regions, with the centers moved from those of the smallest spheres against the unit vector `toward`, by
   /// `shift` times the radius of each: the spheres become flatter on that side. Empty if one leaves the bound.
   Pieces moved_away(const Pieces& parts, const Vec3& toward, double shift) const;
-  /// The same centers, where each point of the surface goes to the sphere in which it lies deepest: no sphere becomes
-  /// larger, and those that get no surface are left out.
+  /// The same centers, where each point of the surface goes to the sphere in which it lies deepest: apart from rounding
+  /// no sphere becomes larger, and those that get no surface are left out. The given pieces if one leaves the bound.
   Pieces reassigned(const Pieces& pieces) const;
   /// The pieces without one, whose region goes to the others, which grow as required. Empty if it has no region, or no
   /// other one has.

@@ -146,6 +146,7 @@ class UncoveredFit {
   /// Searches the worth at which the spheres leave the share by the samples, and the best spheres that leave no more.
   void search(double share) {
     double low = 0, high = std::numeric_limits<double>::infinity(), least = high;
+    for (UncoveredPart& part : parts_) part.best.clear();  // those of an earlier search may leave more
     for (int step = 0; step < worth_steps; ++step) {
       const auto [uncovered, outside] = improve(worth_, rounds_of_a_step);
       const bool enough = uncovered <= share;

@@ -116,17 +116,26 @@ Mesh ball_mesh(RoundShapes round) {
   return capsule_mesh(1, 0, round);
 }
 
+/// Adds the facets of a mesh, and the vertices that they have: other vertices are no part of the surface.
 void add(Mesh& to, const Mesh& mesh, const Vec3& scale, const RigidTransform& origin) {
-  const auto base = static_cast<std::uint32_t>(to.positions.size());
   detail::InterruptPoller poll_interrupt(1u << 14);
-  for (const Vec3& p : mesh.positions) {
+  std::vector<std::uint32_t> places(mesh.positions.size(), 0);  // 0: no facet has the vertex
+  for (const Facet& f : mesh.facets) {
     poll_interrupt();
+    for (const std::uint32_t v : f) places[v] = 1;
+  }
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    poll_interrupt();
+    // mutant robot-loose-vertices: `places[v] == 0` -> `false`
+    if (places[v] == 0) continue;
+    const Vec3& p = mesh.positions[v];
+    places[v] = static_cast<std::uint32_t>(to.positions.size());
     to.positions.push_back(origin({scale.x * p.x, scale.y * p.y, scale.z * p.z}));
   }
   const bool mirrored = scale.x * scale.y * scale.z < 0;
   for (const Facet& f : mesh.facets) {
     poll_interrupt();
-    to.facets.push_back({base + f[0], base + f[mirrored ? 2 : 1], base + f[mirrored ? 1 : 2]});
+    to.facets.push_back({places[f[0]], places[f[mirrored ? 2 : 1]], places[f[mirrored ? 1 : 2]]});
   }
 }
 

@@ -14,7 +14,7 @@ namespace morula::robot {
 /// The reason why a pair of links needs no test. If several apply, the first of this list is taken.
 enum class IgnoreReason {
   given,     ///< the pair is in SelfCollisionOptions::given
-  adjacent,  ///< a joint connects the links, or a chain of joints through links without spheres
+  adjacent,  ///< a joint connects the links, or a chain of joints through links without spheres, or of fixed joints
   rest,      ///< the surfaces touch or cross if all joints have their rest values (rest_values)
   apart,     ///< the spheres are proven apart in every configuration between the joints' limits
   never,     ///< the spheres are apart in every sampled configuration, and a search finds none in which they overlap
