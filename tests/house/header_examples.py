@@ -17,8 +17,9 @@ import sys
 # Headers of the library, without ending; extras below their own folder.
 MAIN = ["accuracy/looseness", "collide/collider", "collide/contact_query", "collide/contacts", "collide/distance",
         "collide/primitives", "generators/build", "geometry/connectivity", "geometry/inspect", "io/mesh_file", "io/modal_file",
-        "io/spheres_file", "robot/fit", "scene/scene", "study/plan", "study/run", "surface/haptic_probe", "surface/haptic_tool", "surface/obstacles", "surface/proximity",
-        "surface/surface_crossings", "update/body", "update/modes"]
+        "io/skin_file", "io/spheres_file", "robot/fit", "scene/scene", "study/plan", "study/run", "surface/haptic_probe", "surface/haptic_tool", "surface/obstacles", "surface/proximity",
+        "surface/surface_crossings", "update/body", "update/modes",
+        "update/skin_morphs"]
 EXTRAS = {"robot", "study"}
 LINES = range(3, 10)
 

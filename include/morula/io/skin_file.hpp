@@ -7,7 +7,8 @@
 //   const morula::BoneFrames motion = morula::read_bone_frames("cat.glb", skin.bone_count, targets.mode_count);
 //   morula::Body body(mesh, morula::build(mesh), {.rules = {morula::Rule::skinned}, .modes = targets, .skin = skin});
 //   for (std::size_t i = 0; i < motion.frame_count(); ++i)
-//     if (!body.update_skinned(motion.frame(i), motion.morphs.frame(i))) return 1;
+//     if (const auto status = body.update_skinned(motion.frame(i), motion.morphs.frame(i)); !status)
+//       std::puts(message(status).c_str());
 #pragma once
 
 #include <morula/io/modal_file.hpp>

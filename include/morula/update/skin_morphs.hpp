@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Skins with morph targets, and skins whose weights do not add up to 1.
 //
+//   const morula::Skin skin = morula::sample_skin(mesh.positions);          // or those of a file: io/skin_file.hpp
+//   const morula::Modes targets = morula::sample_modes(mesh.positions, 4);
 //   morula::Body body(mesh, morula::build(mesh), {.rules = {morula::Rule::skinned}, .modes = targets, .skin = skin});
-//   body.update_skinned(transforms, morphs);                    // every frame
-//   std::vector<morula::Vec3> moved(mesh.vertex_count());       // if the vertices themselves are needed
+//   const std::vector<morula::AffineTransform> transforms(skin.bone_count);  // every frame: one per bone
+//   const std::vector<double> morphs(targets.mode_count, 0.1);               // and a number per target
+//   if (const auto status = body.update_skinned(transforms, morphs); !status) std::puts(message(status).c_str());
+//   std::vector<morula::Vec3> moved(mesh.vertex_count());                    // if the vertices themselves are needed
 //   morula::move_by_skin(skin, targets, mesh.positions, transforms, morphs, moved);
 #pragma once
 
