@@ -39,9 +39,9 @@ static inline float skin_bounds_stretch(const float* m) {
 static inline skin_bounds skin_bounds_of(const skin_bounds_cluster* c, const skin_bounds_row* rows, float reach,
                                   const float* bones) {
   skin_bounds out = {{0}, 0, {0}, {0}};
-  const float* main_bone = bones + 12 * rows[c->row_count ? c->first_row : 0].bone;
-  float blend[12], base[3], stray[4] = {0}, hull = 0, size = reach, low[3], high[3];
   if (c->row_count == 0) return out;
+  const float* main_bone = bones + 12 * rows[c->first_row].bone;
+  float blend[12], base[3], stray[4] = {0}, hull = 0, size = reach, low[3], high[3];
   for (int k = 0; k < 12; ++k) blend[k] = main_bone[k];
   for (int k = 0; k < 3; ++k) out.center[k] = base[k] = skin_bounds_image(main_bone + 4 * k, c->center);
   for (uint32_t i = 0; i < c->row_count; ++i) {
