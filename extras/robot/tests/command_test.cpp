@@ -74,7 +74,7 @@ TEST(RobotCommand, false_self_collisions_are_told_by_pair) {
     urdf += "<link name=\"" + name + "\"><collision><origin xyz=\"" + center + "\"/><geometry><box size=\"" + size +
             "\"/></geometry></collision></link>";
     if (name == "ground") return;
-    urdf += "<joint name=\"to_" + name + "\" type=\"" + (name == "bar" ? "revolute" : "fixed") +
+    urdf += "<joint name=\"to_" + name + "\" type=\"" + (name == "bar" || name == "core" ? "revolute" : "fixed") +
             "\"><parent link=\"ground\"/><child link=\"" + name +
             "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-3.14\" upper=\"3.14\"/></joint>";
   };

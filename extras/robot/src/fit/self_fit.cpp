@@ -214,6 +214,7 @@ class Placer {
     } else {
       steps.back().false_share = std::min(share, steps.back().false_share);
     }
+    // mutant robot-self-total: `steps.back().spheres > result_.total` -> `false`
     if (!chosen_.empty() && (steps.back().spheres > result_.total || share > steps.back().false_share)) return;
     chosen_.clear();
     for (std::size_t i = 0; i < fits_[0].links.size(); ++i) chosen_.push_back(table_->pieces(i));
