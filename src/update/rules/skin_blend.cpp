@@ -3,7 +3,6 @@
 #include "update/rules/skin_blend.hpp"
 
 #include <algorithm>
-#include <map>
 #include <morula/geometry/sphere.hpp>
 
 #include "update/rules/mode_rows.hpp"
@@ -108,7 +107,7 @@ class TermFit {
     std::vector<Vec3> moments(places.size());
     for (const Share& s : shares) weights[s.corner] = s.weight, moments[s.corner] = s.moment;
     BlendTerm term;
-    term.pair = shares.front().bone;
+    term.bone = shares.front().bone;
     term.slope = slope(weights);
     double least = weights[0] - dot(term.slope, places[0]), most = least;
     for (std::size_t k = 1; k < places.size(); ++k) {
@@ -208,7 +207,6 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
   });
   if (bone_count == 1) return result;
 
-  // mutant skinned-negative-hull: `!shares.has_negative() && ` -> ``
   if (!shares.has_negative() && bone_count <= most_balls)
     shares.each_bone([&](std::span<const Share> of_bone) { result.balls.push_back(ball_of(of_bone)); });
   result.shape = shape_of(places);
@@ -220,30 +218,6 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
     if (reach > 0) result.factor_sum += (max_norm(t.moment) + t.moment_stray) / reach;
   });
   return result;
-}
-
-SkinBlend::SkinBlend(std::span<const NodeBlend> from) {
-  std::map<BonePair, std::uint32_t> numbers;
-  for (const NodeBlend& blend : from) {
-    BlendNode node = blend.node;
-    node.first_term = static_cast<std::uint32_t>(terms.size());
-    node.first_ball = static_cast<std::uint32_t>(balls.size());
-    node.shape = static_cast<std::uint32_t>(shapes.size());
-    for (BlendTerm term : blend.terms) {
-      const BonePair pair{node.bone, term.pair};
-      const auto [place, is_new] = numbers.emplace(pair, static_cast<std::uint32_t>(pairs.size()));
-      if (is_new) pairs.push_back(pair);
-      term.pair = place->second;
-      terms.push_back(term);
-    }
-    if (!blend.terms.empty()) shapes.push_back(blend.shape);
-    balls.insert(balls.end(), blend.balls.begin(), blend.balls.end());
-    node.end_term = static_cast<std::uint32_t>(terms.size());
-    node.end_ball = static_cast<std::uint32_t>(balls.size());
-    nodes.push_back(node);
-    factor_sum = std::max(factor_sum, blend.factor_sum);
-    most_terms = std::max(most_terms, blend.terms.size());
-  }
 }
 
 }  // namespace morula::detail
