@@ -24,10 +24,11 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 22> scenarios{{
+constexpr std::array<NamedScenario, 23> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
+    {"skinned", run_skinned},
     {"rebuild", run_rebuild},
     {"measure", run_measure},
     {"query", run_query},
@@ -65,7 +66,7 @@ int run(int argc, char** argv) {
   std::string baseline_file;
   bool scaling = false;
   app.add_option("--scenario", wanted,
-                 "build, update, modal, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
+                 "build, update, modal, skinned, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
                  "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")

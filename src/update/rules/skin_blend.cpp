@@ -12,6 +12,8 @@ namespace {
 
 // Limits of slope × radius and of scale: the rounding of what they multiply is then small (skinned.cpp).
 constexpr double steepest = 4, largest_scale = 2;
+// A bone in less than one of so many corners gets a slope and a scale of 0.
+constexpr std::size_t few = 16;
 
 // The weight and the moment of a bone in a corner, the number of which counts the node's corners.
 struct Share {
@@ -26,10 +28,12 @@ class Shares {
   Shares(const Skin& skin, const PositionView& positions, const Cover& cover, std::span<const std::uint32_t> corners,
          const Vec3& center) {
     for (std::uint32_t k = 0; k < corners.size(); ++k) {
-      begin_ = shares_.size();
       const auto add = [&](std::uint32_t vertex, double factor) {
         const Vec3 place = positions[vertex] - center;
-        each_weight(skin, vertex, [&](std::uint32_t bone, double weight) { add_to(k, bone, factor * weight, place); });
+        each_weight(skin, vertex, [&](std::uint32_t bone, double weight) {
+          if (factor * weight == 0) return;
+          shares_.push_back({bone, k, factor * weight, factor * weight * place});
+        });
       };
       if (corners[k] < cover.vertex_count) {
         add(corners[k], 1);
@@ -38,7 +42,9 @@ class Shares {
       const CutPoint& cut = cover.cut_points[corners[k] - cover.vertex_count];
       for (std::size_t i = 0; i < 3; ++i) add(cut.vertex[i], cut.weight[i]);
     }
+    has_negative_ = std::any_of(shares_.begin(), shares_.end(), [](const Share& s) { return s.weight < 0; });
     std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.bone < b.bone; });
+    unite();
   }
 
   bool has_negative() const { return has_negative_; }
@@ -52,20 +58,21 @@ class Shares {
   }
 
  private:
-  void add_to(std::uint32_t corner, std::uint32_t bone, double weight, const Vec3& place) {
-    if (weight == 0) return;
-    has_negative_ = has_negative_ || weight < 0;
-    for (std::size_t i = begin_; i < shares_.size(); ++i) {
-      if (shares_[i].bone != bone) continue;
-      shares_[i].weight += weight;
-      shares_[i].moment += weight * place;
-      return;
+  // Adds up the shares of one bone in one corner, which are next to each other.
+  void unite() {
+    std::size_t count = 0;
+    for (const Share& s : shares_) {
+      if (count > 0 && shares_[count - 1].bone == s.bone && shares_[count - 1].corner == s.corner) {
+        shares_[count - 1].weight += s.weight;
+        shares_[count - 1].moment += s.moment;
+      } else {
+        shares_[count++] = s;
+      }
     }
-    shares_.push_back({bone, corner, weight, weight * place});
+    shares_.resize(count);
   }
 
   std::vector<Share> shares_;
-  std::size_t begin_ = 0;  // first share of the corner that is read
   bool has_negative_ = false;
 };
 
@@ -102,7 +109,9 @@ class TermFit {
     for (const Vec3& y : places_) spread_ += squared_length(y - mean_);
   }
 
+  // Cost: linear in the shares.
   BlendTerm term(std::span<const Share> shares, std::span<const Vec3> places) const {
+    if (shares.size() < places.size() / few) return constant_term(shares);
     std::vector<double> weights(places.size());
     std::vector<Vec3> moments(places.size());
     for (const Share& s : shares) weights[s.corner] = s.weight, moments[s.corner] = s.moment;
@@ -127,6 +136,26 @@ class TermFit {
   }
 
  private:
+  // The other corners have the weight 0 and the moment 0.
+  static BlendTerm constant_term(std::span<const Share> shares) {
+    BlendTerm term;
+    term.bone = shares.front().bone;
+    double least = 0, most = 0;
+    std::vector<Vec3> moments(1);
+    for (const Share& s : shares) {
+      least = std::min(least, s.weight), most = std::max(most, s.weight);
+      moments.push_back(s.moment);
+    }
+    term.weight = least + (most - least) / 2;
+    // mutant skinned-constant-weight-stray: `std::max(most - term.weight, term.weight - least)` -> `0`
+    term.weight_stray = std::max(most - term.weight, term.weight - least);
+    const ModeRow row = mode_row(moments);
+    term.moment = row.shift;
+    // mutant skinned-constant-moment-stray: `row.stray` -> `0`
+    term.moment_stray = row.stray;
+    return term;
+  }
+
   Vec3 slope(std::span<const double> weights) const {
     Vec3 product;
     for (std::size_t k = 0; k < places_.size(); ++k)

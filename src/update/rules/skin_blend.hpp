@@ -80,7 +80,8 @@ struct NodeBlend {
 
 /// corners: those that the node has to contain, each once. center: of the node's sphere; the result's differs from it
 /// if the corners fit into a ball of less than a quarter of the size. reach: the largest |coordinate| of vertices and
-/// centers. Cost: O(corners × bones).
+/// centers. Cost: linear in the
+/// influences of the corners, but for their order.
 NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const Cover& cover,
                         std::span<const std::uint32_t> corners, const Vec3& center, double reach);
 

@@ -76,6 +76,14 @@ void put(const Vec3& v, LaneVectors& to, std::size_t lane) {
   to.x[lane] = v.x, to.y[lane] = v.y, to.z[lane] = v.z;
 }
 
+// The entry of a bone in a list by bone; null if there is none.
+template <class Entry>
+const Entry* entry_of(std::uint32_t bone, const std::vector<Entry>& by_bone) {
+  const auto found = std::lower_bound(by_bone.begin(), by_bone.end(), bone,
+                                      [](const Entry& entry, std::uint32_t b) { return entry.bone < b; });
+  return found != by_bone.end() && found->bone == bone ? &*found : nullptr;
+}
+
 void put_node(const NodeBlend& blend, NodeGroup& group, std::size_t lane) {
   put(blend.node.rest.center, group.center, lane);
   group.radius[lane] = blend.node.rest.radius;
@@ -83,20 +91,19 @@ void put_node(const NodeBlend& blend, NodeGroup& group, std::size_t lane) {
   put(blend.shape.center, group.shape_center, lane);
   for (std::size_t k = 0; k < 3; ++k) put(blend.shape.axes[k], group.shape_axes[k], lane);
   group.ball_radius[lane] = -1;
-  for (const BoneBall& ball : blend.balls)
-    if (ball.bone == group.bone) put(ball.center, group.ball, lane), group.ball_radius[lane] = ball.radius;
+  if (const BoneBall* ball = entry_of(group.bone, blend.balls))
+    put(ball->center, group.ball, lane), group.ball_radius[lane] = ball->radius;
 }
 
 void put_term(const NodeBlend& blend, GroupTerm& to, std::size_t lane) {
   to.ball_radius[lane] = -1;
-  for (const BoneBall& ball : blend.balls)
-    if (ball.bone == to.bone) put(ball.center, to.ball, lane), to.ball_radius[lane] = ball.radius;
-  for (const BlendTerm& term : blend.terms) {
-    if (term.bone != to.bone) continue;
-    to.weight[lane] = term.weight, to.scale[lane] = term.scale;
-    put(term.slope, to.slope, lane), put(term.moment, to.moment, lane);
-    to.weight_stray[lane] = term.weight_stray, to.moment_stray[lane] = term.moment_stray;
-  }
+  if (const BoneBall* ball = entry_of(to.bone, blend.balls))
+    put(ball->center, to.ball, lane), to.ball_radius[lane] = ball->radius;
+  const BlendTerm* term = entry_of(to.bone, blend.terms);
+  if (term == nullptr) return;
+  to.weight[lane] = term->weight, to.scale[lane] = term->scale;
+  put(term->slope, to.slope, lane), put(term->moment, to.moment, lane);
+  to.weight_stray[lane] = term->weight_stray, to.moment_stray[lane] = term->moment_stray;
 }
 
 }  // namespace

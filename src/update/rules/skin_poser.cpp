@@ -49,7 +49,11 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
                      std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];
+  std::vector<std::uint8_t> is_used(skin.bone_count);
   for (const std::uint32_t v : used_vertices) {
+    for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k)
+      // mutant skinned-used-bones: `skin.weights[k] != 0` -> `false`
+      if (skin.weights[k] != 0) is_used[skin.bones[k]] = 1;
     rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
     double sum = 0, absolute = 0;
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k)
@@ -58,6 +62,8 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
     skin_slack_ = std::max(skin_slack_, std::abs(1 - sum));
     most_terms_ = std::max<std::size_t>(most_terms_, skin.begin[v + 1] - skin.begin[v]);
   }
+  for (std::uint32_t b = 0; b < is_used.size(); ++b)
+    if (is_used[b] != 0) used_bones_.push_back(b);
   for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
   for (const CutPoint& c : model.cover.cut_points)
     cut_slack_ = std::max(cut_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
@@ -84,7 +90,7 @@ BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> tran
   const Vec3 guide = skinned_vertex(skin, guide_, guide_rest_, transforms);
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
   double motion = 0;
-  for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t));
+  for (const std::uint32_t b : used_bones_) motion = std::max(motion, motion_of(transforms[b]));
   const double all = (largest_weights_ + factor_sum_) * (rest_reach_ + motion) + max_norm(origin);
   // mutant skinned-pad-of-few-terms: `(static_cast<double>(most_terms_) + 16)` -> `16`
   // mutant skinned-pad-less: `49` -> `59`

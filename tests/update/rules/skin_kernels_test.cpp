@@ -174,5 +174,22 @@ TEST(SkinKernels, all_processors_give_the_same_bits) {
   }
 }
 
+// A bone that no vertex follows, and one that vertices name with a weight of 0.
+TEST(SkinKernels, bones_without_weight_change_no_sphere) {
+  Facets f = facets(9);
+  Body without(f.mesh, f.model, {.rules = {Rule::skinned}, .skin = f.skin});
+  for (std::size_t k = 0; k < f.skin.weights.size(); ++k)
+    if (f.skin.weights[k] == 0) f.skin.bones[k] = 9;
+  f.skin.bone_count = 10;
+  Body with(f.mesh, f.model, {.rules = {Rule::skinned}, .skin = f.skin});
+  for (Bones bones : motions(8)) {
+    ASSERT_TRUE(without.update_skinned(bones));
+    bones.resize(10);
+    bones[8].translation = bones[9].translation = {1e9, -1e9, 1e9};
+    ASSERT_TRUE(with.update_skinned(bones));
+    EXPECT_EQ(with.hash(), without.hash());
+  }
+}
+
 }  // namespace
 }  // namespace morula::detail
