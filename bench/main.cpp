@@ -65,11 +65,12 @@ int run(int argc, char** argv) {
   std::uint64_t seeds = 1;
   std::string baseline_file;
   bool scaling = false;
-  app.add_option("--scenario", wanted,
-                 "build, update, modal, skinned, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
-                 "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
-                 "distance, haptic, peers; may be repeated "
-                 "(default: all)")
+  app.add_option(
+         "--scenario", wanted,
+         "build, update, modal, skinned, rebuild, measure, query, volumes, collide, patches, pressed, crossings, self, "
+         "proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
+         "distance, haptic, peers; may be repeated "
+         "(default: all)")
       ->check(CLI::IsMember(names));
   app.add_option("--mesh", meshes,
                  "a file, a sample body as NAME or NAME:RESOLUTION, or a flat sheet:RESOLUTION; may be repeated\n"

@@ -81,7 +81,7 @@ struct NodeBlend {
 /// corners: those that the node has to contain, each once. center: of the node's sphere; the result's differs from it
 /// if the corners fit into a ball of less than a quarter of the size. reach: the largest |coordinate| of vertices and
 /// centers. Cost: linear in the
-/// influences of the corners, but for their order.
+/// influences of the corners, which are sorted by bone.
 NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const Cover& cover,
                         std::span<const std::uint32_t> corners, const Vec3& center, double reach);
 
@@ -91,7 +91,7 @@ struct SkinBlend {
   explicit SkinBlend(std::span<const NodeBlend> from);
 
   std::vector<BlendNode> nodes{};
-  std::vector<NodeGroup> groups{};  ///< of all nodes
+  std::vector<NodeGroup> groups{};  ///< every node is in one of them
   std::vector<GroupTerm> terms{};
   std::vector<BonePair> pairs{};
   double factor_sum = 0;       ///< largest NodeBlend::factor_sum

@@ -58,7 +58,7 @@ class GroupChoice {
     }
     return group;
   }
-  /// Of the last group.
+  /// The other bones of the last group.
   const Bones& united() const { return united_; }
 
  private:

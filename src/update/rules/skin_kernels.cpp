@@ -11,6 +11,8 @@
 namespace morula::detail {
 namespace {
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 /// Registers of one double: the same source in plain loops, also for compilers without vector types.
 namespace plain {
 

@@ -29,7 +29,7 @@ struct BoneMotion {
   double size;  ///< at least the largest stretch: of the bone's linear part itself, or of the difference
 };
 
-/// A bone besides the main one, in all nodes of a group; in those which it does not move all numbers are 0.
+/// A bone besides the main one, in all nodes of a group; all numbers are 0 in a node that it does not move.
 struct GroupTerm {
   std::uint32_t bone = 0, pair = 0;
   LaneNumbers weight{}, scale{}, weight_stray{}, moment_stray{};
@@ -48,7 +48,7 @@ struct NodeGroup {
   LaneNumbers radius{};
   LaneNumbers weight_strays{};  ///< sums over the terms
   LaneVectors shape_center{}, shape_axes[3]{};
-  LaneVectors ball{};         ///< of the main bone
+  LaneVectors ball{};         ///< ball of the main bone
   LaneNumbers ball_radius{};  ///< below 0 in nodes without balls
 };
 

@@ -59,8 +59,8 @@ inline Matrices linear_part(const BoneMotion& bone) {
   return {{each(bone.columns[0]), each(bone.columns[1]), each(bone.columns[2])}};
 }
 
-// largest_stretch of mode_rows.hpp. Where squares or their cubes leave the range of double, three times the largest
-// entry, which bounds the root of the sum of nine squares.
+// largest_stretch of mode_rows.hpp. If squares or their cubes leave the range of double, the bound is three times the
+// largest entry, which is at least the root of the sum of nine squares.
 inline Doubles stretch(const Matrices& f) {
   const Vectors &a = f.columns[0], &b = f.columns[1], &c = f.columns[2];
   const Doubles aa = dot(a, a), bb = dot(b, b), cc = dot(c, c), ab = dot(a, b), ac = dot(a, c), bc = dot(b, c);
@@ -170,7 +170,7 @@ inline void hull(const NodeGroup& group, const SkinFrame& frame, std::size_t lan
     const Doubles radius = read(t.ball_radius + lane);
     Ball& ball = balls[count++];
     ball = {linear_part(pair) * (center + place) + each(pair.shift) + turned * place,
-            radius < each(0) ? each(-__builtin_inf()) : frame.bones[t.bone].size * radius};
+            radius < each(0) ? each(-infinite) : frame.bones[t.bone].size * radius};
     box.extend(ball);
   }
   const Vectors middle = each(0.5) * (box.lower + box.upper), displaced = moved + middle;

@@ -13,7 +13,7 @@
 // the root of the sum of the squares of its entries, and with E_b >= |e_b|, by the inequality of Cauchy and Schwarz,
 //   sum E_b |D_b c| <= sqrt(sum E_b) sqrt(sum E_b |D_b c|^2).
 //
-// At joints that bend far these spheres grow. Where one of a group has grown by more than `loose`, two more are tried
+// At joints that bend far these spheres grow. If one of a group has grown by more than `loose`, two more are tried
 // for all of the group:
 //   shape  y = y_0 + L u with |u| <= 1, hence |p - (C + F y_0)| <= |F L| + strays; a patch is flat, and F may stretch
 //          only across it
@@ -24,8 +24,8 @@
 //
 // Nodes with one main bone, and nearly the same others, are bounded in groups, one in each lane (skin_groups.cpp). A
 // bone that moves only some of them has factors and strays of 0 in the others and adds exactly 0; its ball there has
-// the radius -infinity and reaches nowhere. Lanes do not mix but for the choice above, which is one for the group: no
-// bit depends on the width of registers.
+// the radius -infinity and reaches nowhere. Lanes share only the choice above, which is made once for the group:
+// no bit depends on the width of registers.
 //
 // Rounding, all in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
 // of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
@@ -66,8 +66,8 @@ constexpr std::size_t groups_per_chunk = 4;
 // origin's included, below 2^56.
 constexpr double largest_bound = 0x1p59;
 
-// At least the largest stretch, and at most three times as much. Where squares leave the range of double, other bounds
-// are smaller or larger.
+// At least the root of the sum of the squares of the entries. Squares may vanish below the first limit and overflow,
+// but three times the largest entry is a bound of that root at any size.
 double frobenius_norm(const std::array<Vec3, 3>& columns) {
   const double largest = std::max({max_norm(columns[0]), max_norm(columns[1]), max_norm(columns[2])});
   const double root = std::sqrt(squared_length(columns[0]) + squared_length(columns[1]) + squared_length(columns[2]));
