@@ -41,7 +41,9 @@
 // If the weights of a vertex add up to 1 +- s, its bone with the largest weight gets the rest, which moves it by up to
 // s |(T_b - 1) x|; allowed: 2 s S. If those of a cut corner do, it moves by 1.8 s S, and by up to 3.5 s (X + S) against
 // the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are
-// positive and pay by a share for their own arithmetic; the motion of the center by narrowing to float is measured.
+// positive and pay by a share for their own arithmetic. Squares that vanish take less than 2^-500 Q from the strays,
+// which is below the pad or, for smaller bodies, below what rounding up to a float adds. The motion of the center by
+// narrowing to float is measured.
 #include <algorithm>
 #include <array>
 #include <cassert>
