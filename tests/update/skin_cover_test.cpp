@@ -241,6 +241,31 @@ TEST(SkinnedCover, pays_for_cut_corners_whose_weights_do_not_add_up) {
   EXPECT_LE(body.certify(positions).worst_excess, 0);
 }
 
+// Each of these bones moves a few vertices of the body, by less and less the farther they are.
+TEST(SkinnedCover, bones_of_few_vertices_are_covered) {
+  const Specimen& b = specimens()[2];
+  const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
+  Skin skin{.bone_count = 1 + count / 7, .begin = {0}};
+  for (std::uint32_t v = 0; v < count; ++v) {
+    const std::uint32_t bone = 1 + v / 7 % (count / 7);
+    const double weight = v % 7 == 6 ? 0 : 0.9 - 0.1 * (v % 7);
+    skin.bones.insert(skin.bones.end(), {0, bone});
+    skin.weights.insert(skin.weights.end(), {1 - weight, weight});
+    skin.begin.push_back(2 * (v + 1));
+  }
+  Body body(b.mesh, b.model, {.rules = {Rule::skinned}, .skin = skin});
+  Random random(13);
+  for (int round = 0; round < 200; ++round) {
+    // All but one of the bones are at rest: that one alone has to pay for its vertices.
+    Transforms transforms(skin.bone_count);
+    AffineTransform& moved = transforms[1 + static_cast<std::size_t>(round) % (skin.bone_count - 1)];
+    if (round % 2 == 0) moved.translation = any_vector(random, 3);
+    if (round % 2 == 1) moved = any_transform(random, 0, 0.1);
+    ASSERT_TRUE(body.update_skinned(transforms));
+    EXPECT_LE(skin_excess(body, b.mesh, skin, transforms), 0) << round;
+  }
+}
+
 // A bone for each vertex, too many for a hull, and every second one far to the other side.
 TEST(SkinnedCover, radii_stay_in_range_at_the_largest_transforms) {
   const Specimen& b = specimens()[0];
