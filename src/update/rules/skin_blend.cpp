@@ -236,7 +236,7 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
   });
   if (bone_count == 1) return result;
 
-  if (!shares.has_negative() && bone_count <= most_balls)
+  if (!shares.has_negative())
     shares.each_bone([&](std::span<const Share> of_bone) { result.balls.push_back(ball_of(of_bone)); });
   result.shape = shape_of(places);
   const TermFit fit(places, rest.radius > 0 ? rest.radius : 1);

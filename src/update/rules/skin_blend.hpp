@@ -73,7 +73,7 @@ struct BonePair {
 struct NodeBlend {
   BlendNode node;
   std::vector<BlendTerm> terms{};  ///< by bone, ascending; none if one bone moves the node
-  std::vector<BoneBall> balls{};   ///< one per bone, ascending; none if a weight is negative, or with too many bones
+  std::vector<BoneBall> balls{};   ///< one per bone, ascending; none if a weight is negative
   PatchShape shape{};
   double factor_sum = 0;  ///< sum of the factors that multiply transforms of points or, over `reach`, linear parts
 };

@@ -14,8 +14,8 @@ namespace morula::detail {
 
 /// Nodes of a group. It is the same on all processors, on which the bits of the result must not depend.
 inline constexpr std::size_t lanes_of_group = 8;
-/// Largest number of balls whose hull is tried, the main bone's included.
-inline constexpr std::size_t most_balls = 64;
+/// Moved balls that a hull keeps on the stack.
+inline constexpr std::size_t most_kept_balls = 64;
 
 using LaneNumbers = double[lanes_of_group];
 struct LaneVectors {

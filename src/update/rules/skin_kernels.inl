@@ -71,9 +71,7 @@ inline Doubles stretch(const Matrices& f) {
   const Doubles cube = p * p * p;
   const Doubles determinant = xx * (yy * zz - bc * bc) - ab * (ab * zz - bc * ac) + ac * (ab * bc - yy * ac);
   const Doubles right = larger(each(-1), smaller(each(1), determinant / (cube + cube)));
-  const auto tangent = [&](double at) {
-    return at + (right - (4 * at * at * at - 3 * at)) * (1 / (12 * at * at - 3));
-  };
+  const auto tangent = [&](double at) { return at + (right - (4 * at * at * at - 3 * at)) * (1 / (12 * at * at - 3)); };
   Doubles g = smaller(smaller(tangent(1), tangent(0.85)), smaller(tangent(0.7), tangent(0.56)));
   g -= (4.0 * g * g * g - 3.0 * g - right) / (12.0 * g * g - 3.0);
   g = cube > each(0) ? g : each(1);
@@ -154,28 +152,33 @@ struct Boxes {
 
 // A ball around the moved balls of the bones, about the displaced center: around the middle of their box.
 inline void hull(const NodeGroup& group, const SkinFrame& frame, std::size_t lane, Bounds& s) {
-  Ball balls[most_balls];
   const BoneMotion& main = frame.bones[group.bone];
   Matrices turned = linear_part(main);
   turned.columns[0].x += 1, turned.columns[1].y += 1, turned.columns[2].z += 1;
   const Vectors center = read(group.center, lane), moved = linear_part(main) * center + each(main.shift);
-  balls[0] = {turned * read(group.ball, lane), main.size * read(group.ball_radius + lane)};
-  Boxes box{balls[0].center, balls[0].center};
-  box.extend(balls[0]);
-  std::size_t count = 1;
-  for (std::uint32_t i = group.first_term; i != group.end_term; ++i) {
-    const GroupTerm& t = frame.terms[i];
+  const auto moved_ball = [&](const GroupTerm& t) -> Ball {
     const BoneMotion& pair = frame.pairs[t.pair];
     const Vectors place = read(t.ball, lane);
     const Doubles radius = read(t.ball_radius + lane);
-    Ball& ball = balls[count++];
-    ball = {linear_part(pair) * (center + place) + each(pair.shift) + turned * place,
+    return {linear_part(pair) * (center + place) + each(pair.shift) + turned * place,
             radius < each(0) ? each(-infinite) : frame.bones[t.bone].size * radius};
+  };
+  const std::span<const GroupTerm> terms(frame.terms + group.first_term, frame.terms + group.end_term);
+  const Ball ball_of_main{turned * read(group.ball, lane), main.size * read(group.ball_radius + lane)};
+  Boxes box{ball_of_main.center, ball_of_main.center};
+  box.extend(ball_of_main);
+  Ball kept[most_kept_balls];  // the first ones; the others are computed twice
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const Ball ball = moved_ball(terms[i]);
     box.extend(ball);
+    if (i < most_kept_balls) kept[i] = ball;
   }
   const Vectors middle = each(0.5) * (box.lower + box.upper), displaced = moved + middle;
-  Doubles reach = each(0);
-  for (std::size_t i = 0; i < count; ++i) reach = larger(norm(balls[i].center - middle) + balls[i].radius, reach);
+  Doubles reach = norm(ball_of_main.center - middle) + ball_of_main.radius;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const Ball ball = i < most_kept_balls ? kept[i] : moved_ball(terms[i]);
+    reach = larger(norm(ball.center - middle) + ball.radius, reach);
+  }
   // mutant skinned-negative-hull: `read(group.ball_radius + lane) < each(0) ? s.radius : reach` -> `reach`
   reach = read(group.ball_radius + lane) < each(0) ? s.radius : reach;
   const auto is_better = reach < s.radius;
@@ -201,7 +204,7 @@ void bound(const NodeGroup& group, const SkinFrame& frame, GroupSpheres& spheres
   for (std::size_t r = 0; r < registers; ++r) {
     if (loose_lanes != 0) {
       shape(group, r * doubles, bounds[r]);
-      if (group.end_term - group.first_term < most_balls) hull(group, frame, r * doubles, bounds[r]);
+      hull(group, frame, r * doubles, bounds[r]);
     }
     write(bounds[r].center, spheres.center, r * doubles);
     write(bounds[r].radius, spheres.radius + r * doubles);
