@@ -32,8 +32,8 @@
 // with square roots and divisions off by up to 4 units in the last place. Sums may be in any order, multiplications and
 // additions fused or not, and numbers below the normal range may count as 0. K.growth and K.rounding pay for that, for
 // transforms that were rounded from double to float, and for weights that add up to 1 within 1e-6, whether the engine
-// gives the missing weight to the rest position, to a bone or to none. Transforms of a size above largest_size may
-// leave the range of float.
+// gives the missing weight to the rest position, to a bone or to none. They also pay for vertices that a shader moves
+// in float. Transforms of a size above largest_size may leave the range of float.
 #pragma once
 
 #include <cstdint>
