@@ -460,7 +460,11 @@ TEST(Gltf, hostile_animations_and_skins_are_refused_by_name) {
            {"values for", sampler("interpolation", "CUBICSPLINE")},
            {"another type", sampler("input", 0)},
            {"refers to accessor 99", sampler("output", 99)},
-           {"do not go up", numbers(5, 1, 0)},
+           {"go down",
+            [=](GltfMaker& file) {
+              numbers(5, 0, 0.5f)(file);
+              numbers(5, 1, 0.25f)(file);
+            }},
            {"negative", numbers(5, 0, -1)},
            {"not finite", numbers(5, 1, nan)},
            {"not finite", numbers(6, 1, nan)},

@@ -65,6 +65,8 @@ void sample(const Channel& channel, double seconds, std::span<double> out) {
     return std::span(channel.values).subspan(((is_cubic ? 3 : 1) * key + part) * width, width);
   };
   const std::size_t value = is_cubic ? 1 : 0;
+  // The times on both sides differ, also where keys have equal times: the last of these is the one before.
+  // mutant gltf-later-key: `upper_bound` -> `lower_bound`
   const auto after = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), seconds) - times.begin());
   if (after == 0 || after == times.size() || channel.interpolation == Channel::Interpolation::step) {
     const auto key = group(after == 0 ? 0 : after - 1, value);

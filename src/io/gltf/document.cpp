@@ -362,9 +362,11 @@ class Reader {
       document_.fail(owner + " is interpolated by " + in_quotes(kind) + ", which glTF does not know");
     channel.times = accessors_.numbers(sampler.input, TINYGLTF_TYPE_SCALAR, owner + "'s times");
     if (channel.times.empty()) document_.fail(owner + " has no times");
+    // glTF wants ascending times. Some exporters write a key twice: equal neighbors are read, since sample() takes the
+    // later one.
     for (std::size_t k = 0; k < channel.times.size(); ++k)
-      if (channel.times[k] < 0 || (k > 0 && !(channel.times[k] > channel.times[k - 1])))
-        document_.fail(owner + " has times that are negative or do not go up");
+      if (channel.times[k] < 0 || (k > 0 && channel.times[k] < channel.times[k - 1]))
+        document_.fail(owner + " has times that are negative or go down");
     const bool is_weights = channel.path == Channel::Path::weights;
     channel.width = is_weights ? (node.mesh == none ? 0 : document_.meshes[node.mesh].weights.size())
                     : channel.path == Channel::Path::rotation ? 4

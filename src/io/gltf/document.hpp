@@ -58,7 +58,7 @@ struct Channel {
   std::uint32_t node;
   Path path;
   Interpolation interpolation;
-  std::vector<double> times;   ///< times, ascending
+  std::vector<double> times;   ///< times, none below the one before; of equal ones, the last key holds from then on
   std::vector<double> values;  ///< `width` numbers per time; cubic: three times as many, tangents before and after
   std::size_t width;
 };
