@@ -28,7 +28,8 @@ class Walker {
   Mesh mesh;
   Skin skin{.bone_count = 11, .begin = {0}};
 
-  Walker() {
+  /// around, rings: vertices of a ring of each of the six tubes, 3 or more, and rings, 2 or more.
+  explicit Walker(std::uint32_t around = 12, std::uint32_t rings = 14) : around_(around), rings_(rings) {
     // Bones: pelvis 0, chest 1, head 2, then upper and lower arms 3 to 6, upper and lower legs 7 to 10.
     add_tube({0, 0.85, 0}, {0, 1.5, 0}, 0.16, {0, 1});
     add_tube({0, 1.45, 0}, {0, 1.8, 0}, 0.11, {1, 2});
@@ -65,7 +66,7 @@ class Walker {
  private:
   // Closed, of two bones; the weights go over from one to the other in the middle third.
   void add_tube(const Vec3& from, const Vec3& to, double radius, std::array<std::uint32_t, 2> bones) {
-    constexpr std::uint32_t around = 12, rings = 14;
+    const std::uint32_t around = around_, rings = rings_;
     const Vec3 along = normalized(to - from);
     const Vec3 side = normalized(cross(along, std::abs(along.x) > 0.5 ? Vec3{0, 0, 1} : Vec3{1, 0, 0}));
     const Vec3 up = cross(along, side);
@@ -97,6 +98,8 @@ class Walker {
     for (std::uint32_t k = 0; k < around; ++k)
       mesh.facets.push_back({at(rings - 1, k), at(rings - 1, k + 1), first + 1 + rings * around});
   }
+
+  std::uint32_t around_, rings_;
 };
 
 }  // namespace crowd
