@@ -24,10 +24,11 @@ struct NamedScenario {
   const char* name;
   Run run;
 };
-constexpr std::array<NamedScenario, 24> scenarios{{
+constexpr std::array<NamedScenario, 25> scenarios{{
     {"build", run_build},
     {"update", run_update},
     {"modal", run_modal},
+    {"skinned", run_skinned},
     {"skinned-pick", run_skinned_pick},
     {"rebuild", run_rebuild},
     {"measure", run_measure},
@@ -67,7 +68,8 @@ int run(int argc, char** argv) {
   std::string baseline_file;
   bool scaling = false;
   app.add_option("--scenario", wanted,
-                 "build, update, modal, skinned-pick, skin-bounds, rebuild, measure, query, volumes, collide, patches, "
+                 "build, update, modal, skinned, skinned-pick, skin-bounds, rebuild, measure, query, volumes, collide, "
+                 "patches, "
                  "pressed, crossings, self, proximity, layers, swept, filters, scene, scene-patches, scene-queries, "
                  "distance, haptic, peers; may be repeated "
                  "(default: all)")

@@ -76,6 +76,7 @@ std::vector<Result> run_planning(std::size_t configurations, const Settings& set
 std::vector<Result> run_growth(std::size_t most_facets, const Settings& settings);
 std::vector<Result> run_update(const Input& input, const Settings& settings);
 std::vector<Result> run_modal(const Input& input, const Settings& settings);
+std::vector<Result> run_skinned(const Input& input, const Settings& settings);
 std::vector<Result> run_skinned_pick(const Input& input, const Settings& settings);
 std::vector<Result> run_rebuild(const Input& input, const Settings& settings);
 std::vector<Result> run_measure(const Input& input, const Settings& settings);

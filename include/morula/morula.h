@@ -125,6 +125,51 @@ MORULA_API const uint32_t* morula_model_parent(const morula_model* model);
 MORULA_API morula_status morula_model_level_set(const morula_model* model, size_t level, uint32_t* nodes,
                                                 size_t capacity, size_t* count);
 
+/* ---- Skins: vertices that follow bones. ---- */
+
+/* Transforms of bones are 12 numbers each: the rows of [A | t], x -> A x + t, relative to rest. That is the world
+ * matrix of the bone times its inverse bind matrix. They are the identity at rest, and may be singular or mirrored. */
+
+typedef struct morula_skin morula_skin;
+
+/* Creates a skin. bones, weights: `influences` of each vertex, one vertex after another; those with weight 0 are left
+ * out. bones: below bone_count. The weights of a vertex are divided by their sum, which must be above 0 in vertices
+ * that facets use. Both arrays are copied. Cost: linear. */
+MORULA_API morula_status morula_skin_create(size_t vertex_count, size_t influences, const uint32_t* bones,
+                                            const double* weights, size_t bone_count, morula_skin** skin);
+/* Reads the skin of a mesh: a .gltf or .glb with its vertices, or a .npy of shape (vertices, bones). */
+MORULA_API morula_status morula_skin_read(const char* path, const morula_mesh* mesh, morula_skin** skin);
+MORULA_API void morula_skin_destroy(morula_skin* skin);
+MORULA_API size_t morula_skin_bone_count(const morula_skin* skin);
+/* Writes the vertices at these transforms, 3 numbers each, to `positions`, with the bits that bodies use. */
+MORULA_API morula_status morula_skin_positions(const morula_skin* skin, const morula_mesh* mesh,
+                                               const double* transforms, size_t bone_count, double* positions);
+
+/* Bounds of clusters of facets, such as meshlets or draw clusters, from the bones alone: no body, no tree. */
+typedef struct morula_skin_bounds morula_skin_bounds;
+
+typedef struct morula_boxf {
+  float lower[3], upper[3];
+} morula_boxf;
+typedef struct morula_spheref {
+  float x, y, z, radius;
+} morula_spheref;
+
+/* Computes rest data. cluster_of_facet: a number per facet of the mesh, from 0; NULL: one cluster. Mesh and skin may be
+ * destroyed afterwards. Cost: linear in influences. */
+MORULA_API morula_status morula_skin_bounds_create(const morula_mesh* mesh, const morula_skin* skin,
+                                                   const uint32_t* cluster_of_facet, morula_skin_bounds** bounds);
+MORULA_API void morula_skin_bounds_destroy(morula_skin_bounds* bounds);
+/* The largest number of a cluster, plus 1. */
+MORULA_API size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bounds);
+/* Computes a sphere and a box of each cluster that contain all its vertices at these transforms, rounded outward.
+ * transforms: those of character_count characters, one after another. spheres, boxes: one per character and cluster;
+ * either may be NULL. Rejected, with nothing written: transforms that are not finite or too large. Cost: linear in
+ * clusters × bones per cluster, whatever the number of vertices. */
+MORULA_API morula_status morula_skin_bounds_compute(morula_skin_bounds* bounds, const double* transforms,
+                                                    size_t character_count, morula_spheref* spheres,
+                                                    morula_boxf* boxes);
+
 /* ---- Bodies: spheres that follow the vertices. ---- */
 
 typedef struct morula_body morula_body;
@@ -132,9 +177,10 @@ typedef struct morula_body morula_body;
 typedef struct morula_body_options {
   size_t size;
   const char* rules; /* one per level from the root, separated by commas; the last rule serves deeper levels: exact,
-                      * wrapped, approach1, approach2, traditional, weighted */
+                      * wrapped, approach1, approach2, traditional, weighted; and skinned, with a skin */
   int conservative;  /* not 0: radii grow until every level covers, with any rule */
   int threads;       /* threads of updates, 1 or more */
+  const morula_skin* skin; /* of morula_body_update_skinned; copied. NULL: none */
 } morula_body_options;
 
 MORULA_API void morula_body_options_init(morula_body_options* options);
@@ -149,6 +195,10 @@ MORULA_API morula_status morula_body_update_double(morula_body* body, const doub
                                                    size_t stride_bytes);
 MORULA_API morula_status morula_body_update_float(morula_body* body, const float* positions, size_t vertex_count,
                                                   size_t stride_bytes);
+/* Moves every sphere to the transforms of the bones of morula_body_options.skin. With the rule skinned no vertex is
+ * read, and every level covers; queries compute the vertices that they read. Such a body rejects positions. Rejected,
+ * with no change: another number of bones, and transforms that are not finite or too large. Allocates nothing. */
+MORULA_API morula_status morula_body_update_skinned(morula_body* body, const double* transforms, size_t bone_count);
 /* Sets the rigid transform after the deformation: x -> R x + t. rotation: 9, by rows. translation: 3. */
 MORULA_API morula_status morula_body_set_transform(morula_body* body, const double* rotation,
                                                    const double* translation);

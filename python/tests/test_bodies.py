@@ -238,7 +238,7 @@ def test_bounds_of_skinned_clusters_contain_their_vertices(limb):
         bounds.bounds(numpy.full((2, 3, 4), numpy.nan))
     with pytest.raises(ValueError):
         bounds.bounds(bones[0, :1])
-    assert morula.clusters_of_runs([0, 2, 3]).tolist() == [0, 0, 1]
+    assert morula.clusters_of_runs(numpy.array([0, 2, 3])).tolist() == [0, 0, 1]
 
 
 def test_a_rebuilding_body_covers_through_swaps(limb, model):

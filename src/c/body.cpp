@@ -8,14 +8,16 @@ using namespace morula::detail;
 
 namespace {
 
-std::vector<Rule> rules_from(std::string_view names) {
+std::vector<Rule> rules_from(std::string_view names, bool has_skin) {
   std::vector<Rule> rules;
   while (true) {
     const std::size_t comma = names.find(',');
     const std::string_view one = names.substr(0, comma);
     const std::optional<Rule> rule = rule_from_name(one);
-    if (!rule || traits(*rule).follows != RuleTraits::Follows::positions)
-      throw std::invalid_argument("rules: \"" + std::string(one) + "\" is no rule that follows positions");
+    const bool follows_bones = rule && has_skin && traits(*rule).follows == RuleTraits::Follows::bones;
+    if (!rule || !(follows_bones || traits(*rule).follows == RuleTraits::Follows::positions))
+      throw std::invalid_argument("rules: \"" + std::string(one) + "\" is no rule that follows positions" +
+                                  (has_skin ? " or bones" : ""));
     rules.push_back(*rule);
     if (comma == std::string_view::npos) return rules;
     names.remove_prefix(comma + 1);
@@ -59,7 +61,9 @@ morula_status morula_body_create(const morula_mesh* mesh, const morula_model* mo
     require_pointer(model, "model");
     const morula_body_options wanted = over_defaults(options, &morula_body_options_init);
     require_pointer(wanted.rules, "rules");
-    const UpdateOptions rules{.rules = rules_from(wanted.rules), .conservative = wanted.conservative != 0};
+    UpdateOptions rules{.rules = rules_from(wanted.rules, wanted.skin != nullptr),
+                        .conservative = wanted.conservative != 0};
+    if (wanted.skin != nullptr) rules.skin = wanted.skin->skin;
     const auto made = std::make_shared<morula_body>(*mesh, *model, rules, thread_count(wanted.threads));
     made->of_caller = made;
     *body = made.get();
@@ -79,6 +83,17 @@ morula_status morula_body_update_double(morula_body* body, const double* positio
 morula_status morula_body_update_float(morula_body* body, const float* positions, size_t vertex_count,
                                        size_t stride_bytes) {
   return update(body, positions, vertex_count, stride_bytes);
+}
+
+morula_status morula_body_update_skinned(morula_body* body, const double* transforms, size_t bone_count) {
+  return guarded([&] {
+    require_pointer(body, "body");
+    if (body->transforms.empty()) throw std::invalid_argument("the body has no skin");
+    if (bone_count != body->transforms.size()) return code_of(refused(Status::Code::wrong_transform_count, bone_count));
+    require_pointer(transforms, "transforms");
+    read_transforms(transforms, body->transforms);
+    return code_of(body->body.update_skinned(body->transforms, body->workers));
+  });
 }
 
 morula_status morula_body_set_transform(morula_body* body, const double* rotation, const double* translation) {

@@ -19,7 +19,9 @@
 #include <morula/surface/haptic_tool.hpp>
 #include <morula/surface/surface_crossings.hpp>
 #include <morula/update/body.hpp>
+#include <morula/update/skin_bounds.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,12 +34,26 @@ struct morula_model {
   std::shared_ptr<const morula::CoveredTree> model;
 };
 
+struct morula_skin {
+  morula::Skin skin;
+};
+
+struct morula_skin_bounds {
+  morula::SkinBounds bounds;
+  std::vector<morula::AffineTransform> transforms;
+};
+
 struct morula_body {
   morula_body(const morula_mesh& of, const morula_model& model, const morula::UpdateOptions& options, unsigned threads)
-      : mesh(of.mesh), workers(threads), body(*mesh, model.model, options, workers), collider(*mesh, body) {}
+      : mesh(of.mesh),
+        workers(threads),
+        transforms(options.skin.bone_count),
+        body(*mesh, model.model, options, workers),
+        collider(*mesh, body) {}
 
   std::shared_ptr<const morula::Mesh> mesh;
   morula::Workers workers;
+  std::vector<morula::AffineTransform> transforms;  // of the last skinned update, one per bone
   morula::Body body;
   morula::Collider collider;  // borrows mesh and body: a handle never moves
   // The surface for morula_self_crossings, made by its first call.
@@ -108,6 +124,9 @@ Options over_defaults(const Options* given, void (*init)(Options*)) {
   options.size = sizeof options;
   return options;
 }
+
+/// Transforms of bones from the rows of their matrices, 12 numbers each.
+void read_transforms(const double* rows, std::span<morula::AffineTransform> transforms);
 
 /// The requested number of threads, 1 or more.
 inline unsigned thread_count(int threads) {

@@ -170,7 +170,6 @@ class ClusterFit {
     const double stretch = root * static_cast<double>(cluster.radius) / reach * (sum + 2 * weights);
     const double linear = center + stretch + 42 * strays + 9 * (1 + 2 * weights);
     const double moved = root * overhang * (v + 6);
-    // mutant skin-bounds-slack: `4 * slack_` -> `0 * slack_`
     // mutant skin-bounds-rounding: `1.02 * unit` -> `0.01 * unit`
     cluster.rounding = rounded_up(1.02 * unit * (moved + std::max(linear, 40 * overhang)) + 4 * slack_ * overhang);
     cluster.growth = rounded_up(1 + unit * (n + 32));

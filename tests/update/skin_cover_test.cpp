@@ -241,15 +241,40 @@ TEST(SkinnedCover, pays_for_cut_corners_whose_weights_do_not_add_up) {
   EXPECT_LE(body.certify(positions).worst_excess, 0);
 }
 
-// A bone for each vertex, too many for a hull, and every second one far to the other side.
+// Each of these bones moves a few vertices of the body, by less and less the farther they are.
+TEST(SkinnedCover, bones_of_few_vertices_are_covered) {
+  const Specimen& b = specimens()[2];
+  const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
+  Skin skin{.bone_count = 1 + count / 7, .begin = {0}};
+  for (std::uint32_t v = 0; v < count; ++v) {
+    const std::uint32_t bone = 1 + v / 7 % (count / 7);
+    const double weight = v % 7 == 6 ? 0 : 0.9 - 0.1 * (v % 7);
+    skin.bones.insert(skin.bones.end(), {0, bone});
+    skin.weights.insert(skin.weights.end(), {1 - weight, weight});
+    skin.begin.push_back(2 * (v + 1));
+  }
+  Body body(b.mesh, b.model, {.rules = {Rule::skinned}, .skin = skin});
+  Random random(13);
+  for (int round = 0; round < 200; ++round) {
+    // All but one of the bones are at rest: that one alone has to pay for its vertices.
+    Transforms transforms(skin.bone_count);
+    AffineTransform& moved = transforms[1 + static_cast<std::size_t>(round) % (skin.bone_count - 1)];
+    if (round % 2 == 0) moved.translation = any_vector(random, 3);
+    if (round % 2 == 1) moved = any_transform(random, 0, 0.1);
+    ASSERT_TRUE(body.update_skinned(transforms));
+    EXPECT_LE(skin_excess(body, b.mesh, skin, transforms), 0) << round;
+  }
+}
+
+// A bone for each vertex, every second one far to the other side, and negative weights, with which there is no hull.
 TEST(SkinnedCover, radii_stay_in_range_at_the_largest_transforms) {
   const Specimen& b = specimens()[0];
   const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
-  ASSERT_GT(count, 128u);
   Skin skin{.bone_count = count, .begin = {0}};
   for (std::uint32_t v = 0; v < count; ++v) {
-    skin.bones.push_back(v), skin.weights.push_back(1);
-    skin.begin.push_back(v + 1);
+    skin.bones.push_back(v), skin.weights.push_back(1.25);
+    skin.bones.push_back((v + 1) % count), skin.weights.push_back(-0.25);
+    skin.begin.push_back(2 * (v + 1));
   }
   Body body(b.mesh, b.model, {.rules = {Rule::skinned}, .skin = skin});
   Transforms transforms(count);
@@ -283,6 +308,26 @@ TEST(SkinnedCover, tiny_bodies_are_covered_and_get_no_huge_spheres) {
     EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0) << round;
     EXPECT_LE(body.spheres()[0].radius, 50 * (1 + factor) * size + 1e-40) << round;
   }
+}
+
+// A bone for each vertex, and all of them move alike: the hull of many bones is the body itself.
+TEST(SkinnedCover, nodes_with_many_bones_have_a_hull) {
+  const Specimen& b = specimens()[0];
+  const auto count = static_cast<std::uint32_t>(b.mesh.vertex_count());
+  ASSERT_GT(count, 2 * 64u);
+  Skin skin{.bone_count = count, .begin = {0}};
+  for (std::uint32_t v = 0; v < count; ++v) {
+    skin.bones.push_back(v), skin.weights.push_back(1);
+    skin.begin.push_back(v + 1);
+  }
+  Body body(b.mesh, b.model, {.rules = {Rule::skinned}, .skin = skin});
+  const double at_rest = body.sphere(0).radius;
+  Random random(3);
+  Transforms transforms(count);
+  for (AffineTransform& t : transforms) t.translation = any_vector(random, 0.1 * at_rest);
+  ASSERT_TRUE(body.update_skinned(transforms));
+  EXPECT_LE(skin_excess(body, b.mesh, skin, transforms), 0);
+  EXPECT_LE(body.sphere(0).radius, 1.5 * at_rest);
 }
 
 // A tube that bends at a joint: no larger than 1.5 times the spheres of `exact` in the middle of all leaves.

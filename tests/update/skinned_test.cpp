@@ -119,7 +119,8 @@ TEST(Skin, products_of_transforms_apply_the_right_one_first) {
   EXPECT_GT(distance((b * a)(p), a(b(p))), 0.1);
 }
 
-// The facet's corners follow a second bone, which stretches uniformly, by a third.
+// The facet's corners follow a second bone, which stretches uniformly, by a third. That is too little for other
+// bounds, whose centers differ, to be tried.
 TEST(Skinned, a_sphere_follows_the_blend_of_transforms) {
   const Specimen& b = specimens().back();
   ASSERT_EQ(b.mesh.facet_count(), 1u);
@@ -128,11 +129,11 @@ TEST(Skinned, a_sphere_follows_the_blend_of_transforms) {
   Body body(b.mesh, b.model, with_skin({2, {0, 2, 4, 6}, {0, 1, 0, 1, 0, 1}, weights}));
   const Sphere rest = body.sphere(0);
   Transforms transforms(2);
-  transforms[1].columns = {Vec3{1.6, 0, 0}, Vec3{0, 1.6, 0}, Vec3{0, 0, 1.6}};
+  transforms[1].columns = {Vec3{1.15, 0, 0}, Vec3{0, 1.15, 0}, Vec3{0, 0, 1.15}};
   transforms[1].translation = {0, 6, 0};
   ASSERT_TRUE(body.update_skinned(transforms));
-  EXPECT_LE(distance(body.sphere(0).center, 1.2 * rest.center + Vec3{0, 2, 0}), 1e-5);
-  EXPECT_NEAR(body.sphere(0).radius, 1.2 * rest.radius, 1e-5 * rest.radius);
+  EXPECT_LE(distance(body.sphere(0).center, 1.05 * rest.center + Vec3{0, 2, 0}), 1e-5);
+  EXPECT_NEAR(body.sphere(0).radius, 1.05 * rest.radius, 1e-5 * rest.radius);
 }
 
 TEST(Skinned, identity_is_rest_bit_for_bit_and_rest_is_the_tree) {

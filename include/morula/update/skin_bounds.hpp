@@ -32,8 +32,8 @@
 // with square roots and divisions off by up to 4 units in the last place. Sums may be in any order, multiplications and
 // additions fused or not, and numbers below the normal range may count as 0. K.growth and K.rounding pay for that, for
 // transforms that were rounded from double to float, and for weights that add up to 1 within 1e-6, whether the engine
-// gives the missing weight to the rest position, to a bone or to none. Transforms of a size above largest_size may
-// leave the range of float.
+// gives the missing weight to the rest position, to a bone or to none. They also pay for vertices that a shader moves
+// in float. Transforms of a size above largest_size may leave the range of float.
 #pragma once
 
 #include <cstdint>
@@ -58,8 +58,8 @@ struct Boxf {
 struct SkinBoundsRow {
   std::uint32_t bone = 0;
   float weight = 0;  ///< weight of the bone in the cluster's center; 0 for the first row
-  float weight_stray =
-      0;  ///< largest |w - weight| over the cluster's vertices, w the bone's weight; 0 for the first row
+  /// Largest |w - weight| over the cluster's vertices, w the bone's weight; 0 for the first row.
+  float weight_stray = 0;
   /// Largest |w - weight| |x - SkinBoundsCluster::center| over the vertices, mesh units; 0 for the first row.
   float moment_stray = 0;
   /// A ball around the rest positions of the vertices in which the bone has a weight other than 0.
@@ -105,7 +105,7 @@ struct SkinBoundsOutput {
   std::span<Spheref> spheres{};
   /// The same order. A cluster without facets gets the box from (0, 0, 0) to (0, 0, 0).
   std::span<Boxf> boxes{};
-  std::span<Spheref> whole_spheres{};  ///< one per character, around all its clusters
+  std::span<Spheref> whole_spheres{};  ///< one per character, around all its clusters; needs `spheres`
   std::span<Boxf> whole_boxes{};       ///< one per character
 };
 
@@ -122,8 +122,9 @@ class SkinBounds {
  public:
   /// Computes the rest data. cluster_of_facet: a number per facet; clusters are numbered from 0 to the largest of these
   /// numbers, and may be without facets. Throws std::invalid_argument for a mesh that require_usable() rejects, for
-  /// coordinates of used vertices beyond 2^55, for a skin that does not fit the mesh (see Skin), and for another number
-  /// of cluster numbers than facets. Cost: linear in influences per facet, times a small factor for balls.
+  /// coordinates of used vertices beyond 2^50, for a skin that does not fit the mesh (see Skin), for another number of
+  /// cluster numbers than facets, and for cluster numbers of 2^24 or more. Cost: linear in influences per facet, times
+  /// a small factor for balls.
   SkinBounds(const MeshView& mesh, const Skin& skin, std::span<const std::uint32_t> cluster_of_facet,
              Workers& workers = serial_workers());
   /// From stored rest data. Throws std::invalid_argument if a row or bone is out of range, or a number is not finite or
@@ -137,12 +138,11 @@ class SkinBounds {
   /// Computes bounds in mesh coordinates, rounded outward.
   ///
   /// transforms: relative to rest, bone_count() for each character, one character after another. Output arrays are
-  /// empty or have the sizes given above; other sizes throw std::invalid_argument.
-  /// Result: wrong_transform_count for a number of transforms that is no multiple of bone_count(); bad_transform, with
-  /// the index of the first one in `transforms`, for a transform that is not finite or larger than
-  /// SkinBoundsData::largest_size. Nothing is written then.
-  /// The result has the same bits for any number of workers, and for one character as for many at once. Cost: linear in
-  /// the rows of all clusters.
+  /// empty or have the sizes given above; other sizes throw std::invalid_argument. A call with more threads than any
+  /// before allocates; others do not. Result: wrong_transform_count for a number of transforms that is no multiple of
+  /// bone_count(); bad_transform, with the index of the first one in `transforms`, for a transform that is not finite
+  /// or larger than SkinBoundsData::largest_size. Nothing is written then. The result has the same bits for any number
+  /// of workers, and for one character as for many at once. Cost: linear in the rows of all clusters.
   Status bounds(std::span<const AffineTransform> transforms, const SkinBoundsOutput& output,
                 Workers& workers = serial_workers());
 

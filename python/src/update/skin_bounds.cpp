@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Bounds of skinned clusters.
-#include <cstring>
 #include <morula/morula.hpp>
 #include <mutex>
 #include <stdexcept>
@@ -38,13 +37,11 @@ std::vector<AffineTransform> transforms_of_characters(nb::handle given) {
   return transforms_of(rows, "transforms");
 }
 
-template <class Row, std::size_t words>
-Copy<std::uint32_t, -1, words> words_of(const std::vector<Row>& rows) {
+template <std::size_t words, class Row>
+View<std::uint32_t, -1, words> words_of(const std::vector<Row>& rows, nb::handle owner) {
   static_assert(sizeof(Row) == 4 * words);
-  std::vector<std::uint32_t> copy(rows.size() * words);
-  if (!rows.empty()) std::memcpy(copy.data(), rows.data(), rows.size() * sizeof(Row));
-  auto [values, owner] = kept(std::move(copy));
-  return Copy<std::uint32_t, -1, words>(values->data(), {rows.size(), words}, owner);
+  return View<std::uint32_t, -1, words>(reinterpret_cast<const std::uint32_t*>(rows.data()), {rows.size(), words},
+                                        owner);
 }
 
 nb::tuple bounds_of(HeldSkinBounds& self, ArrayGiven given, Threads* workers) {
@@ -101,12 +98,14 @@ void bind_skin_bounds(nb::module_& m) {
           doc::SkinBoundsData_largest_size)
       .def_prop_ro(
           "clusters",
-          [](const HeldSkinBounds& self) { return words_of<SkinBoundsCluster, 12>(self.bounds.data().clusters); },
-          "(clusters, 12) uint32, a copy: the words of SkinBoundsCluster, for a buffer of a shader. All but the last "
+          [](nb::handle self) { return words_of<12>(nb::cast<HeldSkinBounds&>(self).bounds.data().clusters, self); },
+          "(clusters, 12) uint32, read-only, no copy: the words of SkinBoundsCluster, for a buffer of a shader. All "
+          "but the last "
           "two are floats: center, radius, half_extent, overhang, growth, rounding, first_row, row_count.")
       .def_prop_ro(
-          "rows", [](const HeldSkinBounds& self) { return words_of<SkinBoundsRow, 8>(self.bounds.data().rows); },
-          "(rows, 8) uint32, a copy: the words of SkinBoundsRow. All but the first are floats: bone, weight, "
+          "rows", [](nb::handle self) { return words_of<8>(nb::cast<HeldSkinBounds&>(self).bounds.data().rows, self); },
+          "(rows, 8) uint32, read-only, no copy: the words of SkinBoundsRow. All but the first are floats: bone, "
+          "weight, "
           "weight_stray, moment_stray, center, radius.")
       .def("bounds", bounds_of, nb::arg("transforms"), nb::arg("workers") = nb::none(),
            nb::sig("def bounds(self, transforms: numpy.typing.ArrayLike, workers: Workers | None = None) -> "

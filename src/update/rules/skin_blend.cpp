@@ -3,7 +3,6 @@
 #include "update/rules/skin_blend.hpp"
 
 #include <algorithm>
-#include <map>
 #include <morula/geometry/sphere.hpp>
 
 #include "update/rules/mode_rows.hpp"
@@ -13,6 +12,8 @@ namespace {
 
 // Limits of slope × radius and of scale: the rounding of what they multiply is then small (skinned.cpp).
 constexpr double steepest = 4, largest_scale = 2;
+// A bone in less than one of so many corners gets a slope and a scale of 0.
+constexpr std::size_t few = 16;
 
 // The weight and the moment of a bone in a corner, the number of which counts the node's corners.
 struct Share {
@@ -27,10 +28,12 @@ class Shares {
   Shares(const Skin& skin, const PositionView& positions, const Cover& cover, std::span<const std::uint32_t> corners,
          const Vec3& center) {
     for (std::uint32_t k = 0; k < corners.size(); ++k) {
-      begin_ = shares_.size();
       const auto add = [&](std::uint32_t vertex, double factor) {
         const Vec3 place = positions[vertex] - center;
-        each_weight(skin, vertex, [&](std::uint32_t bone, double weight) { add_to(k, bone, factor * weight, place); });
+        each_weight(skin, vertex, [&](std::uint32_t bone, double weight) {
+          if (factor * weight == 0) return;
+          shares_.push_back({bone, k, factor * weight, factor * weight * place});
+        });
       };
       if (corners[k] < cover.vertex_count) {
         add(corners[k], 1);
@@ -39,7 +42,9 @@ class Shares {
       const CutPoint& cut = cover.cut_points[corners[k] - cover.vertex_count];
       for (std::size_t i = 0; i < 3; ++i) add(cut.vertex[i], cut.weight[i]);
     }
+    has_negative_ = std::any_of(shares_.begin(), shares_.end(), [](const Share& s) { return s.weight < 0; });
     std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.bone < b.bone; });
+    unite();
   }
 
   bool has_negative() const { return has_negative_; }
@@ -53,20 +58,21 @@ class Shares {
   }
 
  private:
-  void add_to(std::uint32_t corner, std::uint32_t bone, double weight, const Vec3& place) {
-    if (weight == 0) return;
-    has_negative_ = has_negative_ || weight < 0;
-    for (std::size_t i = begin_; i < shares_.size(); ++i) {
-      if (shares_[i].bone != bone) continue;
-      shares_[i].weight += weight;
-      shares_[i].moment += weight * place;
-      return;
+  // Adds up the shares of one bone in one corner, which are next to each other.
+  void unite() {
+    std::size_t count = 0;
+    for (const Share& s : shares_) {
+      if (count > 0 && shares_[count - 1].bone == s.bone && shares_[count - 1].corner == s.corner) {
+        shares_[count - 1].weight += s.weight;
+        shares_[count - 1].moment += s.moment;
+      } else {
+        shares_[count++] = s;
+      }
     }
-    shares_.push_back({bone, corner, weight, weight * place});
+    shares_.resize(count);
   }
 
   std::vector<Share> shares_;
-  std::size_t begin_ = 0;  // first share of the corner that is read
   bool has_negative_ = false;
 };
 
@@ -103,12 +109,14 @@ class TermFit {
     for (const Vec3& y : places_) spread_ += squared_length(y - mean_);
   }
 
+  // Cost: linear in the shares.
   BlendTerm term(std::span<const Share> shares, std::span<const Vec3> places) const {
+    if (shares.size() < places.size() / few) return constant_term(shares);
     std::vector<double> weights(places.size());
     std::vector<Vec3> moments(places.size());
     for (const Share& s : shares) weights[s.corner] = s.weight, moments[s.corner] = s.moment;
     BlendTerm term;
-    term.pair = shares.front().bone;
+    term.bone = shares.front().bone;
     term.slope = slope(weights);
     double least = weights[0] - dot(term.slope, places[0]), most = least;
     for (std::size_t k = 1; k < places.size(); ++k) {
@@ -128,6 +136,26 @@ class TermFit {
   }
 
  private:
+  // The other corners have the weight 0 and the moment 0.
+  static BlendTerm constant_term(std::span<const Share> shares) {
+    BlendTerm term;
+    term.bone = shares.front().bone;
+    double least = 0, most = 0;
+    std::vector<Vec3> moments(1);
+    for (const Share& s : shares) {
+      least = std::min(least, s.weight), most = std::max(most, s.weight);
+      moments.push_back(s.moment);
+    }
+    term.weight = least + (most - least) / 2;
+    // mutant skinned-constant-weight-stray: `std::max(most - term.weight, term.weight - least)` -> `0`
+    term.weight_stray = std::max(most - term.weight, term.weight - least);
+    const ModeRow row = mode_row(moments);
+    term.moment = row.shift;
+    // mutant skinned-constant-moment-stray: `row.stray` -> `0`
+    term.moment_stray = row.stray;
+    return term;
+  }
+
   Vec3 slope(std::span<const double> weights) const {
     Vec3 product;
     for (std::size_t k = 0; k < places_.size(); ++k)
@@ -208,8 +236,7 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
   });
   if (bone_count == 1) return result;
 
-  // mutant skinned-negative-hull: `!shares.has_negative() && ` -> ``
-  if (!shares.has_negative() && bone_count <= most_balls)
+  if (!shares.has_negative())
     shares.each_bone([&](std::span<const Share> of_bone) { result.balls.push_back(ball_of(of_bone)); });
   result.shape = shape_of(places);
   const TermFit fit(places, rest.radius > 0 ? rest.radius : 1);
@@ -220,30 +247,6 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
     if (reach > 0) result.factor_sum += (max_norm(t.moment) + t.moment_stray) / reach;
   });
   return result;
-}
-
-SkinBlend::SkinBlend(std::span<const NodeBlend> from) {
-  std::map<BonePair, std::uint32_t> numbers;
-  for (const NodeBlend& blend : from) {
-    BlendNode node = blend.node;
-    node.first_term = static_cast<std::uint32_t>(terms.size());
-    node.first_ball = static_cast<std::uint32_t>(balls.size());
-    node.shape = static_cast<std::uint32_t>(shapes.size());
-    for (BlendTerm term : blend.terms) {
-      const BonePair pair{node.bone, term.pair};
-      const auto [place, is_new] = numbers.emplace(pair, static_cast<std::uint32_t>(pairs.size()));
-      if (is_new) pairs.push_back(pair);
-      term.pair = place->second;
-      terms.push_back(term);
-    }
-    if (!blend.terms.empty()) shapes.push_back(blend.shape);
-    balls.insert(balls.end(), blend.balls.begin(), blend.balls.end());
-    node.end_term = static_cast<std::uint32_t>(terms.size());
-    node.end_ball = static_cast<std::uint32_t>(balls.size());
-    nodes.push_back(node);
-    factor_sum = std::max(factor_sum, blend.factor_sum);
-    most_terms = std::max(most_terms, blend.terms.size());
-  }
 }
 
 }  // namespace morula::detail

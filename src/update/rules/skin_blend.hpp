@@ -16,6 +16,8 @@
 #include <span>
 #include <vector>
 
+#include "update/rules/skin_kernels.hpp"
+
 namespace morula::detail {
 
 /// Largest |1 - sum of weights| of a vertex.
@@ -38,7 +40,7 @@ void each_weight(const Skin& skin, std::uint32_t vertex, const Visit& visit) {
 /// A bone b of a node besides its main bone: weights and moments as functions of the corner's place y. For every corner
 /// |w_b - (weight + slope . y)| <= weight_stray and |m_b - (moment + scale y)| <= moment_stray.
 struct BlendTerm {
-  std::uint32_t pair = 0;  ///< number in SkinBlend::pairs
+  std::uint32_t bone = 0;
   double weight = 0, scale = 0;
   Vec3 slope, moment;
   double weight_stray = 0, moment_stray = 0;
@@ -50,9 +52,6 @@ struct BoneBall {
   Vec3 center;  ///< about the node's center
   double radius = 0;
 };
-/// Largest number of balls of a node.
-inline constexpr std::size_t most_balls = 64;
-
 /// An ellipsoid around the places y of a node's corners: y = center + axes u with |u| <= 1.
 struct PatchShape {
   Vec3 center;
@@ -62,10 +61,7 @@ struct PatchShape {
 struct BlendNode {
   std::uint32_t node = 0;
   std::uint32_t bone = 0;  ///< main bone: the one with the largest sum of weights
-  std::uint32_t first_term = 0, end_term = 0;
-  std::uint32_t first_ball = 0, end_ball = 0;  ///< none if a weight is negative, or with more than most_balls bones
-  std::uint32_t shape = 0;                     ///< number of its shape, if it has terms
-  Sphere rest{};                               ///< contains the corners
+  Sphere rest{};           ///< contains the corners
 };
 
 struct BonePair {
@@ -76,27 +72,27 @@ struct BonePair {
 /// The rest data of one node, ahead of its place in a SkinBlend.
 struct NodeBlend {
   BlendNode node;
-  std::vector<BlendTerm> terms{};  ///< pair is the bone; none if one bone moves the node
-  std::vector<BoneBall> balls{};
+  std::vector<BlendTerm> terms{};  ///< by bone, ascending; none if one bone moves the node
+  std::vector<BoneBall> balls{};   ///< one per bone, ascending; none if a weight is negative
   PatchShape shape{};
   double factor_sum = 0;  ///< sum of the factors that multiply transforms of points or, over `reach`, linear parts
 };
 
 /// corners: those that the node has to contain, each once. center: of the node's sphere; the result's differs from it
 /// if the corners fit into a ball of less than a quarter of the size. reach: the largest |coordinate| of vertices and
-/// centers. Cost: O(corners × bones).
+/// centers. Cost: linear in the
+/// influences of the corners, which are sorted by bone.
 NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const Cover& cover,
                         std::span<const std::uint32_t> corners, const Vec3& center, double reach);
 
-/// The rest data of all nodes of the rule.
+/// The rest data of all nodes of the rule. Cost of making it: linear in terms.
 struct SkinBlend {
   SkinBlend() = default;
   explicit SkinBlend(std::span<const NodeBlend> from);
 
   std::vector<BlendNode> nodes{};
-  std::vector<BlendTerm> terms{};
-  std::vector<BoneBall> balls{};
-  std::vector<PatchShape> shapes{};
+  std::vector<NodeGroup> groups{};  ///< every node is in one of them
+  std::vector<GroupTerm> terms{};
   std::vector<BonePair> pairs{};
   double factor_sum = 0;       ///< largest NodeBlend::factor_sum
   std::size_t most_terms = 0;  ///< largest number of terms of a node

@@ -59,7 +59,11 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
                      std::span<const std::uint32_t> used_vertices, const Vec3& rest_origin, double size)
     : guide_(*std::min_element(used_vertices.begin(), used_vertices.end())), rest_origin_(rest_origin), size_(size) {
   guide_rest_ = mesh.positions[guide_];
+  std::vector<std::uint8_t> is_used(skin.bone_count);
   for (const std::uint32_t v : used_vertices) {
+    for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k)
+      // mutant skinned-used-bones: `skin.weights[k] != 0` -> `false`
+      if (skin.weights[k] != 0) is_used[skin.bones[k]] = 1;
     rest_reach_ = std::max(rest_reach_, max_norm(mesh.positions[v]));
     double sum = 0, absolute = 0;
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k)
@@ -68,6 +72,8 @@ SkinPoser::SkinPoser(const MeshView& mesh, const CoveredTree& model, const Skin&
     skin_slack_ = std::max(skin_slack_, std::abs(1 - sum));
     most_terms_ = std::max<std::size_t>(most_terms_, skin.begin[v + 1] - skin.begin[v]);
   }
+  for (std::uint32_t b = 0; b < is_used.size(); ++b)
+    if (is_used[b] != 0) used_bones_.push_back(b);
   for (const Sphere& s : model.tree.spheres) rest_reach_ = std::max(rest_reach_, max_norm(s.center));
   for (const CutPoint& c : model.cover.cut_points)
     cut_slack_ = std::max(cut_slack_, std::abs(c.weight[0] + c.weight[1] + c.weight[2] - 1));
@@ -100,7 +106,7 @@ BonePose SkinPoser::pose(const Skin& skin, std::span<const AffineTransform> tran
   const Vec3 origin = origin_near(rest_origin_ + (guide - guide_rest_), size_);
   const bool is_morphed = rest.active != 0;
   double motion = 0;
-  for (const AffineTransform& t : transforms) motion = std::max(motion, motion_of(t, rest));
+  for (const std::uint32_t b : used_bones_) motion = std::max(motion, motion_of(transforms[b], rest));
   const double factors = largest_weights_ + factor_sum_ + (is_morphed ? morph_factor_sum_ : 0);
   // mutant skin-morph-pad-reach: `rest_reach_ + rest.motion` -> `rest_reach_`
   const double all = factors * (rest_reach_ + rest.motion + motion) + max_norm(origin);

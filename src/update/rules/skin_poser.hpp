@@ -9,6 +9,7 @@
 #include <morula/update/modes.hpp>
 #include <morula/update/skin.hpp>
 #include <span>
+#include <vector>
 
 namespace morula::detail {
 
@@ -91,8 +92,9 @@ class SkinPoser {
   std::uint32_t guide_;
   Vec3 guide_rest_, rest_origin_;
   double size_;
-  double rest_reach_ = 0;       // largest |coordinate| at rest, of vertices and centers
-  double largest_weights_ = 1;  // largest sum of |weights| of a vertex
+  std::vector<std::uint32_t> used_bones_;  // those with a weight other than 0 in a vertex of a facet
+  double rest_reach_ = 0;                  // largest |coordinate| at rest, of vertices and centers
+  double largest_weights_ = 1;             // largest sum of |weights| of a vertex
   double factor_sum_ = 0, morph_factor_sum_ = 0;
   std::size_t most_terms_ = 0;   // largest number of terms of a node, or of influences of a vertex
   std::size_t morph_terms_ = 0;  // largest number of bones of a node

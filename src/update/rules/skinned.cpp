@@ -9,20 +9,30 @@
 //   C = T_r c + sum W_b D_b c + D_b M_b,   F = A_r + sum (D_b c) g_b^T + s_b D_b.
 // So |p - C| <= |F| |y| + strays, with strays = sum |e_b| |D_b c| + |D_b| |f_b|. Weights and moments vary smoothly over
 // a patch, so F follows most of their spread, and the strays are of second order in the size of the node. [jones2017]
-// has the center alone; its sphere may leave corners outside.
+// has the center alone; its sphere may leave corners outside. Cheaper bounds of strays serve as well: |D_b| is at most
+// the root of the sum of the squares of its entries, and with E_b >= |e_b|, by the inequality of Cauchy and Schwarz,
+//   sum E_b |D_b c| <= sqrt(sum E_b) sqrt(sum E_b |D_b c|^2).
 //
-// At joints that bend far these spheres grow. Where one has grown by more than `loose`, two more are tried:
+// At joints that bend far these spheres grow. If one of a group has grown by more than `loose`, two more are tried
+// for all of the group:
 //   shape  y = y_0 + L u with |u| <= 1, hence |p - (C + F y_0)| <= |F L| + strays; a patch is flat, and F may stretch
 //          only across it
-//   hull   p is a convex combination of the points T_b (c + m_b / w_b), so it lies in any ball around the moved balls
-//          of the bones [kavan2005]. It needs weights of at least 0.
+//   hull   with q_b = m_b / w_b, p - T_r c is a convex combination of the points D_b (c + q_b) + A_r q_b, which are
+//          T_b (c + q_b) - T_r c, so it lies in any ball around the moved balls of the bones [kavan2005]. It needs
+//          weights of at least 0.
 // The smallest is taken. The first has the tree's center at rest, where spheres stick out of the body the least.
+//
+// Nodes with one main bone, and nearly the same others, are bounded in groups, one in each lane (skin_groups.cpp). A
+// bone that moves only some of them has factors and strays of 0 in the others and adds exactly 0; its ball there has
+// the radius -infinity and reaches nowhere. Lanes share only the choice above, which is made once for the group:
+// no bit depends on the width of registers.
 //
 // Rounding, all in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
 // of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
 //   the caller's own sum rest + sum w_b (T_b - 1) rest                  1.8 (n + 8) e L (X + S)
 //   C: D_b c to 20 e S; factors and their sum                           1.8 (n + 40) e Q (X + S)
 //   entries of F, times |y| <= 3.5 X                                    6.1 (n + 16) e (1 + Q) (X + S)
+//   hull: q_b below 3.5 X, so D_b (c + q_b) and A_r q_b                 60 e (X + S)
 //   fits: strays of rounded weights and moments, times |D_b c|, |D_b|   30 e (L + Q) (X + S)
 //   weights made to add up to 1, times |(T_b - 1) x| and |D_b x|        1.8 x 3 n e L S
 //   cut corners as weighted sums, here and of positions; y of these     20 e (X + S)
@@ -31,7 +41,9 @@
 // If the weights of a vertex add up to 1 +- s, its bone with the largest weight gets the rest, which moves it by up to
 // s |(T_b - 1) x|; allowed: 2 s S. If those of a cut corner do, it moves by 1.8 s S, and by up to 3.5 s (X + S) against
 // the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are
-// positive and pay by a share for their own arithmetic; the motion of the center by narrowing to float is measured.
+// positive and pay by a share for their own arithmetic. Squares that vanish take less than 2^-500 Q from the strays,
+// which is below the pad or, for smaller bodies, below what rounding up to a float adds. The motion of the center by
+// narrowing to float is measured.
 //
 // Morph targets move and enlarge any of these spheres (skin_morphs.hpp).
 #include <algorithm>
@@ -55,49 +67,17 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 32;
-// Growth of a sphere, over that by its main bone, from which other bounds are tried.
-constexpr double loose = 1.25;
+constexpr std::size_t groups_per_chunk = 4;
 // Contains all that the poser accepts: coordinates about the origin are below 2^57 at rest, and displacements, the
 // origin's included, below 2^56.
 constexpr double largest_bound = 0x1p59;
 
-// A bone's transform less the identity, or less that of another bone.
-struct Difference {
-  std::array<Vec3, 3> columns;
-  Vec3 shift;
-  double stretch;  // bound of the largest stretch: of the bone's linear part itself, or of the difference
-
-  Vec3 linear(const Vec3& v) const { return times(columns, v); }
-  Vec3 operator()(const Vec3& p) const { return linear(p) + shift; }
-};
-
-// A ball around balls: around the two that are nearly farthest apart, then pulled toward the farthest a few times. For
-// two balls it is the smallest.
-Sphere ball_around(std::span<const Sphere> balls) {
-  const auto measure = [&](const Vec3& center, double& reach) -> const Sphere& {
-    std::size_t farthest = 0;
-    reach = 0;
-    for (std::size_t i = 0; i < balls.size(); ++i)
-      if (const double r = distance(center, balls[i].center) + balls[i].radius; r > reach) reach = r, farthest = i;
-    return balls[farthest];
-  };
-  Sphere best;
-  const bool are_two = balls.size() == 2;
-  const Sphere& a = are_two ? balls[0] : measure(balls[0].center, best.radius);
-  const Sphere& b = are_two ? balls[1] : measure(a.center, best.radius);
-  const double gap = distance(a.center, b.center);
-  best.center = a.center;
-  if (gap > 0) best.center += (b.center - a.center) * std::clamp(0.5 + (b.radius - a.radius) / (2 * gap), 0.0, 1.0);
-  const Sphere* farthest = &measure(best.center, best.radius);
-  Sphere pulled = best;
-  const int pulls = are_two ? 0 : 4;
-  for (int k = 1; k <= pulls; ++k) {
-    pulled.center += (farthest->center - pulled.center) * (0.25 / k);
-    farthest = &measure(pulled.center, pulled.radius);
-    if (pulled.radius < best.radius) best = pulled;
-  }
-  return best;
+// At least the root of the sum of the squares of the entries. Squares may vanish below the first limit and overflow,
+// but three times the largest entry is a bound of that root at any size.
+double frobenius_norm(const std::array<Vec3, 3>& columns) {
+  const double largest = std::max({max_norm(columns[0]), max_norm(columns[1]), max_norm(columns[2])});
+  const double root = std::sqrt(squared_length(columns[0]) + squared_length(columns[1]) + squared_length(columns[2]));
+  return std::min(std::max(root * (1 + 0x1p-40), 0x1p-450), 3 * largest);
 }
 
 class SkinnedRule final : public RuleEngine {
@@ -139,9 +119,18 @@ class SkinnedRule final : public RuleEngine {
     const Uninterrupted whole;
     move_bones(frame.bones->transforms);
     morphs_.begin(*frame.bones, workers);
-    parallel_for(workers, blend_.nodes.size(), nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k)
-        if (const BlendNode& n = blend_.nodes[k]; n.node < node_end) spheres[n.node] = sphere_of(k, frame);
+    const SkinKernels& kernels = skin_kernels();
+    const SkinFrame bones{bones_.data(), pairs_.data(), blend_.terms.data()};
+    parallel_for(workers, blend_.groups.size(), groups_per_chunk, [&](std::size_t begin, std::size_t end) {
+      GroupSpheres bounds;
+      for (const NodeGroup& group : std::span(blend_.groups).subspan(begin, end - begin)) {
+        kernels.bound(group, bones, bounds);
+        if (!frame.bones->morphs.empty()) add_morphs(group, bounds);
+        kernels.narrow(group, frame.origin, frame.bones->pad, bounds);
+        for (std::size_t lane = 0; lane < group.count; ++lane)
+          if (const std::uint32_t node = blend_.nodes[group.slot[lane]].node; node < node_end)
+            spheres[node] = sphere_of(bounds, lane);
+      }
     });
     if (measured_) measured_->update(frame, node_end, spheres, workers);
   }
@@ -157,76 +146,32 @@ class SkinnedRule final : public RuleEngine {
                    largest_stretch(columns)};
     }
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      const Difference &main = bones_[blend_.pairs[p].main], &other = bones_[blend_.pairs[p].other];
+      const BoneMotion &main = bones_[blend_.pairs[p].main], &other = bones_[blend_.pairs[p].other];
       for (std::size_t i = 0; i < 3; ++i) pairs_[p].columns[i] = other.columns[i] - main.columns[i];
       pairs_[p].shift = other.shift - main.shift;
-      pairs_[p].stretch = largest_stretch(pairs_[p].columns);
+      pairs_[p].size = frobenius_norm(pairs_[p].columns);
     }
   }
 
-  Spheref sphere_of(std::size_t k, const RuleFrame& frame) const noexcept {
-    const BlendNode& n = blend_.nodes[k];
-    const Difference& main = bones_[n.bone];
-    Sphere s{main(n.rest.center), main.stretch * n.rest.radius};
-    if (n.first_term != n.end_term) s = blended(n, s);
-    morphs_.add_to(k, s);
-    const Vec3 center = n.rest.center + s.center - frame.origin;
-    // Adding zero makes a negative zero positive, like the other rules.
-    const Vec3f nearest = Vec3f(center) + Vec3f{};
-    // mutant skinned-narrowed-center: `s.radius + distance(Vec3(nearest), center)` -> `s.radius`
-    const double radius = (s.radius + distance(Vec3(nearest), center)) * (1 + 0x1p-40) + frame.bones->pad;
-    // mutant skinned-largest-bound: `radius <= largest_bound` -> `true`
-    return radius <= largest_bound ? Spheref{nearest, rounded_up(radius)} : Spheref{{}, rounded_up(largest_bound)};
+  void add_morphs(const NodeGroup& group, GroupSpheres& bounds) const noexcept {
+    for (std::size_t lane = 0; lane < group.count; ++lane) {
+      Sphere s{{bounds.center.x[lane], bounds.center.y[lane], bounds.center.z[lane]}, bounds.radius[lane]};
+      morphs_.add_to(group.slot[lane], s);
+      bounds.center.x[lane] = s.center.x, bounds.center.y[lane] = s.center.y, bounds.center.z[lane] = s.center.z;
+      bounds.radius[lane] = s.radius;
+    }
   }
 
-  // The smallest of the bounds; its center is a displacement of the node's. of_main: by the main bone alone.
-  Sphere blended(const BlendNode& n, const Sphere& of_main) const noexcept {
-    std::array<Vec3, 3> columns = bones_[n.bone].columns;
-    columns[0].x += 1, columns[1].y += 1, columns[2].z += 1;
-    Sphere s = of_main;
-    double strays = 0;
-    for (std::uint32_t i = n.first_term; i < n.end_term; ++i) {
-      const BlendTerm& t = blend_.terms[i];
-      const Difference& pair = pairs_[t.pair];
-      const Vec3 move = pair(n.rest.center);
-      s.center += t.weight * move + pair.linear(t.moment);
-      columns[0] += t.slope.x * move + t.scale * pair.columns[0];
-      columns[1] += t.slope.y * move + t.scale * pair.columns[1];
-      columns[2] += t.slope.z * move + t.scale * pair.columns[2];
-      strays += t.weight_stray * length(move) + t.moment_stray * pair.stretch;
-    }
-    // mutant skinned-strays: `n.rest.radius + strays` -> `n.rest.radius`
-    s.radius = largest_stretch(columns) * n.rest.radius + strays;
-    if (s.radius <= loose * of_main.radius) return s;
-
-    const PatchShape& shape = blend_.shapes[n.shape];
-    std::array<Vec3, 3> axes;
-    for (std::size_t k = 0; k < 3; ++k) axes[k] = times(columns, shape.axes[k]);
-    // mutant skinned-shape-strays: `(axes) + strays` -> `(axes)`
-    const Sphere shaped{s.center + times(columns, shape.center), largest_stretch(axes) + strays};
-    if (shaped.radius < s.radius) s = shaped;
-    if (const Sphere hull = hull_of_bones(n, s.radius); hull.radius < s.radius) s = hull;
-    return s;
-  }
-
-  // Infinite if it could not be smaller than `enough`.
-  Sphere hull_of_bones(const BlendNode& n, double enough) const noexcept {
-    std::array<Sphere, most_balls> moved;
-    const std::uint32_t count = n.end_ball - n.first_ball;
-    bool is_smaller = count != 0;
-    for (std::uint32_t i = 0; i < count && is_smaller; ++i) {
-      const BoneBall& ball = blend_.balls[n.first_ball + i];
-      const Difference& bone = bones_[ball.bone];
-      moved[i] = {ball.center + bone(n.rest.center + ball.center), bone.stretch * ball.radius};
-      is_smaller = moved[i].radius < enough;
-    }
-    if (!is_smaller) return {{}, std::numeric_limits<double>::infinity()};
-    return ball_around(std::span(moved).first(count));
+  static Spheref sphere_of(const GroupSpheres& s, std::size_t lane) noexcept {
+    // mutant skinned-largest-bound: `s.radius[lane] <= largest_bound` -> `true`
+    if (s.radius[lane] <= largest_bound)
+      return {Vec3f(Vec3{s.center.x[lane], s.center.y[lane], s.center.z[lane]}), rounded_up(s.radius[lane])};
+    return {{}, rounded_up(largest_bound)};
   }
 
   SkinBlend blend_;
   SkinMorphs morphs_;
-  std::vector<Difference> bones_, pairs_;  // of the current frame
+  std::vector<BoneMotion> bones_, pairs_;  // of the current frame
   std::optional<MeasuredNodes> measured_{};
 };
 
