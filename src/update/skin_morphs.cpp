@@ -54,6 +54,11 @@ Skin complete_weights(const Skin& skin, double tolerance) {
     poll_interrupt();
     double sum = 0;
     for (std::uint32_t k = skin.begin[v]; k < skin.begin[v + 1]; ++k) {
+      // The number of the new bone is free in a skin that names its own bones alone.
+      if (skin.bones[k] >= skin.bone_count)
+        throw std::invalid_argument("complete_weights: vertex " + std::to_string(v) + " has an influence of bone " +
+                                    std::to_string(skin.bones[k]) + ", but there are " +
+                                    std::to_string(skin.bone_count));
       if (!std::isfinite(skin.weights[k]))
         throw std::invalid_argument("complete_weights: the weight of vertex " + std::to_string(v) + " for bone " +
                                     std::to_string(skin.bones[k]) + " is not finite");

@@ -115,6 +115,19 @@ TEST(GltfMorphs, targets_of_more_nodes_than_the_file_can_mean_are_refused) {
   expect_file_error(gltf, 0, "24000 morph targets", [&] { read_modes(gltf, mesh); });
 }
 
+// Also of nodes that no scene shows: the weights of each are kept.
+TEST(GltfMorphs, weights_of_more_nodes_than_the_file_can_mean_are_refused) {
+  const ScratchFolder folder;
+  GltfMaker file = tetrahedron();
+  Json targets = Json::array(), nodes = file.json["nodes"];
+  for (int k = 0; k < 7000; ++k) targets.push_back({{"NORMAL", 0}});
+  for (int k = 0; k < 7000; ++k) nodes.push_back({{"mesh", 0}});
+  file.json["meshes"][0]["primitives"][0]["targets"] = targets;
+  file.json["nodes"] = nodes;
+  const auto gltf = folder.file("many.gltf", file.text());
+  expect_file_error(gltf, 0, "more weights of morph targets", [&] { read_mesh(gltf); });
+}
+
 // Two sets of four, in bytes and in words; a joint that comes twice, weights that add up to 1 as far as bytes can, or
 // far from it.
 TEST(GltfMorphs, influences_of_two_sets_are_divided_by_their_sum) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/geometry/scale.hpp>
+#include <morula/parallel/interrupt.hpp>
 #include <morula/update/body.hpp>
 #include <stdexcept>
 #include <support/allocations.hpp>
@@ -85,17 +86,17 @@ long double bare_by(const Body& body, const Mesh& mesh, const Skin& skin, const 
   return worst;
 }
 
-Vec3 vector_within(Random& random, double size) {
+Vec3 any_vector_within(Random& random, double size) {
   return {size * random.uniform(-1, 1), size * random.uniform(-1, 1), size * random.uniform(-1, 1)};
 }
 
 // Affine maps of any kind: near the identity, singular, mirrored, uneven, far away.
 AffineTransform affine_of_kind(Random& random, int kind, double size) {
   AffineTransform t;
-  for (Vec3& column : t.columns) column += vector_within(random, kind == 0 ? 0.3 : 1.5);
+  for (Vec3& column : t.columns) column += any_vector_within(random, kind == 0 ? 0.3 : 1.5);
   if (kind == 1) t.columns[1] = t.columns[2] = t.columns[0];
   if (kind == 2) t.columns = {Vec3{-1, 0, 0}, Vec3{0, random.uniform(0, 20), 0}, Vec3{}};
-  t.translation = vector_within(random, kind == 3 ? 1e6 * size : size);
+  t.translation = any_vector_within(random, kind == 3 ? 1e6 * size : size);
   return t;
 }
 Bones bones_of_kind(Random& random, std::size_t count, int kind, double size) {
@@ -384,6 +385,19 @@ TEST(SkinMeasured, rejects_budgets_and_training_that_no_body_can_use) {
   UpdateOptions exact = measured_by(skin, 0.5, {});
   exact.rules = {Rule::exact};
   EXPECT_EQ(message_of(exact), "");
+}
+
+// Each pose of the training is an update of a whole body.
+TEST(SkinMeasured, training_may_be_ended_at_every_pose) {
+  const Specimen& b = specimens()[0];
+  const Skin skin = skin_with(b.mesh, nine, true);
+  const auto checks_of = [&](std::size_t pose_count) {
+    std::size_t checks = 0;
+    const Interrupt interrupt([&] { ++checks; });
+    const Body body(b.mesh, b.model, measured_by(skin, 1, std::vector<Bones>(pose_count, Bones(nine))));
+    return checks;
+  };
+  EXPECT_EQ(checks_of(50) - checks_of(20), 30u);
 }
 
 // Gaits between those of the training, some of them wider.

@@ -338,6 +338,9 @@ TEST(CompleteWeights, leaves_whole_vertices_alone_and_names_bad_input) {
   spoiled.weights[2] = test::nan;
   refused(spoiled, 0, "vertex 2");
   spoiled = skin;
+  spoiled.bones[3] = 2;  // the number that the new bone gets
+  refused(spoiled, 0, "vertex 3");
+  spoiled = skin;
   spoiled.begin.pop_back();
   refused(spoiled, 0, "influences");
   refused(Skin{}, 0, "influences");

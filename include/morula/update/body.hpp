@@ -105,7 +105,7 @@ class Body {
   /// Rejects bad transforms, and a body without a skin or with levels of the rule `modal`; the last good spheres then
   /// stay, and is_current() is false. Allocates nothing. The result has the same bits for any number of workers. Cost:
   /// nodes × bones per node if all levels are skinned, for any number of vertices; otherwise linear in the skin's
-  /// influences, plus the cost of update().
+  /// influences, plus the cost of update(). Measured nodes add that of their vertices (RuleOptions::skinned_measured).
   UpdateStatus update_skinned(std::span<const AffineTransform> transforms,
                               Workers& workers = serial_workers()) noexcept;
   /// Like update_skinned(), with morph targets: vertex i first moves by its modes, to m_i = rest_i + sum_j morphs_j

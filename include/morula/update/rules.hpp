@@ -101,7 +101,7 @@ struct RuleOptions {
   /// Budget of the nodes of `skinned` that are measured on their own corners: 0 to 1, as a share of the estimated cost
   /// of measuring all of them, which is that of `exact` on the same levels with the vertices to move. The constructor
   /// of the body picks the nodes that get most for their cost at UpdateOptions::training; the others follow bones
-  /// alone. All nodes still cover. 1 measures each node that gets smaller by it, 0 none.
+  /// alone. All nodes still cover. 1 measures each node that gains a hundredth of volume or more, 0 none.
   double skinned_measured = 0;
 };
 

@@ -31,14 +31,15 @@ void move_by_skin(const Skin& skin, const Modes& modes, std::span<const Vec3> re
                   std::span<Vec3> positions, Workers& workers = serial_workers()) noexcept;
 
 /// The skin with one bone more, number skin.bone_count, which takes the missing weight of each vertex: 1 less the sum
-/// of its weights, negative if they exceed 1. A body accepts the result with any weights.
+/// of its weights, negative if they exceed 1. A body accepts the result unless the |weights| of a vertex add up to more
+/// than 1e8, where sums lose the digits of 1.
 ///
 /// The caller chooses the transform of that bone. With the identity the missing share stays at rest. With the zero
 /// transform, {.columns = {}}, vertex i is at sum_b w_ib T_b rest_i, without normalization, as in libigl. Vertices
 /// whose weights add up to 1 within `tolerance` keep their influences; a body accepts a tolerance of up to 1e-6.
 ///
-/// Throws std::invalid_argument for influences that do not fit the vertices, for a weight that is not finite, and for a
-/// tolerance that is not in 0…1e-6. Cost: linear in influences.
+/// Throws std::invalid_argument for influences that do not fit the vertices or the bones, for a weight that is not
+/// finite, and for a tolerance that is not in 0…1e-6. Cost: linear in influences.
 Skin complete_weights(const Skin& skin, double tolerance = 1e-6);
 
 }  // namespace morula

@@ -308,7 +308,7 @@ class Reader {
     }
   }
 
-  // Many nodes may show one mesh: each has vertices and facets of its own.
+  // Many nodes may show one mesh: each has vertices, facets and weights of its own.
   void require_modest() const {
     constexpr std::size_t most_per_byte = 256;
     std::size_t count = 0;
@@ -316,6 +316,13 @@ class Reader {
       for (const VertexSet& set : document_.meshes[document_.nodes[i].mesh].vertices) count += set.positions.size();
       for (const Primitive& p : document_.meshes[document_.nodes[i].mesh].primitives) count += p.facets.size();
       if (count > most_per_byte * bytes_) document_.fail("shows more vertices than a file of this size can mean");
+    }
+    // A moment has the weights of all nodes, drawn or not.
+    std::size_t weights = 0;
+    for (const Node& node : document_.nodes) {
+      if (node.mesh != none) weights += document_.meshes[node.mesh].weights.size();
+      if (weights > most_per_byte * bytes_)
+        document_.fail("has more weights of morph targets than a file of this size can mean");
     }
   }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "parallel/interruption.hpp"
 #include "update/points/facet_hull.hpp"
 #include "update/points/ownership_check.hpp"
 #include "update/rules/skin_poser.hpp"
@@ -51,6 +52,7 @@ std::vector<double> mean_gains(const Binding& binding, const SpheresByBones& by_
   std::vector<double> gains(binding.spheres.size());
   std::vector<Spheref> bound(binding.spheres.size()), measured;
   for (std::size_t f = 0; f < frames; ++f) {
+    check_interrupt();
     const BonePose pose = binding.posers.skin->pose(binding.options.skin, training.subspan(f * bones, bones));
     const RuleFrame frame{.origin = pose.origin, .bones = &pose};
     by_bones(frame, bound);
