@@ -85,17 +85,17 @@ long double bare_by(const Body& body, const Mesh& mesh, const Skin& skin, const 
   return worst;
 }
 
-Vec3 vector_within(Random& random, double size) {
+Vec3 offset_within(Random& random, double size) {
   return {size * random.uniform(-1, 1), size * random.uniform(-1, 1), size * random.uniform(-1, 1)};
 }
 
 // Affine maps of any kind: near the identity, singular, mirrored, uneven, far away.
 AffineTransform affine_of_kind(Random& random, int kind, double size) {
   AffineTransform t;
-  for (Vec3& column : t.columns) column += vector_within(random, kind == 0 ? 0.3 : 1.5);
+  for (Vec3& column : t.columns) column += offset_within(random, kind == 0 ? 0.3 : 1.5);
   if (kind == 1) t.columns[1] = t.columns[2] = t.columns[0];
   if (kind == 2) t.columns = {Vec3{-1, 0, 0}, Vec3{0, random.uniform(0, 20), 0}, Vec3{}};
-  t.translation = vector_within(random, kind == 3 ? 1e6 * size : size);
+  t.translation = offset_within(random, kind == 3 ? 1e6 * size : size);
   return t;
 }
 Bones bones_of_kind(Random& random, std::size_t count, int kind, double size) {
