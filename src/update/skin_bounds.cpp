@@ -14,11 +14,11 @@
 // (T_b x - center) and sum |w_b| = 1 + 2 o; along an axis p is in [low - o (high - low), high + o (high - low)].
 //
 // Rounding. u = 2^-24, S the size of the transforms, X = reach <= S, n rows, L = sum |W_b|, E = sum of weight strays,
-// P = 1 + 2 overhang, v the largest number of influences of a vertex, a sum of k numbers off by k u of the sum of their
-// absolute values in any order. |coordinates| of T_b x are at most S, and sums of |entries| of rows of A_b at most S /
-// X. As lengths, in units of u S:
+// P = 1 + 2 overhang, v the largest number of influences of a vertex, V >= P their largest sum of |weights|, a sum of k
+// numbers off by k u of the sum of their absolute values in any order. |coordinates| of T_b x are at most S, and sums
+// of |entries| of rows of A_b at most S / X. As lengths, in units of u S:
 //   transforms narrowed to float                                          sqrt(3) P
-//   vertices that a shader computes in float                              sqrt(3) P (v + 5)
+//   vertices that a shader computes in float, positions and weights, too  sqrt(3) V (v + 6)
 //   center: T_b c to 4, D_b c to 10, their sum                            sqrt(3) (4 + (n + 1) (1 + 2 L) + 10 L)
 //   F: rows off by u S / X ((n + 1) (1 + 2 L) + 2 L), times |y|           sqrt(3) |y| / X (…)
 //   strays: D_b c to 10 sqrt(3), |D_b| to 2 sqrt(3) / X, |y| <= 1.8 X     24 E
@@ -102,10 +102,15 @@ class ClusterFit {
     slack_ = std::max(slack_, std::abs(1 - sum));
     influences_ = std::max<std::size_t>(influences_, skin.begin[vertex + 1] - skin.begin[vertex]);
     std::map<std::uint32_t, double> weights;
-    each_weight(skin, vertex, [&](std::uint32_t bone, double weight) { weights[bone] += weight; });
+    double absolute = 0;
+    each_weight(skin, vertex, [&](std::uint32_t bone, double weight) {
+      absolute += std::abs(weight);
+      if (weight != 0) weights[bone] += weight;
+    });
+    // mutant skin-bounds-absolute: `std::max(absolute_, absolute)` -> `0`
+    absolute_ = std::max(absolute_, absolute);
     double negative = 0;
     for (const auto& [bone, weight] : weights) {
-      if (weight == 0) continue;
       of_bone_[bone].push_back({place, weight});
       negative -= std::min(weight, 0.0);
     }
@@ -169,7 +174,7 @@ class ClusterFit {
     const double center = root * (4 + sum + 10 * weights);
     const double stretch = root * static_cast<double>(cluster.radius) / reach * (sum + 2 * weights);
     const double linear = center + stretch + 42 * strays + 9 * (1 + 2 * weights);
-    const double moved = root * overhang * (v + 6);
+    const double moved = root * std::max(absolute_, overhang) * (v + 7);
     // mutant skin-bounds-rounding: `1.02 * unit` -> `0.01 * unit`
     cluster.rounding = rounded_up(1.02 * unit * (moved + std::max(linear, 40 * overhang)) + 4 * slack_ * overhang);
     cluster.growth = rounded_up(1 + unit * (n + 32));
@@ -179,6 +184,7 @@ class ClusterFit {
   std::vector<Vec3> places_;  // about the cluster's center, once it is determined
   std::map<std::uint32_t, std::vector<Share>> of_bone_;
   double slack_ = 0, overhang_ = 0;
+  double absolute_ = 0;  // more than 1 + 2 overhang_ if influences of one bone cancel
   std::size_t influences_ = 0;
 };
 

@@ -257,6 +257,32 @@ TEST(SkinBounds, pay_for_rounding) {
   }
 }
 
+// Influences of one bone that cancel: what a shader rounds is far larger than the weights that are left.
+TEST(SkinBounds, pay_for_influences_that_cancel) {
+  Mesh mesh;
+  for (int k = 0; k < 3; ++k) mesh.positions.push_back({0.7 + (k == 1 ? 1e-6 : 0), 0.3 + (k == 2 ? 1e-6 : 0), 0.9});
+  mesh.facets = {{0, 1, 2}};
+  const std::vector<std::uint32_t> cluster{0};
+  // Bone 1 is left with no weight at all, and moves farther than bone 0.
+  for (const double weight : {1.0, 1e3, 1e5}) {
+    const std::vector<double> of_vertex{1 + weight, -weight, weight, -weight};
+    Skin skin{.bone_count = 2, .begin = {0, 4, 8, 12}};
+    for (int v = 0; v < 3; ++v) {
+      skin.bones.insert(skin.bones.end(), {0, 0, 1, 1});
+      skin.weights.insert(skin.weights.end(), of_vertex.begin(), of_vertex.end());
+    }
+    SkinBounds bounds(mesh, skin, cluster);
+    Random random(5);
+    for (int round = 0; round < 200; ++round) {
+      const Motions motions{motion_of_kind(random, 0, 1), motion_of_kind(random, 0, 100)};
+      const Bounds result = bounds_of(bounds, motions);
+      const Excess shaded = excess_of(result, mesh, cluster, 0,
+                                      [&](std::size_t v) { return shaded_vertex(mesh, skin, motions.data(), v); });
+      ASSERT_LE(std::max({shaded.sphere, shaded.box, shaded.whole}), 0) << weight << ", " << round;
+    }
+  }
+}
+
 TEST(SkinBounds, pay_for_weights_that_do_not_add_up) {
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

@@ -138,11 +138,12 @@ class SkinBounds {
   /// Computes bounds in mesh coordinates, rounded outward.
   ///
   /// transforms: relative to rest, bone_count() for each character, one character after another. Output arrays are
-  /// empty or have the sizes given above; other sizes throw std::invalid_argument. A call with more threads than any
-  /// before allocates; others do not. Result: wrong_transform_count for a number of transforms that is no multiple of
-  /// bone_count(); bad_transform, with the index of the first one in `transforms`, for a transform that is not finite
-  /// or larger than SkinBoundsData::largest_size. Nothing is written then. The result has the same bits for any number
-  /// of workers, and for one character as for many at once. Cost: linear in the rows of all clusters.
+  /// empty or have the sizes given above; other sizes throw std::invalid_argument. A call on more threads than any
+  /// before allocates, as one of more characters may; others do not. Result: wrong_transform_count for a number of
+  /// transforms that is no multiple of bone_count(); bad_transform, with the index of the first one in `transforms`,
+  /// for a transform that is not finite or larger than SkinBoundsData::largest_size. Nothing is written then. The
+  /// result has the same bits for any number of workers, and for one character as for many at once. Cost: linear in the
+  /// rows of all clusters.
   Status bounds(std::span<const AffineTransform> transforms, const SkinBoundsOutput& output,
                 Workers& workers = serial_workers());
 
