@@ -126,6 +126,40 @@ TEST(GltfExtra, a_binary_file_keeps_its_chunks_and_is_read_as_before) {
   }
 }
 
+// For the parser, the text ends at a character 0.
+TEST(GltfExtra, what_follows_the_text_is_no_part_of_it) {
+  const ScratchFolder folder;
+  const std::string object = "{\"asset\":{\"version\":\"2.0\"}";
+  for (const std::string after : {"", "\"", "{}", "}", ",\"extras\":{\"a\":1}}", "[[["}) {
+    const fs::path from = folder.file("a.gltf", object + "}" + '\0' + after), to = folder.path() / "b.gltf";
+    write_gltf_extra(from, to, "bounds", "1");
+    EXPECT_EQ(bytes_of(to), object + ",\"extras\":{\"bounds\":1}}") << after;
+  }
+  std::string json = object + "}";
+  json.resize((json.size() / 4 + 1) * 4, '\0');
+  std::string bytes = "glTF";
+  const auto append = [&](std::size_t number) {
+    for (int k = 0; k < 4; ++k) bytes += static_cast<char>(number >> 8 * k);
+  };
+  append(2), append(20 + json.size()), append(json.size());
+  const fs::path from = folder.file("a.glb", bytes + "JSON" + json), to = folder.path() / "b.glb";
+  write_gltf_extra(from, to, "bounds", "1");
+  const std::string copy = bytes_of(to);
+  EXPECT_EQ(copy.find('\0', 20), copy.npos);
+  EXPECT_EQ(Json::parse(copy.substr(20))["extras"]["bounds"], 1);
+
+  const auto write = [&](const std::string& name, const std::string& value) {
+    write_gltf_extra(from, to, name, value);
+  };
+  using namespace std::string_literals;
+  EXPECT_THROW(write("bounds", "1\0\""s), std::invalid_argument);
+  EXPECT_THROW(write("\xff", "1"), std::invalid_argument);
+  EXPECT_THROW(write("a\0b"s, "1"), std::invalid_argument);
+  EXPECT_THROW(write("a\\u0041", "1"), std::invalid_argument);
+  EXPECT_THROW(write("a\":1,\"b", "1"), std::invalid_argument);
+  write("\xc3\xa9", "1");
+}
+
 TEST(GltfExtra, files_that_cannot_have_one_are_named) {
   const ScratchFolder folder;
   const auto problem = [&](const std::string& text, const fs::path& to) {

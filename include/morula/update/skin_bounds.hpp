@@ -124,7 +124,7 @@ class SkinBounds {
   /// numbers, and may be without facets. Throws std::invalid_argument for a mesh that require_usable() rejects, for
   /// coordinates of used vertices beyond 2^50, for a skin that does not fit the mesh (see Skin), for another number of
   /// cluster numbers than facets, and for cluster numbers of 2^24 or more. Cost: linear in influences per facet, times
-  /// a small factor for balls.
+  /// a small factor for balls, and in each cluster's vertices times its bones.
   SkinBounds(const MeshView& mesh, const Skin& skin, std::span<const std::uint32_t> cluster_of_facet,
              Workers& workers = serial_workers());
   /// From stored rest data. Throws std::invalid_argument if a row or bone is out of range, or a number is not finite or

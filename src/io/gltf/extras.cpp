@@ -133,13 +133,21 @@ std::string glb(const fs::path& to, std::string json, std::string_view after) {
   return file.append("JSON").append(json).append(after);
 }
 
+/// The parser takes a character 0 for the end of the text.
+bool is_json(std::string_view text) {
+  return text.find('\0') == text.npos && Json::accept(text);
+}
+
 }  // namespace
 
 void write_gltf_extra(const fs::path& from, const fs::path& to, std::string_view name, std::string_view json) {
-  if (!Json::accept(json)) throw std::invalid_argument("the value of the extra is not JSON");
-  if (Json(name).dump().size() != name.size() + 2) throw std::invalid_argument("the name of the extra needs escapes");
+  if (!is_json(json)) throw std::invalid_argument("the value of the extra is not JSON");
+  if (!is_json('"' + std::string(name) + '"') || name.find_first_of("\"\\") != name.npos)
+    throw std::invalid_argument("the name of the extra needs escapes, or is not UTF-8");
   const std::string bytes = read_whole(from);
-  const SplitFile file = split(from, bytes);
+  SplitFile file = split(from, bytes);
+  // JSON has no character 0 and ends there for its parser, but some writers of .glb pad with it.
+  file.json = file.json.substr(0, file.json.find('\0'));
   const JsonFile parsed(from, file.json);
   const Json& root = parsed.root();
   if (!root.is_object() || !root.contains("asset")) parsed.fail("has no \"asset\"; that is no glTF");

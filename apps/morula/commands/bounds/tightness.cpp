@@ -77,21 +77,30 @@ std::string Tightness::text() {
 
 namespace {
 
+/// SkinBoundsData::largest_size is the limit of this, with a reach of at least 1.
+double size_of(const AffineTransform& t, double reach) {
+  double turned = 0, moved = 0;
+  for (int row = 0; row < 3; ++row) {
+    turned = std::max(turned, std::abs(t.columns[0][row]) + std::abs(t.columns[1][row]) + std::abs(t.columns[2][row]));
+    moved = std::max(moved, std::abs(t.translation[row]));
+  }
+  return reach * turned + moved;
+}
+
 /// Rows of matrices as an engine has them.
 std::vector<float> engine_rows(const SkinBoundsData& data, std::span<const AffineTransform> transforms,
                                std::size_t frame) {
   std::vector<float> rows;
   const double reach = std::max(1.0, static_cast<double>(data.reach));
-  for (std::size_t bone = 0; bone < transforms.size(); ++bone)
-    for (int row = 0; row < 3; ++row) {
-      const auto& [x, y, z] = transforms[bone].columns;
-      const double last = transforms[bone].translation[row];
-      if (!(reach * (std::abs(x[row]) + std::abs(y[row]) + std::abs(z[row])) + std::abs(last) <=
-            static_cast<double>(data.largest_size)))
-        throw UsageError(fmt::format(
-            "frame {}: the transform of bone {} is too large for engines, which compute in float", frame, bone));
-      for (const double number : {x[row], y[row], z[row], last}) rows.push_back(static_cast<float>(number));
-    }
+  for (std::size_t bone = 0; bone < transforms.size(); ++bone) {
+    const AffineTransform& t = transforms[bone];
+    if (!(size_of(t, reach) <= static_cast<double>(data.largest_size)))
+      throw UsageError(fmt::format(
+          "frame {}: the transform of bone {} is too large for engines, which compute in float", frame, bone));
+    for (int row = 0; row < 3; ++row)
+      for (const double number : {t.columns[0][row], t.columns[1][row], t.columns[2][row], t.translation[row]})
+        rows.push_back(static_cast<float>(number));
+  }
   return rows;
 }
 
