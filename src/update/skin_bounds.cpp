@@ -13,10 +13,11 @@
 // the second radius and the second box [kavan2005]. If the negative weights add up to -o, then p = center + sum w_b
 // (T_b x - center) and sum |w_b| = 1 + 2 o; along an axis p is in [low - o (high - low), high + o (high - low)].
 //
-// Rounding. u = 2^-24, S the size of the transforms, X = reach <= S, n rows, L = sum |W_b|, E = sum of weight strays,
-// P = 1 + 2 overhang, v the largest number of influences of a vertex, V >= P their largest sum of |weights|, a sum of k
-// numbers off by k u of the sum of their absolute values in any order. |coordinates| of T_b x are at most S, and sums
-// of |entries| of rows of A_b at most S / X. As lengths, in units of u S:
+// Rounding. u = 2^-23, because a GPU may round to either neighbor of a result; S the size of the transforms, X = reach
+// <= S, n rows, L = sum |W_b|, E = sum of weight strays, P = 1 + 2 overhang, v the largest number of influences of a
+// vertex, V >= P their largest sum of |weights|, a sum of k numbers off by k u of the sum of their absolute values in
+// any order. |coordinates| of T_b x are at most S, and sums of |entries| of rows of A_b at most S / X. As lengths, in
+// units of u S:
 //   transforms narrowed to float                                          sqrt(3) P
 //   vertices that a shader computes in float, positions and weights, too  sqrt(3) V (v + 6)
 //   center: T_b c to 4, D_b c to 10, their sum                            sqrt(3) (4 + (n + 1) (1 + 2 L) + 10 L)
@@ -24,7 +25,7 @@
 //   strays: D_b c to 10 sqrt(3), |D_b| to 2 sqrt(3) / X, |y| <= 1.8 X     24 E
 //   box: center and half extents added, up to 3 (1 + 2 L) + 6 E, thrice   9 (1 + 2 L) + 18 E
 //   hull: T_b x to 4, |A_b,i| to 10.5 of at most 1.8, sums thrice         40 P
-// and relative to the bounds, with square roots off by 8 u: |F| 14, lengths 10, sums of n + 2, products: n + 24.
+// and relative to the bounds, with square roots off by 4 u: |F| 14, lengths 10, sums of n + 2, products: n + 24.
 // Squares below the normal range lose up to 2^-62 (2 + E) and 2^-60 X; X >= 2^-40, so the pad is above 2^-58 (1 + E).
 // If weights add up to 1 +- s, the rest moves a vertex by up to 2 sqrt(3) s S.
 #include <algorithm>
@@ -46,7 +47,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr double unit = 0x1p-24, least_reach = 0x1p-40, largest_reach = 0x1p50, largest_length = 0x1p55;
+constexpr double unit = 0x1p-23, least_reach = 0x1p-40, largest_reach = 0x1p50, largest_length = 0x1p55;
 // Above the rounding, in double, of differences and lengths of rest data.
 constexpr double of_rest = 1 + 0x1p-40;
 
@@ -175,7 +176,7 @@ class ClusterFit {
     const double stretch = root * static_cast<double>(cluster.radius) / reach * (sum + 2 * weights);
     const double linear = center + stretch + 42 * strays + 9 * (1 + 2 * weights);
     const double moved = root * std::max(absolute_, overhang) * (v + 7);
-    // mutant skin-bounds-rounding: `1.02 * unit` -> `0.01 * unit`
+    // mutant skin-bounds-rounding: `1.02 * unit` -> `0.005 * unit`
     cluster.rounding = rounded_up(1.02 * unit * (moved + std::max(linear, 40 * overhang)) + 4 * slack_ * overhang);
     cluster.growth = rounded_up(1 + unit * (n + 32));
     weight_sum = std::max(weight_sum, overhang + 2 * weights + strays);
