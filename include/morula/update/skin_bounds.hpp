@@ -28,7 +28,7 @@
 //   lower_i = max(center_i - half_i K.growth, low_i - K.overhang (high_i - low_i)) - pad
 //   upper_i = min(center_i + half_i K.growth, high_i + K.overhang (high_i - low_i)) + pad
 //
-// Sphere and box contain all vertices of the cluster, hence its facets, if each operation rounds to a neighboring float,
+// Sphere and box contain all vertices of the cluster, hence its facets, if operations round to a neighboring float,
 // with square roots and divisions off by up to 4 units in the last place. Sums may be in any order, multiplications and
 // additions fused or not, and numbers below the normal range may count as 0. K.growth and K.rounding pay for that, for
 // transforms that were rounded from double to float, and for weights that add up to 1 within 1e-6, whether the engine
