@@ -58,8 +58,8 @@ class ContactQuery {
   void set_options(CollideOptions options);
   const CollideOptions& options() const;
 
-  /// Allocates the memory and makes the tables of the bodies, for a first call that is as fast as later ones but for the
-  /// memory of vertices that bodies compute. Keeps no front and no contacts. Cost: run() and start() without a budget.
+  /// Allocates the memory and makes the tables of the bodies, for a first call as fast as later ones, except memory of
+  /// vertices that bodies compute. Keeps no front and no contacts. Cost: that of run() and start() without a budget.
   Status warm_up(Workers& workers = serial_workers());
 
   /// Finds the contacts of all pairs in their present state, and keeps no front: the fastest call for a complete
