@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bounds of skinned clusters: a covering sphere and a covering box for each cluster of an engine's own, such as a
-// meshlet, a draw cluster or a sub-mesh, from the transforms of the bones alone. There is no tree and no body, and no
-// vertex is read per frame.
+// Bounds of skinned clusters: a covering sphere and a covering box for each cluster that an engine defines, such as a
+// meshlet, a draw cluster or a sub-mesh, from the transforms of the bones alone. They need no tree and no body, and
+// read no vertex per frame.
 //
 //   morula::SkinBounds bounds(mesh, skin, cluster_of_facet);   // once
 //   std::vector<morula::Spheref> spheres(bounds.cluster_count());
@@ -20,7 +20,7 @@
 //   stray_i = the same with the component |d_k,i| in place of |d_k|
 //   q_k     = T_b R_k.center
 //   size    = the largest, over the bones of the rows or over all bones, of
-//             reach (largest sum of |entries| of a row of A_b) + largest |component| of t_b, and at least reach
+//             reach * (largest sum of |entries| of a row of A_b) + largest |component| of t_b, and at least reach
 //   pad     = K.rounding size
 //   radius  = min(|F| K.radius + stray, (1 + 2 K.overhang) max_k (|q_k - center| + |A_b| R_k.radius)) K.growth + pad
 //   half_i  = min(|F_i| K.radius, sum_j |F_ij| K.half_extent_j) + stray_i
@@ -54,7 +54,7 @@ struct Boxf {
   bool operator==(const Boxf&) const = default;
 };
 
-/// How one bone moves a cluster. Eight words without gaps: two vec4 of a shader.
+/// How one bone moves a cluster. Eight 32-bit numbers without gaps: two vec4 of a shader.
 struct SkinBoundsRow {
   std::uint32_t bone = 0;
   float weight = 0;  ///< weight of the bone in the cluster's center; 0 for the first row
@@ -70,9 +70,9 @@ struct SkinBoundsRow {
 };
 static_assert(sizeof(SkinBoundsRow) == 32);
 
-/// A cluster at rest. Twelve words without gaps: three vec4 of a shader.
+/// A cluster at rest. Twelve 32-bit numbers without gaps: three vec4 of a shader.
 struct SkinBoundsCluster {
-  Vec3f center{};       ///< of a ball around the vertices' rest positions
+  Vec3f center{};       ///< center of a ball around the vertices' rest positions
   float radius = 0;     ///< radius of that ball
   Vec3f half_extent{};  ///< largest |component| of rest position - center, per axis
   float overhang = 0;   ///< largest sum, over a vertex, of its |negative weights|
@@ -85,12 +85,12 @@ struct SkinBoundsCluster {
 };
 static_assert(sizeof(SkinBoundsCluster) == 48);
 
-/// The rest data of all clusters: what a file or a shader's buffer holds.
+/// The rest data of all clusters: the content of a file or of a shader's buffer.
 struct SkinBoundsData {
   std::uint32_t bone_count = 0;
   /// At least the largest |coordinate| of a used vertex at rest, mesh units, and at least 2^-40.
   float reach = 0;
-  /// Transforms up to this size, as defined above with a reach of at least 1, keep all numbers in the range of float.
+  /// Transforms up to this size keep all numbers in the range of float. Size as above, with max(reach, 1) as the reach.
   float largest_size = 0;
   std::vector<SkinBoundsCluster> clusters{};
   std::vector<SkinBoundsRow> rows{};
@@ -98,14 +98,14 @@ struct SkinBoundsData {
   bool operator==(const SkinBoundsData&) const = default;
 };
 
-/// Where SkinBounds::bounds() writes. Spans may be empty: these results are skipped.
+/// Destinations of SkinBounds::bounds(). A result whose span is empty is skipped.
 struct SkinBoundsOutput {
   /// One per character and cluster: clusters of the first character first. A cluster without facets gets radius 0 at
   /// the origin.
   std::span<Spheref> spheres{};
   /// The same order. A cluster without facets gets the box from (0, 0, 0) to (0, 0, 0).
   std::span<Boxf> boxes{};
-  std::span<Spheref> whole_spheres{};  ///< one per character, around all its clusters; needs `spheres`
+  std::span<Spheref> whole_spheres{};  ///< one per character, around all its clusters; requires `spheres`
   std::span<Boxf> whole_boxes{};       ///< one per character
 };
 
@@ -122,13 +122,13 @@ class SkinBounds {
  public:
   /// Computes the rest data. cluster_of_facet: a number per facet; clusters are numbered from 0 to the largest of these
   /// numbers, and may be without facets. Throws std::invalid_argument for a mesh that require_usable() rejects, for
-  /// coordinates of used vertices beyond 2^50, for a skin that does not fit the mesh (see Skin), for another number of
-  /// cluster numbers than facets, and for cluster numbers of 2^24 or more. Cost: linear in influences per facet, times
-  /// a small factor for balls, and in each cluster's vertices times its bones.
+  /// coordinates of used vertices beyond 2^50, for a skin that does not fit the mesh (see Skin), for a list without one
+  /// number per facet, and for cluster numbers of 2^24 or more. Cost: linear in the influences of all facets, times a
+  /// small factor for balls, and in each cluster's vertices times its bones.
   SkinBounds(const MeshView& mesh, const Skin& skin, std::span<const std::uint32_t> cluster_of_facet,
              Workers& workers = serial_workers());
-  /// From stored rest data. Throws std::invalid_argument if a row or bone is out of range, or a number is not finite or
-  /// negative where it must not be.
+  /// Takes stored rest data. Throws std::invalid_argument if a row or bone is out of range, if a number is not finite,
+  /// or if a number other than a weight or a coordinate of a center is negative.
   explicit SkinBounds(SkinBoundsData data);
 
   std::size_t cluster_count() const { return data_.clusters.size(); }
@@ -138,12 +138,12 @@ class SkinBounds {
   /// Computes bounds in mesh coordinates, rounded outward.
   ///
   /// transforms: relative to rest, bone_count() for each character, one character after another. Output arrays are
-  /// empty or have the sizes given above; other sizes throw std::invalid_argument. A call on more threads than any
-  /// before allocates, as one of more characters may; others do not. Result: wrong_transform_count for a number of
-  /// transforms that is no multiple of bone_count(); bad_transform, with the index of the first one in `transforms`,
-  /// for a transform that is not finite or larger than SkinBoundsData::largest_size. Nothing is written then. The
-  /// result has the same bits for any number of workers, and for one character as for many at once. Cost: linear in the
-  /// rows of all clusters.
+  /// empty or have the sizes given above; other sizes throw std::invalid_argument. A call allocates if it uses more
+  /// threads than all earlier ones, and may if it has more characters; other calls do not. Rejects, and then writes
+  /// nothing: wrong_transform_count for a number of transforms that is no multiple of bone_count(); bad_transform, with
+  /// the index of the first one in `transforms`, for one that is not finite or is larger than
+  /// SkinBoundsData::largest_size. The result has the same bits for any number of workers, and for one character as for
+  /// many at once. Cost: linear in the rows of all clusters, for each character.
   Status bounds(std::span<const AffineTransform> transforms, const SkinBoundsOutput& output,
                 Workers& workers = serial_workers());
 
