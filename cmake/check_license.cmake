@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-# Every source, CMake file and script starts with the two SPDX lines (after a script's #! line).
+# Every source, CMake file, script and workflow starts with the two SPDX lines (after a script's #! line).
 # Run as: cmake [-D ROOT=folder] -P cmake/check_license.cmake
 cmake_minimum_required(VERSION 3.24)
 
@@ -9,6 +9,8 @@ if(NOT DEFINED ROOT)
 endif()
 
 set(globs "${ROOT}/CMakeLists.txt" "${ROOT}/pyproject.toml" "${ROOT}/cmake/*.in" "${ROOT}/scripts/*" "${ROOT}/.ci/*")
+file(GLOB_RECURSE workflows "${ROOT}/.github/*.yml")
+list(APPEND globs ${workflows} "${ROOT}/.pre-commit-config.yaml")
 foreach(folder include src extras toolbox apps bench examples scenes tests cmake viewer python)
   foreach(pattern *.hpp *.cpp *.inl *.hpp.in *.cpp.in *.py *.sh *.mjs *.js *.cmake CMakeLists.txt)
     list(APPEND globs "${ROOT}/${folder}/${pattern}")
