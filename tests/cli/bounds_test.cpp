@@ -103,7 +103,7 @@ TEST(BoundsCommand, primitives_of_a_gltf_file_are_clusters_and_bones_are_named) 
   const Json report = bench.require("bounds arm.glb -o a.json --primitives --json").json();
   EXPECT_EQ(report["clusters"], 2);
   EXPECT_GT(report["frames"], 1);
-  EXPECT_EQ(report["bare_corners"], 0);
+  EXPECT_EQ(report["uncovered_corners"], 0);
   const Json file = Json::parse(bench.read("a.json"));
   EXPECT_EQ(sizes_of_partition(file, 12), (std::vector<std::size_t>{8, 4}));
   EXPECT_EQ(file["primitives"][1]["facet_range"], Json({8, 12}));
@@ -163,25 +163,25 @@ TEST(BoundsCommand, same_bytes_for_any_number_of_threads) {
   EXPECT_EQ(bench.read("a.json"), bench.read("b.json"));
 }
 
-TEST(BoundsCommand, report_says_how_tight_and_that_no_corner_is_bare) {
+TEST(BoundsCommand, report_says_how_tight_and_that_no_corner_is_uncovered) {
   const Workbench bench;
   make_bar(bench);
   const Json report = bench.require("bounds " + bar_files + "-o a.json --clusters 9 --json").json();
   EXPECT_EQ(report["clusters"], 9);
   EXPECT_EQ(report["bones"], 2);
   EXPECT_EQ(report["spheres"], 9 * report["frames"].get<int>());
-  EXPECT_EQ(report["bare_corners"], 0);
+  EXPECT_EQ(report["uncovered_corners"], 0);
   const Json& ratio = report["radius_over_smallest"];
   EXPECT_GE(ratio["median"], 1.0);
   EXPECT_LE(ratio["median"], ratio["95%"]);
   EXPECT_LE(ratio["95%"], ratio["largest"]);
   EXPECT_LT(ratio["largest"], 4.0);
   const std::string text = bench.require("bounds " + bar_files + "-o a.json --clusters 9").out;
-  EXPECT_NE(text.find("bare corners  0"), std::string::npos) << text;
+  EXPECT_NE(text.find("uncovered     0 corners"), std::string::npos) << text;
   // Without transforms there is nothing to measure by.
   const Json rest = bench.require("bounds bar.obj --skin bar-weights.npy -o a.json --json").json();
   EXPECT_EQ(rest["frames"], 0);
-  EXPECT_FALSE(rest.contains("bare_corners"));
+  EXPECT_FALSE(rest.contains("uncovered_corners"));
 }
 
 TEST(BoundsCommand, refuses_what_has_no_skin_and_what_it_cannot_write) {

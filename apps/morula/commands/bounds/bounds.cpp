@@ -99,7 +99,7 @@ void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsDa
   if (written.frames > 0) {
     fmt::print("checked       {}\n", counted(written.frames, "frame"));
     fmt::print("radius        {} of the smallest sphere's\n", written.tightness.text());
-    fmt::print("bare corners  {}\n", written.tightness.bare_count());
+    fmt::print("uncovered     {} corners\n", written.tightness.uncovered_count());
   } else {
     fmt::print("checked       no frame: the file has no animation; --transforms FILE has some\n");
   }
@@ -140,7 +140,7 @@ int bounds_command(BoundsArguments o) {
     write_whole(o.output, text + "\n");
   note_written(o.output);
   print_report(o, mesh, bounds.data(), written);
-  return written.tightness.bare_count() > 0 ? exit_check_failed : exit_done;
+  return written.tightness.uncovered_count() > 0 ? exit_check_failed : exit_done;
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ bool is_outside(const Sphere& sphere, const Vec3& p) {
 
 void Tightness::add(const Sphere& sphere, const Box& box, std::span<const Vec3> points) {
   ++spheres_;
-  for (const Vec3& p : points) bare_ += is_outside(sphere, p) || !(squared_distance(box, p) == 0) ? 1 : 0;
+  for (const Vec3& p : points) uncovered_ += is_outside(sphere, p) || !(squared_distance(box, p) == 0) ? 1 : 0;
   const double smallest = enclosing_sphere(points).radius;
   if (!(smallest > 0)) return;
   ratios_.push_back(sphere.radius / smallest);
@@ -66,7 +66,7 @@ double Tightness::ratio(double share) {
 Json Tightness::json() {
   const auto or_null = [&](double share) { return ratios_.empty() ? Json(nullptr) : Json(ratio(share)); };
   return {{"spheres", spheres_},
-          {"bare_corners", bare_},
+          {"uncovered_corners", uncovered_},
           {"radius_over_smallest", {{"median", or_null(0.5)}, {"95%", or_null(0.95)}, {"largest", or_null(1)}}}};
 }
 

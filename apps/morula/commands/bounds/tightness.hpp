@@ -28,7 +28,7 @@ class Tightness {
 
   std::size_t sphere_count() const { return spheres_; }
   /// Points outside of their sphere or their box, over all frames.
-  std::size_t bare_count() const { return bare_; }
+  std::size_t uncovered_count() const { return uncovered_; }
   /// Spheres of a smallest radius of 0 are left out.
   Json json();
   std::string text();
@@ -37,7 +37,7 @@ class Tightness {
   double ratio(double share);
 
   std::vector<double> ratios_;
-  std::size_t spheres_ = 0, bare_ = 0;
+  std::size_t spheres_ = 0, uncovered_ = 0;
   bool sorted_ = true;
 };
 
