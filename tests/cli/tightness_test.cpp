@@ -34,7 +34,7 @@ TEST(Tightness, counts_points_outside_of_sphere_or_box_and_compares_radii) {
   EXPECT_EQ(tightness.bare_count(), 2u);
   EXPECT_EQ(tightness.sphere_count(), 3u);
   const cli::Json report = tightness.json();
-  EXPECT_EQ(report["bare_corners"], 2);
+  EXPECT_EQ(report["uncovered_corners"], 2);
   EXPECT_EQ(report["radius_over_smallest"]["median"], 1);
   EXPECT_EQ(report["radius_over_smallest"]["largest"], 2);
 }
