@@ -15,7 +15,7 @@ if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
 endif()
 
-set(folders include src extras toolbox apps tests bench scripts examples scenes cmake viewer docs python research)
+set(folders include src extras toolbox apps tests bench scripts examples scenes cmake viewer docs python research packaging)
 set(endings "hpp|cpp|inl|cmake|mjs|md|py|tsv|bib")
 # Where names begin that do not begin at ROOT.
 set(starts include include/morula src apps/morula tests bench viewer/src docs)

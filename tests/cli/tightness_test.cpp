@@ -27,11 +27,11 @@ TEST(Tightness, counts_points_outside_of_sphere_or_box_and_compares_radii) {
   cli::Tightness tightness;
   const std::vector<Vec3> points{{-1, 0, 0}, {1, 0, 0}, {0, 0.5, 0}};
   tightness.add({{0, 0, 0}, 1}, {{-1, 0, 0}, {1, 0.5, 0}}, points);
-  EXPECT_EQ(tightness.bare_count(), 0u);
+  EXPECT_EQ(tightness.uncovered_count(), 0u);
   tightness.add({{0, 0, 0}, 2}, {{-1, 0, 0}, {1, 0.25, 0}}, points);
-  EXPECT_EQ(tightness.bare_count(), 1u);
+  EXPECT_EQ(tightness.uncovered_count(), 1u);
   tightness.add({{0.5, 0, 0}, 1}, {{-1, -1, -1}, {1, 1, 1}}, points);
-  EXPECT_EQ(tightness.bare_count(), 2u);
+  EXPECT_EQ(tightness.uncovered_count(), 2u);
   EXPECT_EQ(tightness.sphere_count(), 3u);
   const cli::Json report = tightness.json();
   EXPECT_EQ(report["uncovered_corners"], 2);
