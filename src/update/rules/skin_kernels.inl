@@ -27,11 +27,17 @@ inline Doubles smaller(Doubles a, Doubles b) {
 
 struct Vectors {
   Doubles x, y, z;
-
-  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vectors operator*(const Doubles& s, const Vectors& v) { return {s * v.x, s * v.y, s * v.z}; }
 };
+// GCC 12 without optimization fails to compile these as friends inside.
+inline Vectors operator+(const Vectors& a, const Vectors& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vectors operator-(const Vectors& a, const Vectors& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vectors operator*(const Doubles& s, const Vectors& v) {
+  return {s * v.x, s * v.y, s * v.z};
+}
 inline Vectors each(const Vec3& v) {
   return {each(v.x), each(v.y), each(v.z)};
 }
