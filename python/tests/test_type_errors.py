@@ -69,7 +69,8 @@ def instances(folder):
         morula.KDopTree(mesh, model, 14), morula.RebuiltBody(mesh, model, thread="none"), morula.PosedSpheres(model.tree),
         morula.RigidTransform(), morula.ConvexHull.box((0, 0, 0), (1, 1, 1)), morula.LoosenessEstimator(mesh),
         morula.LoosenessMeter(mesh), morula.FitSampler(mesh, interior=10, surface=10), morula.Workers(1), modes,
-        morula.sample_skin(mesh.positions), morula.PowerDiagram(spheres), morula.connectivity(mesh),
+        morula.sample_skin(mesh.positions), morula.SkinBounds(mesh, morula.sample_skin(mesh.positions), numpy.zeros(mesh.facet_count, int)),
+        morula.PowerDiagram(spheres), morula.connectivity(mesh),
         morula.cut_by_power(mesh.positions[:3], spheres[:2]), morula.ModalCertificate(mesh, modes, largest_norm=1e-9),
         morula.MotionWriter(folder / "frames", mesh, 1), morula.SphereFramesWriter(folder / "frames.npz", model.tree, 1),
     ]
