@@ -36,7 +36,7 @@ void print(const Result& result) {
   if (result.seconds.empty())
     fmt::print("{:10}{:30}  {}\n", result.scenario, result.item, result.note);
   else
-    fmt::print("{:10}{:30}  min {:>10}  median {:>10}  worst {:>10}  of {}\n", result.scenario, result.item,
+    fmt::print("{:<14} {:30}  min {:>10}  median {:>10}  worst {:>10}  of {}\n", result.scenario, result.item,
                duration(least(result)), duration(median(result.seconds)), duration(most(result)),
                result.seconds.size());
   std::string line;
