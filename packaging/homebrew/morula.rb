@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
 # Homebrew builds an archive of the clone; a formula of a tap names a release's address and checksum instead.
-#   git archive --prefix=morula-0.1.0/ -o /tmp/morula-0.1.0.tar.gz HEAD
-#   HOMEBREW_MORULA_ARCHIVE=/tmp/morula-0.1.0.tar.gz brew install --build-from-source packaging/homebrew/morula.rb
+#   git archive --prefix=morula-0.1.0/ -o morula-0.1.0.tar.gz HEAD
+#   HOMEBREW_MORULA_ARCHIVE="$PWD/morula-0.1.0.tar.gz" brew install --build-from-source packaging/homebrew/morula.rb
 class Morula < Formula
   desc "Certified sphere trees for deforming triangle meshes"
   url "file://#{ENV.fetch("HOMEBREW_MORULA_ARCHIVE")}"

@@ -31,8 +31,8 @@ struct FrameFiles {
   /// The file with the data that change from frame to frame.
   const std::string& moving() const;
 };
-/// Throws UsageError unless there is either a motion, or modes and their coordinates, or a skin and its transforms;
-/// modes beside a skin are its morph targets.
+/// Throws UsageError unless there is either a motion, or modes and their coordinates, or a skin and its transforms.
+/// With a skin, modes are its morph targets.
 void require_frames(const FrameFiles& files);
 /// Throws UsageError if a rule follows data that the files do not have. A glTF file in the place of a motion serves as
 /// the skin and the transforms that a rule needs.

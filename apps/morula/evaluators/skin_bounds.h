@@ -22,7 +22,9 @@ typedef struct {
   float lower[3], upper[3];  // box
 } skin_bounds;
 
-static inline float skin_bounds_length(const float* v) { return sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+static inline float skin_bounds_length(const float* v) {
+  return sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
 static inline float skin_bounds_image(const float* row, const float* p) {
   return row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3];
 }
@@ -37,7 +39,7 @@ static inline float skin_bounds_stretch(const float* m) {
 // rows: all rows of the rest data. reach: that of the rest data. bones: 12 floats for each bone, the rows of its 3 x 4
 // matrix relative to rest: the global matrix of the joint times its inverse bind matrix.
 static inline skin_bounds skin_bounds_of(const skin_bounds_cluster* c, const skin_bounds_row* rows, float reach,
-                                  const float* bones) {
+                                         const float* bones) {
   skin_bounds out = {{0}, 0, {0}, {0}};
   if (c->row_count == 0) return out;
   const float* main_bone = bones + 12 * rows[c->first_row].bone;

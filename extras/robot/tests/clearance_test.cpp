@@ -256,13 +256,7 @@ struct Scene {
     result.set_base(base);
     return result;
   }
-  std::vector<double> configuration(Random& random) const {
-    std::vector<double> values;
-    for (const std::size_t j : robot.independent_joints)
-      values.push_back(robot.joints[j].kind == robot::Joint::Kind::prismatic ? random.uniform(-0.3, 0.3) * scale
-                                                                             : random.uniform(-3, 3));
-    return values;
-  }
+  std::vector<double> configuration(Random& random) const { return random_values(robot, random, 0.3 * scale); }
 
   std::vector<Matrix> poses(const std::vector<Real>& values) const {
     std::vector<Matrix> result(robot.links.size());

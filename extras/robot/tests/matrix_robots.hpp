@@ -90,13 +90,7 @@ struct Sample {
     if (joint.moves() && !joint.mimic) robot.independent_joints.push_back(number);
     robot.joints.push_back(joint);
   }
-  std::vector<double> configuration(Random& random) const {
-    std::vector<double> values;
-    for (const std::size_t j : robot.independent_joints)
-      values.push_back(robot.joints[j].kind == robot::Joint::Kind::prismatic ? random.uniform(-0.3, 0.3) * scale
-                                                                             : random.uniform(-3, 3));
-    return values;
-  }
+  std::vector<double> configuration(Random& random) const { return random_values(robot, random, 0.3 * scale); }
   std::vector<Matrix> poses(std::span<const double> values, const RigidTransform& base) const {
     std::vector<Matrix> result(robot.links.size());
     result[0] = matrix(base);

@@ -139,7 +139,7 @@ struct [[nodiscard]] RayHit {
 class RayQuery {
  public:
   /// Finds the first hit. Rejects a body that queries reject, a collider without facets, positions of another frame
-  /// than the spheres, and a bad ray. Allocates nothing (but see Collider). Several threads may call it at once.
+  /// than the spheres, and a bad ray. Allocates nothing, except as Collider says. Several threads may call it at once.
   RayHit run(const Collider& body, const Ray& ray) const;
   /// Finds all facets that a ray hits: one point per facet, ascending by t, then by facet. A ray through an edge or a
   /// vertex may hit several facets there. RayHit::first is the first point, as in run(). Rejects like run(), and then
