@@ -70,7 +70,7 @@ double largest_length(std::span<const Vec3> points) {
 
 // The rounding of vertices that a number of targets move, as a share of how far they move and of the coordinates.
 double share_of_targets(std::size_t count) {
-  // mutant skin-bounds-target-rounding: `static_cast<double>(5 * count + 20)` -> `0`
+  // mutant skin-bounds-target-rounding: `unit * static_cast` -> `0 * static_cast`
   return unit * static_cast<double>(5 * count + 20);
 }
 
@@ -197,6 +197,7 @@ void ClusterFit::add_targets(const Modes& targets, double reach, Result& result)
   const double share = share_of_targets(moving.size());
   for (const Moving& m : moving) {
     SkinBoundsTarget target{.shift = m.shift, .target = m.target};
+    // mutant skin-bounds-target-tiny: `+ reach * 0x1p-32` -> ``
     const double allowed = share * (static_cast<double>(max_norm(m.shift)) + m.farthest) + reach * 0x1p-32;
     // mutant skin-bounds-target-radius: `rounded_up(m.farthest` -> `rounded_up(0.9 * m.farthest`
     target.radius = rounded_up(m.farthest * of_rest + allowed);
@@ -204,6 +205,7 @@ void ClusterFit::add_targets(const Modes& targets, double reach, Result& result)
     for (int axis = 0; axis < 3; ++axis) target.half_extent[axis] = rounded_up(m.extent[axis] * of_rest + allowed);
     result.targets.push_back(target);
   }
+  // mutant skin-bounds-target-reach: `share * reach` -> `0 * reach`
   const double pad = share * reach;
   const auto enlarge = [](float& length, double by) { length = rounded_up(static_cast<double>(length) + by); };
   enlarge(result.cluster.radius, pad);

@@ -88,16 +88,17 @@ TEST(SkinBoundsMorphs, pay_for_rounding) {
   Random random(12);
   for (int round = 0; round < 4000; ++round) {
     Mesh mesh;
-    const Vec3 middle = vector_within(random, 0.1);
+    const bool is_near = round % 3 == 0;  // targets that move the facet by less than they round its places
+    const Vec3 middle = vector_within(random, is_near ? 3 : 0.1);
     for (int k = 0; k < 3; ++k) mesh.positions.push_back(middle + vector_within(random, 0x1p-33));
     mesh.facets = {{0, 1, 2}};
     const std::size_t count = round % 2 == 0 ? 1 : 60;
     Modes targets{3, count, {}};
     std::vector<double> morphs;
     for (std::size_t j = 0; j < count; ++j) {
-      const Vec3 far = vector_within(random, 3);
+      const Vec3 far = vector_within(random, is_near ? 1e-4 : 3);
       for (int k = 0; k < 3; ++k) targets.displacements.push_back(far + vector_within(random, 0x1p-33));
-      morphs.push_back(random.uniform(-1, 1) * (round % 4 < 2 ? 1 : 1000));
+      morphs.push_back(random.uniform(-1, 1) * (is_near || round % 4 < 2 ? 1 : 1000));
     }
     const Skin skin{1, {0, 1, 2, 3}, {0, 0, 0}, {1, 1, 1}};
     const std::vector<std::uint32_t> cluster{0};
@@ -118,6 +119,31 @@ TEST(SkinBoundsMorphs, pay_for_rounding) {
     ASSERT_LE(std::max({shaded.sphere, shaded.box, shaded.whole}), 0) << round;
     // Not by a wide margin: less than 2^-13 of how far the targets move.
     EXPECT_LE(result.spheres[0].radius, 0x1p-13f * static_cast<float>(2 * count * (round % 4 < 2 ? 1 : 1000)) + 1e-3f);
+  }
+}
+
+// Displacements below the range of float times numbers near its end. A shader may take such displacements for 0.
+TEST(SkinBoundsMorphs, pay_for_displacements_below_the_range_of_float) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {0x1p-40, 0, 0}, {0, 0x1p-40, 0}};
+  mesh.facets = {{0, 1, 2}};
+  const Skin skin{1, {0, 1, 2, 3}, {0, 0, 0}, {1, 1, 1}};
+  const std::vector<std::uint32_t> cluster{0};
+  Random random(15);
+  for (int round = 0; round < 100; ++round) {
+    Modes targets{3, 1, {}};
+    targets.displacements.assign(3, vector_within(random, 1e-42));
+    const std::vector<double> morphs{1e37};
+    SkinBounds bounds(mesh, skin, targets, cluster);
+    const Motions motions(1);
+    const Bounds result = bounds_of(bounds, motions, morphs);
+    for (const bool is_flushed : {false, true}) {
+      const Excess most = excess_of(result, mesh, cluster, 0, [&](std::size_t v) {
+        const Vec3f p = is_flushed ? Vec3f(mesh.positions[v]) : shaded_morph(mesh, targets, morphs, v);
+        return shaded_vertex(p, skin, motions.data(), v);
+      });
+      EXPECT_LE(std::max({most.sphere, most.box, most.whole}), 0) << round;
+    }
   }
 }
 
