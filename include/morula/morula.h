@@ -159,6 +159,12 @@ typedef struct morula_spheref {
  * destroyed afterwards. Cost: linear in influences. */
 MORULA_API morula_status morula_skin_bounds_create(const morula_mesh* mesh, const morula_skin* skin,
                                                    const uint32_t* cluster_of_facet, morula_skin_bounds** bounds);
+/* The same with morph targets, which displace vertices before the bones move them. displacements: 3 numbers per target
+ * and vertex of the mesh, target after target; copied as rest data. Cost: also vertices x targets. */
+MORULA_API morula_status morula_skin_bounds_create_morphed(const morula_mesh* mesh, const morula_skin* skin,
+                                                           size_t target_count, const double* displacements,
+                                                           const uint32_t* cluster_of_facet,
+                                                           morula_skin_bounds** bounds);
 MORULA_API void morula_skin_bounds_destroy(morula_skin_bounds* bounds);
 /* The largest number of a cluster, plus 1. */
 MORULA_API size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bounds);
@@ -169,6 +175,11 @@ MORULA_API size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bou
 MORULA_API morula_status morula_skin_bounds_compute(morula_skin_bounds* bounds, const double* transforms,
                                                     size_t character_count, morula_spheref* spheres,
                                                     morula_boxf* boxes);
+/* The same with morph targets. morphs: a number per character and target, by which its displacements are multiplied, of
+ * any sign; NULL: all are 0. Also rejected: numbers that are not finite or too large. */
+MORULA_API morula_status morula_skin_bounds_compute_morphed(morula_skin_bounds* bounds, const double* transforms,
+                                                            const double* morphs, size_t character_count,
+                                                            morula_spheref* spheres, morula_boxf* boxes);
 
 /* ---- Bodies: spheres that follow the vertices. ---- */
 
