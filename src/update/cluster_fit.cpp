@@ -16,7 +16,7 @@
 // Rounding. u = 2^-23, because a GPU may round to either neighbor of a result; S the size of the transforms, X = reach
 // <= S, n rows, L = sum |W_b|, E = sum of weight strays, P = 1 + 2 overhang, v the largest number of influences of a
 // vertex, V >= P their largest sum of |weights|, a sum of k numbers off by k u of the sum of their absolute values in
-// any order. |coordinates| of T_b x are at most S, and sums of |entries| of rows of A_b at most S / X. As lengths, in
+// any order. |coordinates| of T_b x are at most S, and sums of |entries| of rows of A_b at most S / X. In lengths, in
 // units of u S:
 //   transforms narrowed to float                                          sqrt(3) P
 //   vertices that a shader computes in float, positions and weights, too  sqrt(3) V (v + 6)
@@ -35,8 +35,8 @@
 // move the cluster, |components| of s_j add D_j to be the travel of a target, so X + travel takes the place of X. In
 // units of u (X + travel): c + s to k + 3 of q_j s_j and of the sum; a shader's vertices to k + 5; the spread to k + 2;
 // as a length less than 5 k + 20. Each D_j has that share of its target's travel, and the cluster's radii that of X.
-// The largest |y + e| over X + travel is at most 1.8, too. Displacements below the range of float are less than 2^-32
-// X.
+// The largest |y + e| over X + travel is at most 1.8. What floats lose of displacements below 2^-126 is less than q_j
+// 2^-32 X.
 #include "update/cluster_fit.hpp"
 
 #include <algorithm>

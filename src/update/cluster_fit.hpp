@@ -21,7 +21,7 @@ class ClusterFit {
     SkinBoundsCluster cluster{};  ///< first_row is 0
     std::vector<SkinBoundsRow> rows{};
     std::vector<SkinBoundsTarget> targets{};
-    double weight_sum = 1;  ///< of the factors that multiply transforms
+    double weight_sum = 1;  ///< sum of the factors that multiply transforms
   };
   /// targets: finite displacements of all vertices of the mesh, or none. reach: the largest |coordinate| of a used
   /// vertex.
