@@ -56,8 +56,8 @@ BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_
                             const MotionOptions& options = {});
 /// Also reads the coordinates of the morph targets of a .gltf or .glb, for Body::update_skinned(): their weights less
 /// those of the mesh at rest. mode_count: of the targets that read_modes() returns. Throws FileError also for another
-/// number of targets; a .npy has none.
-template <std::integral Count>  // an empty list, {}, is no number, and means MotionOptions
+/// number of targets; a .npy has none. An empty list, {}, in the place of the number means MotionOptions{}.
+template <std::integral Count>
 BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count, Count mode_count,
                             const MotionOptions& options = {}) {
   return detail::read_morphed_bone_frames(path, bone_count, static_cast<std::size_t>(mode_count), options);

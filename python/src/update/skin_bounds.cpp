@@ -133,7 +133,9 @@ void bind_skin_bounds(nb::module_& m) {
           "weight_stray, moment_stray, center, radius.")
       .def_prop_ro(
           "target_begin",
-          [](nb::handle self) { return own_indices(nb::cast<HeldSkinBounds&>(self).bounds.data().target_begin); },
+          [](nb::handle self) {
+            return own_indices(std::vector<std::uint32_t>(nb::cast<HeldSkinBounds&>(self).bounds.data().target_begin));
+          },
           doc::SkinBoundsData_target_begin)
       .def_prop_ro(
           "targets",
