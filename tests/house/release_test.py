@@ -22,7 +22,7 @@ clone, programs, remote = folder / "clone", folder / "programs", folder / "remot
 environment = {**{k: v for k, v in os.environ.items() if not k.startswith("GIT_")}, "HOME": str(folder), "GIT_CONFIG_NOSYSTEM": "1",
                "GIT_CONFIG_GLOBAL": str(folder / "gitconfig"), "PATH": f"{programs}:{os.environ['PATH']}"}
 address = "https://example.org/morula/morula"
-changelog = "# Changelog\n\n## Unreleased\n\n## 0.1.0 - unreleased\n\nThe first release.\n\n- Spheres.\n"
+changelog = "# Changelog\n\n## Unreleased\n\n## 0.1.0 - unreleased\n\nThe first release.\n\n- [Spheres](docs/tree.md#a).\n"
 
 
 def write(path, text, mode=0o644):
@@ -94,8 +94,8 @@ for name, old, new, faults in (
         ("CHANGELOG.md", "## 0.1.0 - unreleased", "## 0.1.1 - unreleased", ['has 0 sections "## 0.1.0 - …"']),
         ("CHANGELOG.md", "## 0.1.0 - unreleased", "## 0.2.0 - unreleased\n\n## 0.1.0 - unreleased", ["is not the one below Unreleased"]),
         ("CHANGELOG.md", "- unreleased", "- 2020-02-02", ["says '2020-02-02', not unreleased or"]),
-        ("CHANGELOG.md", "- Spheres.", "- Spheres.\n" * 80, ["has 82 lines: a summary has 1 to 80"]),
-        ("CHANGELOG.md", "The first release.\n\n- Spheres.\n", "", ["has 0 lines"]),
+        ("CHANGELOG.md", "- [Sp", "- A line.\n" * 80 + "- [Sp", ["has 83 lines: a summary has 1 to 80"]),
+        ("CHANGELOG.md", "The first release.\n\n- [Spheres](docs/tree.md#a).\n", "", ["has 0 lines"]),
         ("scripts/packaging", passes, fails, ["recipes: scripts/packaging fails: vcpkg: has version 7"]),
         ("scripts/abi", passes, fails, ["public names and binary interface: scripts/abi fails"]),
         ("scripts/abi", passes, skips, ["public names and binary interface: scripts/abi cannot run"]),
@@ -125,7 +125,7 @@ if git("rev-parse", "HEAD") != before or git("status", "--porcelain") or git("ta
     sys.exit("a dry run changed the clone")
 if sorted(path.name for path in output.iterdir()) != ["NOTES.md", "SHA256SUMS", archive.name]:
     sys.exit(f"{output} has other files than these")
-if (output / "NOTES.md").read_text() != "The first release.\n\n- Spheres.\n":
+if (output / "NOTES.md").read_text() != f"The first release.\n\n- [Spheres]({address}/blob/v0.1.0/docs/tree.md#a).\n":
     sys.exit("the notes are not the section of the change log")
 with tarfile.open(archive) as packed:
     dated = {name: packed.extractfile(f"morula-0.1.0/{name}").read().decode() for name in ("CHANGELOG.md", "CITATION.cff")}
