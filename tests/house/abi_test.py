@@ -99,6 +99,26 @@ with Planted(box, "/// ", "void added_here();\n/// "):
 with Planted("tests/golden/public_names.txt", "morula::Box::add 2", "morula::Box::add 3"):
     expect(run("--names"), 1, "- morula/geometry/box.hpp: morula::Box::add 3")
 
+# Options of a command and names of a package that are gone.
+(folder / "morula").mkdir()
+stub, command = folder / "morula/__init__.pyi", folder / "command"
+stub.write_text("".join(f"class C{i}:\n    def run(self) -> int: ...\n    def _hidden(self) -> int: ...\n" for i in range(150)))
+command.write_text("""#!/bin/sh
+if [ $# = 1 ]; then printf 'Options:\\n  -h,--help  Help\\nSubcommands:\\n  one  1\\n  two  2\\n  three  3\\n  four  4\\n  five  5\\n\\n'
+else for i in 1 2 3 4 5 6 7 8 9; do echo "  -$i,--first-$i,--second-$i X  Option"; done; fi
+""")
+command.chmod(0o755)
+built = ("--names", "--command", command, "--python", folder / "morula")
+expect(run(*built, "--refresh"), 0, "command_options.txt is written", "python_names.txt is written")
+golden.update({path: path.read_bytes() for path in golden})
+expect(run(*built), 0, "command: 143 lines, as on record", "Python: 301 lines, as on record")
+with Planted("command", "--second-$i", ""):
+    expect(run(*built), 1, "- morula one: --second-1", "command: 45 lines gone, 0 new", "Python: 301 lines, as on record")
+with Planted("morula/__init__.pyi", "class C7:", "class D7:"):
+    expect(run(*built), 1, "- __init__.pyi: C7.run", "+ __init__.pyi: D7", "Python: 2 lines gone, 2 new")
+command.write_text("#!/bin/sh\necho no help\n")
+expect(run("--names", "--command", command), 1, "lists no subcommands and options")
+
 # A library that lacks a function, has one too many, or another soname.
 functions = [line.split("(")[0].split()[-1].lstrip("*") for line in (folder / c).read_text().splitlines()
              if line.startswith("MORULA_API ") and "(" in line]
