@@ -7,7 +7,8 @@
  * mesh units, indices start at 0, coordinates are x, y, z. Strings are UTF-8.
  *
  * Options are structs that begin with their size: call their _init function, then set single fields. A program that was
- * compiled with an older header keeps working: fields that it does not have keep their defaults.
+ * compiled with an older header keeps working: fields that it does not have keep their defaults. The _init functions
+ * are compiled into the program; other languages call the _defaults function with the size of their own struct.
  *
  * A handle keeps the objects alive that it was made from: a mesh may be destroyed before its model, a model before its
  * body, a body before its scene. One handle is for one thread at a time; different handles are independent, even bodies
@@ -84,7 +85,7 @@ typedef struct morula_sphere {
 #define MORULA_NO_NODE UINT32_MAX
 
 typedef struct morula_build_options {
-  size_t size;               /* of this struct, set by morula_build_options_init */
+  size_t size;               /* of this struct, set by the _init function */
   const char* method;        /* octree, grid, hubbard, spawn, medial, combined, optimized */
   const char* quality;       /* quality of method optimized: draft, fast, default, best */
   int branching;             /* largest number of children of a node, 2 to 64 */
@@ -100,7 +101,11 @@ typedef struct morula_build_options {
   void* user;
 } morula_build_options;
 
-MORULA_API void morula_build_options_init(morula_build_options* options);
+/* Writes the defaults into a struct of `size` bytes; so do the functions of the same ending below. */
+MORULA_API void morula_build_options_defaults(morula_build_options* options, size_t size);
+static inline void morula_build_options_init(morula_build_options* options) {
+  morula_build_options_defaults(options, sizeof *options);
+}
 /* Builds a tree in which every level covers the surface. options: NULL for the defaults. The result has the same bits
  * for any number of threads, unless a time limit ends the build. */
 MORULA_API morula_status morula_build(const morula_mesh* mesh, const morula_build_options* options,
@@ -194,7 +199,10 @@ typedef struct morula_body_options {
   const morula_skin* skin; /* of morula_body_update_skinned; copied. NULL: none */
 } morula_body_options;
 
-MORULA_API void morula_body_options_init(morula_body_options* options);
+MORULA_API void morula_body_options_defaults(morula_body_options* options, size_t size);
+static inline void morula_body_options_init(morula_body_options* options) {
+  morula_body_options_defaults(options, sizeof *options);
+}
 /* Creates a body at rest, at the positions of the mesh. options: NULL for the defaults: the rule exact, one thread. */
 MORULA_API morula_status morula_body_create(const morula_mesh* mesh, const morula_model* model,
                                             const morula_body_options* options, morula_body** body);
@@ -246,7 +254,10 @@ typedef struct morula_contact {
 
 typedef struct morula_contacts morula_contacts;
 
-MORULA_API void morula_contact_options_init(morula_contact_options* options);
+MORULA_API void morula_contact_options_defaults(morula_contact_options* options, size_t size);
+static inline void morula_contact_options_init(morula_contact_options* options) {
+  morula_contact_options_defaults(options, sizeof *options);
+}
 /* Creates an empty list, which keeps its memory from call to call. */
 MORULA_API morula_status morula_contacts_create(morula_contacts** contacts);
 MORULA_API void morula_contacts_destroy(morula_contacts* contacts);
@@ -314,7 +325,10 @@ typedef struct morula_patch {
 
 typedef struct morula_patches morula_patches;
 
-MORULA_API void morula_patch_options_init(morula_patch_options* options);
+MORULA_API void morula_patch_options_defaults(morula_patch_options* options, size_t size);
+static inline void morula_patch_options_init(morula_patch_options* options) {
+  morula_patch_options_defaults(options, sizeof *options);
+}
 /* Creates the query of two bodies; it keeps both alive, and its memory from run to run. A bad argument: a surface that
  * is open or not oriented, and a body that is inside out. Cost: O(F log F) for F facets. */
 MORULA_API morula_status morula_patches_create(morula_body* a, morula_body* b, morula_patches** patches);
@@ -376,7 +390,10 @@ typedef struct morula_haptic_step {
 
 typedef struct morula_haptic_probe morula_haptic_probe;
 
-MORULA_API void morula_haptic_options_init(morula_haptic_options* options);
+MORULA_API void morula_haptic_options_defaults(morula_haptic_options* options, size_t size);
+static inline void morula_haptic_options_init(morula_haptic_options* options) {
+  morula_haptic_options_defaults(options, sizeof *options);
+}
 /* Creates a probe: a point or a ball. options: NULL for the defaults: a point, stiffness 1, 8 moves. */
 MORULA_API morula_status morula_haptic_probe_create(const morula_haptic_options* options, morula_haptic_probe** probe);
 MORULA_API void morula_haptic_probe_destroy(morula_haptic_probe* probe);
@@ -414,7 +431,10 @@ typedef struct morula_tool_contact {
 
 typedef struct morula_haptic_tool morula_haptic_tool;
 
-MORULA_API void morula_haptic_tool_options_init(morula_haptic_tool_options* options);
+MORULA_API void morula_haptic_tool_options_defaults(morula_haptic_tool_options* options, size_t size);
+static inline void morula_haptic_tool_options_init(morula_haptic_tool_options* options) {
+  morula_haptic_tool_options_defaults(options, sizeof *options);
+}
 /* Creates a rigid tool of balls, copied, in the tool's coordinates: at least one. options: NULL for the defaults:
  * stiffness 1, 16 moves. */
 MORULA_API morula_status morula_haptic_tool_create(const morula_sphere* balls, size_t ball_count,
