@@ -7,8 +7,8 @@
 # MORULA_ZIG_TARGET   processor-system-library: x86_64-windows-gnu, aarch64-macos, x86_64-macos, x86_64-linux-musl,
 #                     aarch64-linux-gnu.2.28 (the oldest glibc that the program runs with)
 # MORULA_ZIG          the program zig; by default the one that scripts/zig installs, else the one in PATH
-# MORULA_CROSS_PREFIX the only folder where headers and packages are looked for: those of this machine are for this
-#                     machine; by default the one that scripts/cross_prefix makes
+# MORULA_CROSS_PREFIX the only folder where packages are looked for: those of this machine are for this machine. Headers
+#                     of others come from MORULA_THIRD_PARTY or MORULA_FETCH (cmake/MorulaThirdParty.cmake)
 # CMAKE_CROSSCOMPILING_EMULATOR is Wine or QEMU if the target needs one and this machine has it.
 cmake_minimum_required(VERSION 3.24)
 get_filename_component(morula_build "${CMAKE_CURRENT_LIST_DIR}/../build" ABSOLUTE)
