@@ -144,3 +144,16 @@ function(morula_find_bullet)
   target_include_directories(morula_bullet SYSTEM INTERFACE ${BULLET_INCLUDE_DIRS})
   target_link_libraries(morula_bullet INTERFACE ${BULLET_LIBRARIES})
 endfunction()
+
+# morula_windows_program(TARGET): on Windows, the program reads and prints UTF-8 and takes long paths (src/platform/windows/
+# program.manifest says so to the system). Elsewhere nothing.
+function(morula_windows_program target)
+  set(manifest "${PROJECT_SOURCE_DIR}/src/platform/windows/program.manifest")
+  if(MSVC)
+    target_sources(${target} PRIVATE "${manifest}")
+  elseif(WIN32)
+    # 1 24: the manifest of a program.
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/program.rc" CONTENT "1 24 \"${manifest}\"\n")
+    target_sources(${target} PRIVATE "${PROJECT_BINARY_DIR}/program.rc")
+  endif()
+endfunction()

@@ -7,8 +7,8 @@
 # MORULA_ZIG_TARGET   processor-system-library: x86_64-windows-gnu, aarch64-macos, x86_64-macos, x86_64-linux-musl,
 #                     aarch64-linux-gnu.2.28 (the oldest glibc that the program runs with)
 # MORULA_ZIG          the program zig; by default the one that scripts/zig installs, else the one in PATH
-# MORULA_CROSS_PREFIX the only folder where headers and packages are looked for: those of this machine are for this
-#                     machine; by default the one that scripts/cross_prefix makes
+# MORULA_CROSS_PREFIX the only folder where packages are looked for: those of this machine are for this machine. Headers
+#                     of others come from MORULA_THIRD_PARTY or MORULA_FETCH (cmake/MorulaThirdParty.cmake)
 # CMAKE_CROSSCOMPILING_EMULATOR is Wine or QEMU if the target needs one and this machine has it.
 cmake_minimum_required(VERSION 3.24)
 get_filename_component(morula_build "${CMAKE_CURRENT_LIST_DIR}/../build" ABSOLUTE)
@@ -18,7 +18,7 @@ find_program(MORULA_ZIG zig HINTS ${morula_installed_zig} REQUIRED NO_CMAKE_FIND
 # Projects that CMake makes to try the compiler know these, too.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES MORULA_ZIG MORULA_ZIG_TARGET MORULA_ZIG_TOOLS MORULA_CROSS_PREFIX)
 
-if(NOT MORULA_ZIG_TARGET MATCHES "^(x86_64|aarch64)-(windows|macos|linux)(-[a-z0-9.]+)?$")
+if(NOT MORULA_ZIG_TARGET MATCHES "^(x86_64|aarch64|wasm32)-(windows|macos|linux|wasi)(-[a-z0-9.]+)?$")
   message(FATAL_ERROR "MORULA_ZIG_TARGET is '${MORULA_ZIG_TARGET}'; cmake/zig.cmake has examples")
 endif()
 set(CMAKE_SYSTEM_PROCESSOR ${CMAKE_MATCH_1})
@@ -29,6 +29,8 @@ if(CMAKE_MATCH_2 STREQUAL "windows")
   set(morula_emulator ${MORULA_WINE})
 elseif(CMAKE_MATCH_2 STREQUAL "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
+elseif(CMAKE_MATCH_2 STREQUAL "wasi")
+  set(CMAKE_SYSTEM_NAME Generic)
 else()
   set(CMAKE_SYSTEM_NAME Linux)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64" AND NOT CMAKE_HOST_SYSTEM_PROCESSOR STREQUAL "aarch64")
