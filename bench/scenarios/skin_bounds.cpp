@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Scenario skin_bounds: spheres and boxes of 64 clusters of each of 1,000 characters from their bones; beside a box per
-// joint of whole characters, and exact bounds of skinned positions.
+// joint of whole characters, exact bounds of skinned positions, and the same with morph targets.
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/reproducible.hpp>
 #include <morula/update/skin_bounds.hpp>
+#include <morula/update/skin_morphs.hpp>
 #include <numeric>
 
 #include "scenario.hpp"
@@ -14,6 +15,7 @@ namespace morula::bench {
 namespace {
 
 constexpr std::size_t character_count = 1000, cluster_count = 64, joint_count = 24, checked_characters = 20;
+constexpr std::size_t target_count = 8;
 
 /// A chain of bones along the longest side of a mesh, four influences a vertex, clusters by halving.
 struct Character {
@@ -110,12 +112,61 @@ std::vector<Box> exact_boxes(const Character& character, std::span<const Vec3> p
   return result;
 }
 
+/// Targets that lift the half of the body beyond a plane across its axis, each vertex by another length.
+Modes lifts(const Character& character) {
+  Modes targets{character.mesh.vertex_count(), target_count, {}};
+  Random random(6);
+  for (std::size_t j = 0; j < target_count; ++j)
+    for (const Vec3& p : character.mesh.positions) {
+      const double height = 0.02 * character.box.diagonal() * random.uniform(0.5, 1);
+      const bool is_beyond = p[character.axis] > character.box.center()[character.axis];
+      targets.displacements.push_back(is_beyond ? height * Vec3{0.2, 1, static_cast<double>(j) / target_count}
+                                                : Vec3{});
+    }
+  return targets;
+}
+
 bool contains(const Spheref& s, const Vec3& p) {
   return distance(Vec3(s.center), p) <= static_cast<double>(s.radius);
 }
 bool contains(const Boxf& b, const Vec3& p) {
   const Vec3 lower(b.lower), upper(b.upper);
   return min(lower, p) == lower && max(upper, p) == upper;
+}
+
+}  // namespace
+
+namespace {
+
+/// The characters with morph targets; plain: seconds without them.
+Result run_morphed(const Input& input, const Settings& settings, const Character& character,
+                   std::span<const AffineTransform> poses, double plain) {
+  Result result{.scenario = "skin-bounds", .item = "the same with 8 morph targets in half of it", .mesh = input.name};
+  const Modes targets = lifts(character);
+  SkinBounds bounds(input.mesh, character.skin, targets, character.clusters, *settings.workers);
+  std::vector<double> morphs;
+  Random random(5);
+  for (std::size_t k = 0; k < character_count * target_count; ++k) morphs.push_back(random.uniform(-1, 1));
+  std::vector<Spheref> spheres(character_count * cluster_count), whole_spheres(character_count);
+  std::vector<Boxf> boxes(spheres.size()), whole_boxes(character_count);
+  result.seconds = timed(settings, [&] {
+    require(bounds.bounds(poses, morphs, {spheres, boxes, whole_spheres, whole_boxes}, *settings.workers));
+  });
+  std::size_t outside = 0;
+  std::vector<Vec3> positions(input.mesh.vertex_count());
+  for (std::size_t c = 0; c < checked_characters; ++c) {
+    move_by_skin(character.skin, targets, input.mesh.positions, poses.subspan(c * joint_count, joint_count),
+                 std::span(morphs).subspan(c * target_count, target_count), positions, *settings.workers);
+    for (std::size_t f = 0; f < input.mesh.facet_count(); ++f)
+      for (const std::uint32_t v : input.mesh.facets[f]) {
+        const std::size_t k = c * cluster_count + character.clusters[f];
+        outside += contains(spheres[k], positions[v]) && contains(boxes[k], positions[v]) ? 0 : 1;
+      }
+  }
+  result.expect(outside == 0, "morphed vertices outside the bounds");
+  result.figures = {{"over no targets, time", median(result.seconds) / plain},
+                    {"targets/cluster", static_cast<double>(bounds.data().targets.size()) / cluster_count}};
+  return result;
 }
 
 }  // namespace
@@ -203,7 +254,7 @@ std::vector<Result> run_skin_bounds(const Input& input, const Settings& settings
   joints.figures = {{"ns/character", 1e9 * median(joints.seconds) / characters},
                     {"whole boxes over exact, median", at(whole_of_joints, 0.5)}};
   exact.figures = {{"us/character", 1e6 * of_exact / characters}};
-  return {ours, joints, exact};
+  return {ours, run_morphed(input, settings, character, poses, seconds), joints, exact};
 }
 
 }  // namespace morula::bench

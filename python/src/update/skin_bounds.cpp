@@ -134,7 +134,8 @@ void bind_skin_bounds(nb::module_& m) {
       .def_prop_ro(
           "target_begin",
           [](nb::handle self) {
-            return own_indices(std::vector<std::uint32_t>(nb::cast<HeldSkinBounds&>(self).bounds.data().target_begin));
+            const std::vector<std::uint32_t>& begin = nb::cast<HeldSkinBounds&>(self).bounds.data().target_begin;
+            return View<std::uint32_t, -1>(begin.data(), {begin.size()}, self);
           },
           doc::SkinBoundsData_target_begin)
       .def_prop_ro(
