@@ -101,7 +101,7 @@ class LaneWriter {
     put((center - pivot_) / unit_, group.place, lane);
     const double radius = blend.node.rest.radius / unit_, place = length((center - pivot_) / unit_);
     group.radius[lane] = above(radius);
-    // mutant skinned-float-turn: `above(share_ * place)` -> `0`
+    // mutant skinned-float-turn: `above(share_ * place)` -> `above(0 * place)`
     group.turn_stray[lane] = above(share_ * place);
     group.size_stray[lane] = above(share_ * 1.75 * radius);
     put(blend.shape.center / unit_, group.shape_center, lane);
@@ -121,7 +121,7 @@ class LaneWriter {
     if (term == nullptr) return;
     const double radius = blend.node.rest.radius / unit_, place = length((blend.node.rest.center - pivot_) / unit_);
     const double weight = std::abs(term->weight), scale = std::abs(term->scale);
-    const double slope = length(term->slope) * unit_, moment = length(term->moment) / unit_;
+    const double slope = length(term->slope * unit_), moment = length(term->moment / unit_);
     to.weight[lane] = static_cast<float>(term->weight), to.scale[lane] = static_cast<float>(term->scale);
     put(term->moment / unit_, to.moment, lane);
     double stray = term->weight_stray;
@@ -134,7 +134,7 @@ class LaneWriter {
     const double turned = moment + scale * radius + 2 * place * moved;
     // mutant skinned-float-moves: `stray + share_ * moved` -> `stray`
     to.weight_stray[lane] = above(stray + share_ * moved);
-    // mutant skinned-float-turns: `+ share_ * turned` -> ``
+    // mutant skinned-float-turns: `share_ * turned` -> `0 * turned`
     to.moment_stray[lane] = above(term->moment_stray / unit_ + share_ * turned);
   }
 
