@@ -88,7 +88,7 @@ void put(const Vec3& v, LaneVectors& to, std::size_t lane) {
   to.x[lane] = static_cast<float>(v.x), to.y[lane] = static_cast<float>(v.y), to.z[lane] = static_cast<float>(v.z);
 }
 
-// Rest data of nodes in float, with what the rounding of the kernels costs (skinned.cpp).
+// Rest data of nodes in float, with allowances for the rounding of the kernels (skinned.cpp).
 class LaneWriter {
  public:
   // terms: of the group.

@@ -27,28 +27,29 @@
 // the radius -infinity and reaches nowhere. Lanes share only the choice above, which is made once for the group:
 // no bit depends on the width of registers.
 //
-// The kernels compute in float; strays pay for it. Lengths are in units of the blend and about a pivot: z is the
-// node's center at rest, R its radius, s_b the displacement of the pivot by D_b, which like D_b is computed in double
-// and then narrowed. u = 2^-24, n is the number of terms of the group, k = (n + 16) u, |.| of a matrix the root of the
-// sum of its squares where it is multiplied by a rounding. What has to be paid:
-//   D_b c = D_b z + s_b                                  6 u |D_b| |z| + 2 u |s_b|
-//   C, and F times |y| <= R, of a narrowed term          (n + 11) u (a (|D_b| |z| + |s_b|) + b |D_b|)
-//                     a = |W_b| + |g_b| R + E_b, b = |M_b| + |s_b| R (here s_b of the fit)
+// The kernels compute in float, and strays pay for it. Lengths are in units of the blend: z is the node's center at
+// rest about a pivot, R its radius, and d_b the displacement of the pivot by D_b. D_b and d_b are computed in double
+// and then narrowed. u = 2^-24, n is the number of terms of the group, k = (n + 16) u. |.| of a matrix that a rounding
+// multiplies is the root of the sum of its squares. These errors are paid for:
+//   D_b c = D_b z + d_b                                  6 u |D_b| |z| + 2 u |d_b|
+//   C, and F times |y| <= R, of a narrowed term          (n + 11) u (a (|D_b| |z| + |d_b|) + m |D_b|)
+//                     a = |W_b| + |g_b| R + E_b, m = |M_b| + |s_b| R
 //   C and F of the main bone                             (n + 5) u |T_r - 1| |z|, (n + 1) u |A_r| R
-// Since |s_b| <= |D_b c| + |D_b| |z|, a term is paid by k a more in E_b and k (2 a |z| + b) more in the stray of
-// moments. The main bone is paid by k |z| |T_r - 1| and 1.75 k R times its stretch, 1.75 > sqrt(3). All of these
-// lengths are larger by the share k, for their own sums.
-//   shape: the stretch of F L, and F y_0                 6 u sqrt(3) |F| (|L| + |y_0|); allowed: 16 u
-//   hull: A_b (z + q_b) + s_b                            13 u |A_b| |z + q_b| + 2 u |ball's center|
-// Of the latter the first is in the radius of the ball, where 16 u are allowed; the second, the distances' own
-// rounding and that of the center are in the reach, whose share is 16 u, with 4 u of the sums of |coordinates|.
-//   stretch: of G = F^T F, with m its mean eigenvalue    9 u m; of the deviator's diagonal 2 u m
-//            the trace of the deviator is t <= 17 u m, not 0. Its largest eigenvalue grows with p and with the
-//            determinant, which is off by 118 u p^3 + 3 |t| p^2; the bound of f has a slope of at most 4. So the
-//            eigenvalue is off by less than 4 (59 u 2 p + 2 |t|) + 11 u m + |t| / 3 + 100 u p, and p <= m
-// That is below 800 u m; allowed: 2^-14 = 1024 u, hence 2^-15 of its root. Numbers below 2^-126, and squares that
-// vanish below them, are less than 2^-60 of the largest moved length, far below the pad; transforms beyond 2^40 are
-// scaled by a power of two, so that nothing overflows.
+// Since |d_b| <= |D_b c| + |D_b| |z|, E_b grows by k a, and the stray of moments by k (2 a |z| + m). For the main bone
+// the strays grow by k |z| |T_r - 1| and by 1.75 k R times its stretch; 1.75 > sqrt(3). A share k is added to all of
+// these lengths, for their own sums.
+//   shape: the stretch of F L, and F y_0                 6 sqrt(3) u |F| (|L| + |y_0|); allowed: 16 u of the root of
+//                                                        the sum of squares of L and y_0
+//   hull: A_b (z + q_b) + d_b                            13 u |A_b| |z + q_b| + 2 u |ball's center|
+// The radius of a ball pays for the first summand by 16 u. The reach pays for the second, for the distances and for the
+// center, by a share of 16 u and by 4 u of the sums of |coordinates|.
+//   stretch: G = F^T F, with the mean eigenvalue m       9 u m; the deviator's diagonal 2 u m
+//            The deviator's trace is t <= 17 u m instead of 0, and its determinant is off by 118 u p^3 + 3 |t| p^2. The
+//            largest eigenvalue grows with p and with the determinant, and the bound of f has a slope of at most 4, so
+//            the error is below 4 (59 u 2 p + 2 |t|) + 11 u m + |t| / 3 + 100 u p, and p <= m.
+// That is less than 800 u m; allowed: 2^-14 = 1024 u, hence 2^-15 of its root. Numbers below 2^-126, and squares that
+// vanish below them, are less than 2^-60 of the largest moved length, far below the pad. A power of two scales
+// transforms beyond 2^40, so that nothing overflows.
 //
 // Rounding in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
 // of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:

@@ -328,6 +328,32 @@ TEST(SkinKernels, all_processors_give_the_same_bits) {
   }
 }
 
+// Slivers far from each other, moved alike: only the narrowed centers are off.
+TEST(SkinKernels, radii_pay_for_narrowing_the_center) {
+  Random random(10);
+  Mesh mesh;
+  Skin skin{.bone_count = 1, .begin = {0}};
+  std::vector<Sphere> leaves;
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    const Vec3 at = any_vector(random);
+    leaves.push_back({at, 4e-7});
+    mesh.facets.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      mesh.positions.push_back(at + 2e-7 * any_vector(random));
+      skin.bones.push_back(0), skin.weights.push_back(1), skin.begin.push_back(3 * i + k + 1);
+    }
+  }
+  Body body(mesh, test::root_with_leaves(mesh, {{}, 2}, leaves), {.rules = {Rule::skinned}, .skin = skin});
+  std::vector<Vec3> positions(mesh.vertex_count());
+  for (int round = 0; round < 50; ++round) {
+    Bones bones(1);
+    bones[0].translation = any_vector(random);
+    move_by_skin(skin, mesh.positions, bones, positions);
+    ASSERT_TRUE(body.update_skinned(bones));
+    EXPECT_LE(body.certify(positions).worst_excess, 0) << round;
+  }
+}
+
 // A bone that no vertex follows, and one that vertices name with a weight of 0.
 TEST(SkinKernels, bones_without_weight_change_no_sphere) {
   Facets f = facets(9);
