@@ -257,6 +257,25 @@ TEST(SkinMorphCover, pays_for_targets_that_lose_their_digits) {
   }
 }
 
+// A target moves a body by a million times its size, on a path that floats cannot follow.
+TEST(SkinMorphCover, pays_for_motions_much_larger_than_the_body) {
+  Random random(23);
+  for (int round = 0; round < 200; ++round) {
+    Mesh mesh;
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(morph_vector(random, 1e-6));
+    mesh.facets = {{0, 1, 2}};
+    const Skin skin{1, {0, 1, 2, 3}, {0, 0, 0}, {1, 1, 1}};
+    const Modes modes{3, 1, std::vector<Vec3>(3, morph_vector(random, 1))};
+    const Sphere ball{{}, 2e-6};
+    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}),
+              {.rules = {Rule::skinned}, .modes = modes, .skin = skin});
+    const MorphTransforms transforms(1);
+    const std::vector<double> morphs{random.uniform(-9, 9)};
+    ASSERT_TRUE(body.update_skinned(transforms, morphs));
+    EXPECT_LE(morph_excess(body, mesh, transforms, morphs), 0) << round;
+  }
+}
+
 // The parts that a body moves all at once: no larger than the sphere at rest.
 TEST(SkinMorphCover, a_target_that_moves_a_node_as_a_whole_does_not_enlarge_it) {
   const test::Specimen& b = test::specimens()[2];

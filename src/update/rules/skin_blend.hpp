@@ -89,8 +89,8 @@ struct SkinBlend {
   std::vector<NodeGroup> groups{};  ///< every node is in one of them
   std::vector<GroupTerm> terms{};
   std::vector<BonePair> pairs{};
-  Vec3 pivot;       ///< a place amid the nodes
-  double unit = 1;  ///< a power of two, mesh units: the unit of lengths in groups and terms
+  Vec3 pivot;                  ///< a place amid the nodes
+  double unit = 1;             ///< a power of two, mesh units: the unit of lengths in groups and terms
   double factor_sum = 0;       ///< largest NodeBlend::factor_sum
   std::size_t most_terms = 0;  ///< largest number of terms of a node
 };

@@ -87,11 +87,8 @@ const Entry* entry_of(std::uint32_t bone, const std::vector<Entry>& by_bone) {
 void put(const Vec3& v, LaneVectors& to, std::size_t lane) {
   to.x[lane] = static_cast<float>(v.x), to.y[lane] = static_cast<float>(v.y), to.z[lane] = static_cast<float>(v.z);
 }
-Vec3 read(const LaneVectors& v, std::size_t lane) {
-  return Vec3(Vec3f{v.x[lane], v.y[lane], v.z[lane]});
-}
 
-// Rest data of nodes in float, with what the rounding of the kernels costs (skinned.cpp).
+// Rest data of nodes in float, with allowances for the rounding of the kernels (skinned.cpp).
 class LaneWriter {
  public:
   // terms: of the group.
@@ -104,9 +101,8 @@ class LaneWriter {
     put((center - pivot_) / unit_, group.place, lane);
     const double radius = blend.node.rest.radius / unit_, place = length((center - pivot_) / unit_);
     group.radius[lane] = above(radius);
-    // mutant skinned-float-turn: `above(share_ * place)` -> `0`
+    // mutant skinned-float-turn: `above(share_ * place)` -> `above(0 * place)`
     group.turn_stray[lane] = above(share_ * place);
-    // mutant skinned-float-size: `above(share_ * 1.75 * radius)` -> `0`
     group.size_stray[lane] = above(share_ * 1.75 * radius);
     put(blend.shape.center / unit_, group.shape_center, lane);
     double squares = squared_length(blend.shape.center / unit_);
@@ -115,7 +111,6 @@ class LaneWriter {
       for (int row = column; row < 3; ++row) group.shape_axes[k++][lane] = static_cast<float>(axis[row]);
       squares += squared_length(axis);
     }
-    // mutant skinned-float-shape: `above(0x1p-20 * std::sqrt(squares))` -> `0`
     group.shape_stray[lane] = above(0x1p-20 * std::sqrt(squares));
     put_ball(blend, group.bone, group.ball, group.ball_radius, lane);
   }
@@ -125,26 +120,22 @@ class LaneWriter {
     const BlendTerm* term = entry_of(to.bone, blend.terms);
     if (term == nullptr) return;
     const double radius = blend.node.rest.radius / unit_, place = length((blend.node.rest.center - pivot_) / unit_);
-    const Vec3 slope = term->slope * unit_, moment = term->moment / unit_;
+    const double weight = std::abs(term->weight), scale = std::abs(term->scale);
+    const double slope = length(term->slope * unit_), moment = length(term->moment / unit_);
     to.weight[lane] = static_cast<float>(term->weight), to.scale[lane] = static_cast<float>(term->scale);
-    // Slopes of nodes that are very small for the body are left out.
-    if (length(slope) <= 0x1p40) put(slope, to.slope, lane);
-    put(moment, to.moment, lane);
-    const double weight = static_cast<double>(to.weight[lane]), scale = static_cast<double>(to.scale[lane]);
-    const Vec3 kept_slope = read(to.slope, lane), kept_moment = read(to.moment, lane);
-    // mutant skinned-float-weight: `std::abs(term->weight - weight)` -> `0`
-    // mutant skinned-float-slope: `length(slope - kept_slope) * radius` -> `0`
-    const double stray = term->weight_stray + std::abs(term->weight - weight) + length(slope - kept_slope) * radius;
-    // mutant skinned-float-moment: `length(moment - kept_moment)` -> `0`
-    // mutant skinned-float-scale: `std::abs(term->scale - scale) * radius` -> `0`
-    const double moment_stray = term->moment_stray / unit_ + length(moment - kept_moment) +
-                                std::abs(term->scale - scale) * radius;
-    const double moved = std::abs(weight) + length(kept_slope) * radius + stray;
-    const double turned = length(kept_moment) + std::abs(scale) * radius + 2 * place * moved;
-    // mutant skinned-float-moves: `share_ * moved` -> `0`
+    put(term->moment / unit_, to.moment, lane);
+    double stray = term->weight_stray;
+    // Slopes of nodes that are very small for the body could leave the range of float.
+    if (slope <= 0x1p40)
+      put(term->slope * unit_, to.slope, lane);
+    else
+      stray += slope * radius;
+    const double moved = weight + slope * radius + stray;
+    const double turned = moment + scale * radius + 2 * place * moved;
+    // mutant skinned-float-moves: `stray + share_ * moved` -> `stray`
     to.weight_stray[lane] = above(stray + share_ * moved);
-    // mutant skinned-float-turns: `share_ * turned` -> `0`
-    to.moment_stray[lane] = above(moment_stray + share_ * turned);
+    // mutant skinned-float-turns: `share_ * turned` -> `0 * turned`
+    to.moment_stray[lane] = above(term->moment_stray / unit_ + share_ * turned);
   }
 
  private:

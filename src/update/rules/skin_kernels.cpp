@@ -15,6 +15,10 @@ namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
+inline float root_of(float a) {
+  return std::sqrt(a);
+}
+
 /// Registers of one number: the same source in plain loops, also for compilers without vector types.
 namespace plain {
 

@@ -18,6 +18,7 @@ inline constexpr std::size_t lanes_of_group = 16;
 /// Moved balls that a hull keeps on the stack.
 inline constexpr std::size_t most_kept_balls = 64;
 
+/// A register of AVX-512, and a line of the cache: structs of them are aligned.
 using LaneFloats = float[lanes_of_group];
 struct LaneVectors {
   LaneFloats x, y, z;
@@ -32,7 +33,7 @@ struct BoneRow {
 };
 
 /// Entries of a BoneRow, or of the difference of two, times SkinFrame::scale.
-struct MotionRow {
+struct alignas(64) MotionRow {
   Columns linear;
   Vec3f shift;
   float size;  ///< at least the root of the sum of the squares of `linear`
@@ -52,30 +53,30 @@ struct BonePair {
 };
 
 /// A bone besides the main one, in all nodes of a group; all numbers are 0 in a node that it does not move.
-struct GroupTerm {
-  std::uint32_t bone = 0, pair = 0;
+struct alignas(64) GroupTerm {
   LaneFloats weight{}, scale{}, weight_stray{}, moment_stray{};
   LaneVectors slope{}, moment{};
   LaneVectors ball{};        ///< about the pivot
   LaneFloats ball_radius{};  ///< below 0 in nodes that the bone does not move
+  std::uint32_t bone = 0, pair = 0;
 };
 
 /// Nodes with the same main bone. Lanes beyond `count` repeat the first node. Lengths are in units of the blend.
-struct NodeGroup {
+struct alignas(64) NodeGroup {
+  LaneNumbers center_x{}, center_y{}, center_z{};  ///< at rest, mesh units
+  LaneVectors place{};                             ///< center at rest, about the pivot
+  LaneFloats radius{};
+  LaneFloats weight_strays{};             ///< sums over the terms
+  LaneFloats size_stray{}, turn_stray{};  ///< rounding, over a bone's size and that of its change
+  LaneVectors shape_center{};
+  LaneFloats shape_axes[6]{};            ///< columns of the lower triangle
+  LaneFloats shape_stray{};              ///< rounding, over the stretch of a node
+  LaneVectors ball{};                    ///< ball of the main bone, about the pivot
+  LaneFloats ball_radius{};              ///< below 0 in nodes without balls
+  std::uint32_t slot[lanes_of_group]{};  ///< numbers in SkinBlend::nodes
   std::uint32_t bone = 0;
   std::uint32_t first_term = 0, end_term = 0;
   std::uint32_t count = 0;
-  std::uint32_t slot[lanes_of_group]{};                ///< numbers in SkinBlend::nodes
-  LaneNumbers center_x{}, center_y{}, center_z{};      ///< at rest, mesh units
-  LaneVectors place{};                                 ///< center at rest, about the pivot
-  LaneFloats radius{};
-  LaneFloats weight_strays{};                          ///< sums over the terms
-  LaneFloats size_stray{}, turn_stray{};               ///< rounding, over a bone's size and that of its change
-  LaneVectors shape_center{};
-  LaneFloats shape_axes[6]{};                          ///< columns of the lower triangle
-  LaneFloats shape_stray{};                            ///< rounding, over the stretch of a node
-  LaneVectors ball{};                                  ///< ball of the main bone, about the pivot
-  LaneFloats ball_radius{};                            ///< below 0 in nodes without balls
 };
 
 struct SkinFrame {
@@ -83,13 +84,13 @@ struct SkinFrame {
   const MotionRow* pairs;
   const GroupTerm* terms;
   const Vec3* shifts;  ///< by bone: displacement of the pivot, mesh units; not scaled
-  float scale = 1;   ///< a power of two: below 1 if transforms are too large for squares in float
-  double unit = 1;   ///< length of a moved unit: unit of the blend over `scale`, mesh units
+  float scale = 1;     ///< a power of two: below 1 if transforms are too large for squares in float
+  double unit = 1;     ///< length of a moved unit: unit of the blend over `scale`, mesh units
 };
 
 /// Spheres of a group: displacements of centers from place to moved place about the pivot, and radii, in moved units;
 /// after `narrow` centers about the origin, and radii, in mesh units.
-struct GroupSpheres {
+struct alignas(64) GroupSpheres {
   LaneVectors center;
   LaneFloats radius;
 };

@@ -246,11 +246,10 @@ void differ(const BoneRow* rows, std::span<const BonePair> pairs, double scale, 
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const double *main = rows[pairs[p].main].entries, *other = rows[pairs[p].other].entries;
     float* to = &differences[p].linear[0].x;
-    for (std::size_t k = 0; k < 16; k += doubles)
-      write_narrowed(scale * (read(other + k) - read(main + k)), to + k);
+    for (std::size_t k = 0; k < 16; k += doubles) write_narrowed(scale * (read(other + k) - read(main + k)), to + k);
     float squares = 0;
     for (std::size_t k = 0; k < 9; ++k) squares += to[k] * to[k];
-    differences[p].size = __builtin_sqrtf(squares) * (1 + 0x1p-20f);
+    differences[p].size = root_of(squares) * (1 + 0x1p-20f);
   }
 }
 

@@ -27,10 +27,34 @@
 // the radius -infinity and reaches nowhere. Lanes share only the choice above, which is made once for the group:
 // no bit depends on the width of registers.
 //
-// Rounding, all in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
+// The kernels compute in float, and strays pay for it. Lengths are in units of the blend: z is the node's center at
+// rest about a pivot, R its radius, and d_b the displacement of the pivot by D_b. D_b and d_b are computed in double
+// and then narrowed. u = 2^-24, n is the number of terms of the group, k = (n + 16) u. |.| of a matrix that a rounding
+// multiplies is the root of the sum of its squares. These errors are paid for:
+//   D_b c = D_b z + d_b                                  6 u |D_b| |z| + 2 u |d_b|
+//   C, and F times |y| <= R, of a narrowed term          (n + 11) u (a (|D_b| |z| + |d_b|) + m |D_b|)
+//                     a = |W_b| + |g_b| R + E_b, m = |M_b| + |s_b| R
+//   C and F of the main bone                             (n + 5) u |T_r - 1| |z|, (n + 1) u |A_r| R
+// Since |d_b| <= |D_b c| + |D_b| |z|, E_b grows by k a, and the stray of moments by k (2 a |z| + m). For the main bone
+// the strays grow by k |z| |T_r - 1| and by 1.75 k R times its stretch; 1.75 > sqrt(3). A share k is added to all of
+// these lengths, for their own sums.
+//   shape: the stretch of F L, and F y_0                 6 sqrt(3) u |F| (|L| + |y_0|); allowed: 16 u of the root of
+//                                                        the sum of squares of L and y_0
+//   hull: A_b (z + q_b) + d_b                            13 u |A_b| |z + q_b| + 2 u |ball's center|
+// The radius of a ball pays for the first summand by 16 u. The reach pays for the second, for the distances and for the
+// center, by a share of 16 u and by 4 u of the sums of |coordinates|.
+//   stretch: G = F^T F, with the mean eigenvalue m       9 u m; the deviator's diagonal 2 u m
+//            The deviator's trace is t <= 17 u m instead of 0, and its determinant is off by 118 u p^3 + 3 |t| p^2. The
+//            largest eigenvalue grows with p and with the determinant, and the bound of f has a slope of at most 4, so
+//            the error is below 4 (59 u 2 p + 2 |t|) + 11 u m + |t| / 3 + 100 u p, and p <= m.
+// That is less than 800 u m; allowed: 2^-14 = 1024 u, hence 2^-15 of its root. Numbers below 2^-126, and squares that
+// vanish below them, are less than 2^-60 of the largest moved length, far below the pad. A power of two scales
+// transforms beyond 2^40, so that nothing overflows.
+//
+// Rounding in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
 // of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
 //   the caller's own sum rest + sum w_b (T_b - 1) rest                  1.8 (n + 8) e L (X + S)
-//   C: D_b c to 20 e S; factors and their sum                           1.8 (n + 40) e Q (X + S)
+//   the moved pivot; D_b, s_b; factors and their sum                    1.8 (n + 40) e Q (X + S)
 //   entries of F, times |y| <= 3.5 X                                    6.1 (n + 16) e (1 + Q) (X + S)
 //   hull: q_b below 3.5 X, so D_b (c + q_b) and A_r q_b                 60 e (X + S)
 //   fits: strays of rounded weights and moments, times |D_b c|, |D_b|   30 e (L + Q) (X + S)
@@ -41,9 +65,7 @@
 // If the weights of a vertex add up to 1 +- s, its bone with the largest weight gets the rest, which moves it by up to
 // s |(T_b - 1) x|; allowed: 2 s S. If those of a cut corner do, it moves by 1.8 s S, and by up to 3.5 s (X + S) against
 // the corners of whose hull it is left out (modal.cpp); allowed: 8 s (L + Q) (X + S). Lengths in the radius are
-// positive and pay by a share for their own arithmetic. Squares that vanish take less than 2^-500 Q from the strays,
-// which is below the pad or, for smaller bodies, below what rounding up to a float adds. The motion of the center by
-// narrowing to float is measured.
+// positive and pay by a share for their own arithmetic. The motion of the center by narrowing to float is measured.
 //
 // Morph targets move and enlarge any of these spheres (skin_morphs.hpp).
 #include <algorithm>
@@ -69,6 +91,7 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t groups_per_chunk = 4;
+
 // The main bones of groups, and the bones of pairs.
 std::vector<std::uint32_t> used_bones(const SkinBlend& blend) {
   std::vector<std::uint32_t> bones;
@@ -119,12 +142,12 @@ class SkinnedRule final : public RuleEngine {
   void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
               Workers& workers) noexcept override {
     const Uninterrupted whole;
-        morphs_.begin(*frame.bones, workers);
+    morphs_.begin(*frame.bones, workers);
     const SkinKernels& kernels = skin_kernels();
     move_bones(frame.bones->transforms, kernels);
-    const SkinFrame bones{bones_.data(),  pairs_.data(),
-                          blend_.terms.data(), shifts_.data(),
-                          static_cast<float>(scale_), blend_.unit / scale_};
+    const SkinFrame bones{
+        bones_.data(),       pairs_.data(), blend_.terms.data(), shifts_.data(), static_cast<float>(scale_),
+        blend_.unit / scale_};
     parallel_for(workers, blend_.groups.size(), groups_per_chunk, [&](std::size_t begin, std::size_t end) {
       GroupSpheres bounds;
       for (const NodeGroup& group : std::span(blend_.groups).subspan(begin, end - begin)) {
