@@ -227,7 +227,7 @@ endforeach()
 # What knows the operating system stands in the platform's two folders; the rest of the code is the same everywhere.
 set(system_headers "<(sys/.*|unistd|signal|fcntl|termios|poll|dlfcn|spawn|dirent|windows|io|direct|process|psapi|shellapi)[.]h>")
 file(GLOB_RECURSE all_files RELATIVE "${ROOT}" "${ROOT}/src/*.[ch]pp" "${ROOT}/include/*.hpp" "${ROOT}/apps/*.[ch]pp"
-  "${ROOT}/bench/*.[ch]pp" "${ROOT}/toolbox/*.[ch]pp" "${ROOT}/scenes/*.[ch]pp" "${ROOT}/extras/*/src/*.[ch]pp"
+  "${ROOT}/toolbox/*.[ch]pp" "${ROOT}/scenes/*.[ch]pp" "${ROOT}/extras/*/src/*.[ch]pp"
   "${ROOT}/extras/*/include/*.hpp" "${ROOT}/extras/*/command/*.[ch]pp")
 foreach(file IN LISTS all_files)
   if(file MATCHES "^src/platform/(posix|windows)/")

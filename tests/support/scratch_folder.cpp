@@ -2,18 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/scratch_folder.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <random>
 
 namespace morula::test {
 namespace fs = std::filesystem;
 
 ScratchFolder::ScratchFolder() {
-  const std::string stem = "morula-test-" + std::to_string(getpid()) + "-";
-  // One that is there already belongs to somebody else, who may have had the same number before.
+  const std::string stem = "morula-test-" + std::to_string(std::random_device()()) + "-";
+  // One that is there already belongs to somebody else.
   for (int n = 0; path_.empty() || !fs::create_directory(path_); ++n)
     path_ = fs::temp_directory_path() / (stem + std::to_string(n));
 }

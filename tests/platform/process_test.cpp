@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Programs that are started, judged by what a program of the tests says of itself.
+#include "platform/process.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <morula/io/whole_output.hpp>
+#include <string>
+#include <support/scratch_folder.hpp>
+#include <system_error>
+
+#include "platform/interrupt.hpp"
+
+namespace morula::test {
+namespace {
+
+using platform::ChildProgram;
+
+std::vector<std::string> call(std::vector<std::string> words) {
+  words.insert(words.begin(), MORULA_CHILD);
+  return words;
+}
+
+/// Reads to the end of the output; without line ends of Windows.
+std::string all_output(ChildProgram& program) {
+  const std::array<const ChildProgram*, 1> waited{&program};
+  std::string text;
+  while (program.read_output(text)) ChildProgram::wait_for_any(waited, 100);
+  std::erase(text, '\r');
+  return text;
+}
+
+std::string in_digits(const std::string& word) {
+  std::string digits;
+  for (const char c : word) {
+    const auto byte = static_cast<unsigned char>(c);
+    digits += "0123456789abcdef"[byte / 16];
+    digits += "0123456789abcdef"[byte % 16];
+  }
+  return digits;
+}
+
+TEST(PlatformProcess, words_arrive_unchanged) {
+  const std::vector<std::string> odd{"plain",
+                                     "",
+                                     " ",
+                                     "two words",
+                                     "tab\there",
+                                     "\"",
+                                     "\"quoted\"",
+                                     "a\"b c",
+                                     "\\",
+                                     "\\\\",
+                                     "ends in \\",
+                                     "ends in two \\\\",
+                                     "\\\"",
+                                     "a\\\\\"b",
+                                     "C:\\Program Files\\x\\",
+                                     "%PATH%",
+                                     "$HOME",
+                                     "a&b|c>d<e^f",
+                                     "*.cpp",
+                                     "?",
+                                     "'single'",
+                                     "--name=value with blank",
+                                     "K\xc3\xbcgel \xe4\xb8\xad \xf0\x9f\x8c\xb3"};
+  std::vector<std::string> words{"words"};
+  words.insert(words.end(), odd.begin(), odd.end());
+  ChildProgram program(call(words), {});
+  std::string expected;
+  for (const std::string& word : odd) expected += in_digits(word) + "\n";
+  EXPECT_EQ(all_output(program), expected);
+  const platform::ProcessStatus status = program.wait();
+  EXPECT_EQ(status.code, 0);
+  EXPECT_FALSE(status.by_signal);
+}
+
+TEST(PlatformProcess, streams_lead_to_and_fro) {
+  ChildProgram program(call({"echo"}), {.writes_input = true, .reads_errors = true});
+  const std::string line(5000, 'x');
+  const std::array<const ChildProgram*, 1> waited{&program};
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_TRUE(program.write(line + "\n"));
+    std::string back;
+    while (back.find('\n') == std::string::npos) {
+      ASSERT_TRUE(program.read_output(back));
+      ChildProgram::wait_for_any(waited, 100);
+    }
+    EXPECT_EQ(back.substr(0, line.size()), line);
+  }
+  EXPECT_FALSE(program.status().has_value());
+  program.request_end();
+  program.wait();
+}
+
+TEST(PlatformProcess, exit_codes_crashes_and_missing_programs_are_told_apart) {
+  for (const int code : {0, 1, 2, 77, 130, 255}) {
+    ChildProgram program(call({"exit", std::to_string(code)}), {});
+    const platform::ProcessStatus status = program.wait();
+    EXPECT_EQ(status.code, code);
+    EXPECT_FALSE(status.by_signal);
+  }
+  {
+    ChildProgram program(call({"crash"}), {.reads_errors = true});
+    const platform::ProcessStatus status = program.wait();
+    EXPECT_TRUE(status.by_signal);
+    EXPECT_EQ(status.code, 11);
+    EXPECT_EQ(platform::signal_text(status.code), "Segmentation fault");
+  }
+  for (const char* missing : {"morula-no-such-program", "./morula-no-such-program"}) {
+    try {
+      ChildProgram program({missing, "word"}, {});
+      ADD_FAILURE() << missing << " is started";
+    } catch (const std::system_error& error) {
+      EXPECT_EQ(error.code().value(), ENOENT) << missing;
+    }
+  }
+}
+
+TEST(PlatformProcess, a_program_ends_with_its_object) {
+  const auto begun = std::chrono::steady_clock::now();
+  {
+    const ScratchFolder folder;
+    ChildProgram program(call({"hold", (folder.path() / "a").string()}), {.writes_input = true});
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::minutes(5));
+}
+
+TEST(PlatformProcess, a_request_to_end_leaves_nothing_unfinished) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "a";
+  write_whole(path, "old");
+  ChildProgram program(call({"hold", path.string()}), {.writes_input = true});
+  const std::array<const ChildProgram*, 1> waited{&program};
+  std::string text;
+  while (text.find("ready") == std::string::npos) {
+    ASSERT_TRUE(program.read_output(text));
+    ChildProgram::wait_for_any(waited, 100);
+  }
+  EXPECT_EQ(folder.names().size(), 3u);
+  program.request_end();
+  const platform::ProcessStatus status = program.wait();
+  EXPECT_FALSE(status.by_signal);
+  EXPECT_EQ(status.code, 128 + platform::end_signal);
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"a"});
+  EXPECT_EQ(bytes_of(path), "old");
+}
+
+}  // namespace
+}  // namespace morula::test
