@@ -125,10 +125,7 @@ bool stays_where_it_is(const fs::path& folder) {
 void abandon_unfinished() noexcept {
   try {
     std::unique_lock lock = lock_unfinished();
-    for (const fs::path& path : registry().paths) {
-      std::error_code ignored;
-      fs::remove_all(path, ignored);
-    }
+    for (const fs::path& path : registry().paths) platform::remove_unfinished(path);
     lock.release();  // forever
   } catch (const std::exception&) {
     // The remaining files are hidden and harmless.
@@ -343,8 +340,9 @@ void WholeFolder::commit_by_exchange() {
   fs::path replaced = stage_;
   if (!platform::exchange(stage_, target_)) {
     replaced = folder_of(target_) / hidden_name();
-    if (platform::rename_over(target_, replaced) != 0) {
-      // On Windows, a folder cannot be renamed while other programs have files of it open or work in it.
+    if (!linked.empty() || !later.empty() || platform::rename_over(target_, replaced) != 0) {
+      // Files of other programs stay where they are. On Windows, a folder cannot be renamed while another program has
+      // files of it open or works in it.
       for (const fs::path& name : linked) platform::remove_file(stage_ / name);
       merges_ = true;
       return commit_by_merging();

@@ -46,6 +46,9 @@ void sync_folder(const Path& folder);
 int close_file(int file);
 int remove_file(const Path& path);
 int remove_folder(const Path& path);
+/// Removes a file or folder, also files in it that this process has open; for the end of a program. Windows: the names
+/// of open files vanish with the program at the latest.
+void remove_unfinished(const Path& path);
 
 /// Copies owner and permissions of an existing file or folder, as far as this user may set them. Windows: does nothing;
 /// a new file has the permissions that its folder gives.

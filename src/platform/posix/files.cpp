@@ -131,6 +131,11 @@ int remove_folder(const Path& path) {
   return result(rmdir(path.c_str()));
 }
 
+void remove_unfinished(const Path& path) {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
 void copy_permissions(const Path& from, int to_file) {
   struct stat old {};
   if (stat(from.c_str(), &old) == 0) set_permissions(to_file, old);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/apart.hpp"
 
-#include <psapi.h>  // after windows.h
-
 #include <algorithm>
 #include <array>
 #include <chrono>

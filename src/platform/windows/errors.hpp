@@ -9,7 +9,10 @@
 #ifndef WIN32_LEAN_AND_MEAN
 #define WIN32_LEAN_AND_MEAN
 #endif
+// clang-format off
 #include <windows.h>
+#include <psapi.h>  // needs the header before it
+// clang-format on
 
 #include <filesystem>
 #include <string>

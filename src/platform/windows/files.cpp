@@ -133,6 +133,25 @@ int remove_folder(const Path& path) {
   return outcome(RemoveDirectoryW(system_name(path).c_str()));
 }
 
+void remove_unfinished(const Path& path) {
+  // A file that is open keeps its name, and so its folder, until it is closed: it leaves the folder first.
+  std::error_code error;
+  std::size_t count = 0;
+  using Walk = std::filesystem::recursive_directory_iterator;
+  if (kind_of(path) == NodeKind::folder) {
+    std::vector<Path> files;
+    for (Walk entry(path, error); !error && entry != Walk(); entry.increment(error))
+      if (kind_of(entry->path()) == NodeKind::file) files.push_back(entry->path());
+    for (const Path& file : files) {
+      Path outside = path;
+      outside += "." + std::to_string(count++);
+      const bool is_moved = MoveFileExW(system_name(file).c_str(), system_name(outside).c_str(), 0) != 0;
+      remove_file(is_moved ? outside : file);
+    }
+  }
+  std::filesystem::remove_all(path, error);
+}
+
 void copy_permissions(const Path&, int) {}
 void copy_folder_permissions(const Path&, const Path&) {}
 
