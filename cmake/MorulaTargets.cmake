@@ -114,6 +114,13 @@ function(morula_precompile target)
   endif()
 endfunction()
 
+# morula_precompile_for_packages(TARGET HEADERS...): the same in builds with MORULA_UNITY_CORE alone, where warnings are no errors.
+function(morula_precompile_for_packages target)
+  if(MORULA_UNITY_CORE)
+    morula_precompile(${target} ${ARGN})
+  endif()
+endfunction()
+
 # morula_sanitizer_options(VARIABLE): how sources are compiled for MORULA_SANITIZE.
 function(morula_sanitizer_options variable)
   # A finding ends the program: one that is only printed makes no test fail.
