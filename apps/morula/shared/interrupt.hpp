@@ -4,7 +4,7 @@
 #pragma once
 
 #include <atomic>
-#include <stop_token>
+#include <morula/parallel/threads.hpp>
 
 namespace morula::cli {
 
@@ -25,14 +25,14 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  std::stop_token token() const { return source_.get_token(); }
+  StopToken token() const { return source_.get_token(); }
   bool requested() const { return signal_ != 0; }
   /// 128 + the signal, as shells have it.
   int exit_code() const { return 128 + signal_; }
 
  private:
   friend void take_signal(int signal);
-  std::stop_source source_;
+  StopSource source_;
   std::atomic<int> signal_{0};
 };
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The study, as the command makes it; and parts of it, for those who spread it over many machines.
 #include <atomic>
+#include <morula/parallel/threads.hpp>
 #include <morula/study/study.hpp>
 #include <optional>
 #include <shared/command.hpp>
-#include <stop_token>
 
 #include "holders.hpp"
 #include "module.hpp"
@@ -164,7 +164,7 @@ class Report {
   study::Progress progress() {
     return [this](double share, const std::string& what) { call(share, what); };
   }
-  std::stop_token token() { return stop_.get_token(); }
+  morula::StopToken token() { return stop_.get_token(); }
   bool stopped() { return stop_.stop_requested(); }
   void rethrow() const {
     if (raised_) std::rethrow_exception(raised_);
@@ -185,7 +185,7 @@ class Report {
   }
 
   nb::handle progress_;
-  std::stop_source stop_;
+  morula::StopSource stop_;
   std::exception_ptr raised_;
 };
 

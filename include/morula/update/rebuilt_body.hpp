@@ -17,7 +17,7 @@ namespace morula {
 
 /// The thread that runs rebuilds.
 enum class RebuildThread : std::uint8_t {
-  background,  ///< a thread that the body owns
+  background,  ///< a thread that the body owns; rejected (std::invalid_argument) without MORULA_THREADS
   caller,      ///< the thread of update(), which then takes as long as a build: the same bits in every run
   host,        ///< RebuildOptions::executor
   none,        ///< no rebuilds: only the home tree and those of known poses serve
