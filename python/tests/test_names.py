@@ -4,6 +4,8 @@
 
 import pathlib
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -46,7 +48,7 @@ ELSEWHERE = {
     "any_promises_nesting": "Body.any_promises_nesting", "certify_promised_levels": "Body.certify_promised_levels",
     "certify_promised_nesting": "Body.certify_promised_nesting", "FacetGeometry": "cut_by_power",
     "least_growth": "PowerDiagram.least_growth", "tree_hash": "SphereTree.hash", "BoxPair": "BroadPhase",
-    "InnerBallOptions": "inner_ball_candidates", "SceneOptions": "Scene", "SceneFilter": "Scene.all_hits", "SceneReserve": "Scene.reserve", "SceneRayHits": "Scene.all_hits", "SweepQuery": "sweep", "SceneSweepHits": "Scene.sweep_all", "AffineTransform": "move_by_skin", "Boxf": "SkinBounds.bounds", "SkinBoundsOutput": "SkinBounds.bounds", "SkinBoundsCluster": "SkinBounds.clusters", "SkinBoundsRow": "SkinBounds.rows", "SkinBoundsData": "SkinBounds",
+    "InnerBallOptions": "inner_ball_candidates", "SceneOptions": "Scene", "SceneFilter": "Scene.all_hits", "SceneReserve": "Scene.reserve", "SceneRayHits": "Scene.all_hits", "SweepQuery": "sweep", "SceneSweepHits": "Scene.sweep_all", "AffineTransform": "move_by_skin", "Boxf": "SkinBounds.bounds", "SkinBoundsOutput": "SkinBounds.bounds", "SkinBoundsCluster": "SkinBounds.clusters", "SkinBoundsRow": "SkinBounds.rows", "SkinBoundsTarget": "SkinBounds.targets", "SkinBoundsData": "SkinBounds",
     "level_set_spheres": "SphereTree.level_set_spheres", "area": "surface_area",
 }
 #: Headers of which nothing is in the package, and why.
@@ -134,3 +136,12 @@ def test_what_is_left_out_is_there_in_cpp():
     assert [name for name in LEFT_OUT if not (headers / name).is_file()] == []
     every = {name for folder in [headers, *root.glob("extras/*/include/morula")] for header in folder.rglob("*.hpp") for name in declared(header)}
     assert [name for name in (*LEFT_OUT_NAMES, *ELSEWHERE) if name not in every] == []
+
+
+def test_public_names_are_on_record():
+    """tests/golden/python_names.txt has all names of a package with all its parts; scripts/abi --refresh writes it anew."""
+    package = pathlib.Path(morula.__file__).parent
+    if not (package / "_morula" / "robot.pyi").exists() or not (package / "studies.py").exists():
+        pytest.skip("the package was built without robots or the study, or without stubs")
+    done = subprocess.run([sys.executable, root / "scripts" / "abi", "--names", "--python", package], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -44,12 +44,11 @@ morula_status update(morula_body* body, const Scalar* positions, std::size_t ver
 
 }  // namespace
 
-void morula_body_options_init(morula_body_options* options) {
-  if (options == nullptr) return;
-  *options = {};
-  options->size = sizeof *options;
-  options->rules = "exact";
-  options->threads = 1;
+void morula_body_options_defaults(morula_body_options* options, size_t size) {
+  write_defaults(options, size, [](morula_body_options& defaults) {
+    defaults.rules = "exact";
+    defaults.threads = 1;
+  });
 }
 
 morula_status morula_body_create(const morula_mesh* mesh, const morula_model* model, const morula_body_options* options,
@@ -59,7 +58,7 @@ morula_status morula_body_create(const morula_mesh* mesh, const morula_model* mo
     *body = nullptr;
     require_pointer(mesh, "mesh");
     require_pointer(model, "model");
-    const morula_body_options wanted = over_defaults(options, &morula_body_options_init);
+    const morula_body_options wanted = over_defaults(options, &morula_body_options_defaults);
     require_pointer(wanted.rules, "rules");
     UpdateOptions rules{.rules = rules_from(wanted.rules, wanted.skin != nullptr),
                         .conservative = wanted.conservative != 0};

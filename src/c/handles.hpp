@@ -11,6 +11,7 @@
 #include <memory>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/containment.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
@@ -59,6 +60,7 @@ struct morula_body {
   // The surface for morula_self_crossings, made by its first call.
   std::optional<morula::SurfaceTree> surface;
   morula::SurfaceCrossingQuery self_crossings;
+  std::optional<morula::InsideQuery> inside;  // for morula_locate, made by its first call
   // The caller's share of the handle, until morula_body_destroy: scenes hold shares of their own.
   std::shared_ptr<morula_body> of_caller;
 };
@@ -112,11 +114,24 @@ inline void require_pointer(const void* pointer, const char* name) {
   if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " is NULL");
 }
 
+/// Writes defaults into a struct of the caller's header. It may have fewer fields than ours, or more, which become 0.
+template <class Options, class Fill>
+void write_defaults(Options* options, std::size_t size, const Fill& fill) {
+  if (options == nullptr || size < sizeof(std::size_t)) return;
+  Options defaults;
+  std::memset(&defaults, 0, sizeof defaults);
+  fill(defaults);
+  defaults.size = size;
+  std::memset(options, 0, size);
+  // mutant c-options-size: `std::min(size, sizeof defaults)` -> `sizeof defaults`
+  std::memcpy(options, &defaults, std::min(size, sizeof defaults));
+}
+
 /// The caller's options over the defaults: the part of the struct that the caller's header declares.
 template <class Options>
-Options over_defaults(const Options* given, void (*init)(Options*)) {
+Options over_defaults(const Options* given, void (*write)(Options*, std::size_t)) {
   Options options;
-  init(&options);
+  write(&options, sizeof options);
   if (given == nullptr) return options;
   if (given->size < sizeof(std::size_t) || given->size > 4096)
     throw std::invalid_argument("options: their size is not set: call the _init function first");
@@ -150,7 +165,7 @@ morula_status guarded(const Call& call) noexcept {
 /// Level, margin and budget, for CollideOptions and SceneOptions alike. Throws std::invalid_argument.
 template <class Options>
 Options contact_options(const morula_contact_options* given) {
-  const morula_contact_options wanted = over_defaults(given, &morula_contact_options_init);
+  const morula_contact_options wanted = over_defaults(given, &morula_contact_options_defaults);
   Options options;
   options.margin = wanted.margin;
   if (wanted.level < -1) throw std::invalid_argument("level is below -1");

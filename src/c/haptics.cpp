@@ -25,23 +25,22 @@ std::optional<double> skin_of(double skin) {
 
 }  // namespace
 
-void morula_haptic_options_init(morula_haptic_options* options) {
-  if (options == nullptr) return;
-  const HapticOptions defaults;
-  *options = {sizeof *options,
-              defaults.radius,
-              0,
-              defaults.stiffness,
-              defaults.friction,
-              defaults.smooth_normals ? 1 : 0,
-              static_cast<int>(defaults.max_moves)};
+void morula_haptic_options_defaults(morula_haptic_options* options, size_t size) {
+  write_defaults(options, size, [](morula_haptic_options& defaults) {
+    const HapticOptions values;
+    defaults.radius = values.radius;
+    defaults.stiffness = values.stiffness;
+    defaults.friction = values.friction;
+    defaults.smooth_normals = values.smooth_normals ? 1 : 0;
+    defaults.max_moves = static_cast<int>(values.max_moves);
+  });
 }
 
 morula_status morula_haptic_probe_create(const morula_haptic_options* options, morula_haptic_probe** probe) {
   return guarded([&] {
     require_pointer(probe, "probe");
     *probe = nullptr;
-    const morula_haptic_options wanted = over_defaults(options, &morula_haptic_options_init);
+    const morula_haptic_options wanted = over_defaults(options, &morula_haptic_options_defaults);
     *probe = new morula_haptic_probe{HapticProbe({.radius = wanted.radius,
                                                   .skin = skin_of(wanted.skin),
                                                   .stiffness = wanted.stiffness,
@@ -86,10 +85,13 @@ void morula_haptic_probe_reset(morula_haptic_probe* probe) {
   if (probe != nullptr) probe->probe.reset();
 }
 
-void morula_haptic_tool_options_init(morula_haptic_tool_options* options) {
-  if (options == nullptr) return;
-  const HapticToolOptions defaults;
-  *options = {sizeof *options, 0, defaults.stiffness, -1, static_cast<int>(defaults.max_moves)};
+void morula_haptic_tool_options_defaults(morula_haptic_tool_options* options, size_t size) {
+  write_defaults(options, size, [](morula_haptic_tool_options& defaults) {
+    const HapticToolOptions values;
+    defaults.stiffness = values.stiffness;
+    defaults.rotation_stiffness = -1;
+    defaults.max_moves = static_cast<int>(values.max_moves);
+  });
 }
 
 morula_status morula_haptic_tool_create(const morula_sphere* balls, size_t ball_count,
@@ -98,7 +100,7 @@ morula_status morula_haptic_tool_create(const morula_sphere* balls, size_t ball_
     require_pointer(tool, "tool");
     *tool = nullptr;
     require_pointer(balls, "balls");
-    const morula_haptic_tool_options wanted = over_defaults(options, &morula_haptic_tool_options_init);
+    const morula_haptic_tool_options wanted = over_defaults(options, &morula_haptic_tool_options_defaults);
     std::vector<Sphere> own;
     for (std::size_t k = 0; k < ball_count; ++k) own.push_back({{balls[k].x, balls[k].y, balls[k].z}, balls[k].radius});
     HapticToolOptions given{.skin = skin_of(wanted.skin), .stiffness = wanted.stiffness};

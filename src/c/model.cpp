@@ -97,16 +97,15 @@ const uint32_t* morula_mesh_facets(const morula_mesh* mesh) {
   return mesh == nullptr ? nullptr : mesh->mesh->facets.data()->data();
 }
 
-void morula_build_options_init(morula_build_options* options) {
-  if (options == nullptr) return;
-  *options = {};
-  options->size = sizeof *options;
-  options->method = "optimized";
-  options->quality = "default";
-  options->branching = 8;
-  options->depth = -1;
-  options->seed = 1;
-  options->threads = 0;
+void morula_build_options_defaults(morula_build_options* options, size_t size) {
+  write_defaults(options, size, [](morula_build_options& defaults) {
+    defaults.method = "optimized";
+    defaults.quality = "default";
+    defaults.branching = 8;
+    defaults.depth = -1;
+    defaults.seed = 1;
+    defaults.threads = 0;
+  });
 }
 
 morula_status morula_build(const morula_mesh* mesh, const morula_build_options* options, morula_model** model) {
@@ -114,8 +113,8 @@ morula_status morula_build(const morula_mesh* mesh, const morula_build_options* 
     require_pointer(model, "model");
     *model = nullptr;
     require_pointer(mesh, "mesh");
-    const morula_build_options wanted = over_defaults(options, &morula_build_options_init);
-    std::stop_source stop;
+    const morula_build_options wanted = over_defaults(options, &morula_build_options_defaults);
+    StopSource stop;
     BuildOptions by{.method = named(wanted.method, &method_from_name, "method"),
                     .branching = wanted.branching,
                     .nested = wanted.nested != 0,

@@ -100,7 +100,7 @@ void read(const ContactPatchQuery& query, morula_patches::Results& to) {
 }
 
 ContactPatchOptions patch_options(const morula_patch_options* given) {
-  const morula_patch_options wanted = over_defaults(given, &morula_patch_options_init);
+  const morula_patch_options wanted = over_defaults(given, &morula_patch_options_defaults);
   if (wanted.max_points < 0 || wanted.max_points > 16)
     throw std::invalid_argument("max_points is " + std::to_string(wanted.max_points) + ": 0 to 16 are possible");
   return {.max_points = static_cast<std::uint32_t>(wanted.max_points), .depths = wanted.depths != 0};
@@ -108,12 +108,11 @@ ContactPatchOptions patch_options(const morula_patch_options* given) {
 
 }  // namespace
 
-void morula_patch_options_init(morula_patch_options* options) {
-  if (options == nullptr) return;
-  *options = {};
-  options->size = sizeof *options;
-  options->max_points = 4;
-  options->depths = 1;
+void morula_patch_options_defaults(morula_patch_options* options, size_t size) {
+  write_defaults(options, size, [](morula_patch_options& defaults) {
+    defaults.max_points = 4;
+    defaults.depths = 1;
+  });
 }
 
 morula_status morula_patches_create(morula_body* a, morula_body* b, morula_patches** patches) {

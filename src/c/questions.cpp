@@ -56,13 +56,12 @@ morula_status morula_overlap(const morula_body* a, const morula_body* b, int* ov
   });
 }
 
-void morula_contact_options_init(morula_contact_options* options) {
-  if (options == nullptr) return;
-  *options = {};
-  options->size = sizeof *options;
-  options->level = -1;
-  options->pair_tests = -1;
-  options->nanoseconds = -1;
+void morula_contact_options_defaults(morula_contact_options* options, size_t size) {
+  write_defaults(options, size, [](morula_contact_options& defaults) {
+    defaults.level = -1;
+    defaults.pair_tests = -1;
+    defaults.nanoseconds = -1;
+  });
 }
 
 morula_status morula_contacts_create(morula_contacts** contacts) {

@@ -411,6 +411,37 @@ TEST(CInterface, keeps_options_of_older_headers) {
   morula_model_destroy(model);
 }
 
+// Programs of other versions: defaults fill no more than the caller's struct, and nothing in it stays as it was.
+template <class Options>
+void expect_defaults_in_size(void (*write)(Options*, std::size_t), void (*init)(Options*)) {
+  Options whole;
+  init(&whole);
+  EXPECT_EQ(whole.size, sizeof(Options));
+  std::vector<std::byte> expected(2 * sizeof(Options));
+  std::memcpy(expected.data(), &whole, sizeof whole);
+  for (std::size_t size = 0; size <= 2 * sizeof(Options); size += alignof(Options)) {
+    std::vector<Options> structs(3);
+    std::memset(structs.data(), 0x55, 3 * sizeof(Options));
+    write(structs.data(), size);
+    std::vector<std::byte> written(3 * sizeof(Options));
+    std::memcpy(written.data(), structs.data(), written.size());
+    for (std::size_t i = size; i < written.size(); ++i) ASSERT_EQ(written[i], std::byte{0x55}) << size << ' ' << i;
+    if (size == 0) continue;
+    std::memcpy(expected.data(), &size, sizeof size);
+    EXPECT_EQ(std::memcmp(written.data(), expected.data(), size), 0) << size;
+  }
+  write(nullptr, sizeof(Options));
+}
+
+TEST(CInterface, defaults_fill_the_struct_of_the_caller) {
+  expect_defaults_in_size(&morula_build_options_defaults, &morula_build_options_init);
+  expect_defaults_in_size(&morula_body_options_defaults, &morula_body_options_init);
+  expect_defaults_in_size(&morula_contact_options_defaults, &morula_contact_options_init);
+  expect_defaults_in_size(&morula_patch_options_defaults, &morula_patch_options_init);
+  expect_defaults_in_size(&morula_haptic_options_defaults, &morula_haptic_options_init);
+  expect_defaults_in_size(&morula_haptic_tool_options_defaults, &morula_haptic_tool_options_init);
+}
+
 TEST(CInterface, has_a_message_for_each_thread) {
   morula_mesh* mesh = nullptr;
   EXPECT_EQ(morula_mesh_sample("first", 12, &mesh), MORULA_BAD_ARGUMENT);

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <morula/io/tree_file.hpp>
+#include <morula/version.hpp>
 #include <support/meshes.hpp>
 
 #include "files.hpp"
@@ -78,7 +79,9 @@ TEST(HostileTrees, json) {
       {"other.json", "{\"format\": \"report\"}", 0, "is JSON, but not a sphere tree"},
       {"format_type.json", "{\"format\": 1}", 0, "is JSON, but not a sphere tree"},
       {"no_version.json", "{\"format\": \"morula spheres\"}", 0, "the file has no \"version\""},
-      {"next_version.json", "{\"format\": \"morula spheres\", \"version\": 2}", 0, "has version 2"},
+      {"next_version.json", "{\"format\": \"morula spheres\", \"version\": 2}", 0,
+       "format version 2 is newer than Morula " + std::string(version) +
+           ", which reads versions up to 1; update Morula, or write"},
       {"version_type.json", "{\"format\": \"morula spheres\", \"version\": \"1\"}", 0, "\"version\" of the file"},
       {"no_nodes.json", json_tree("[]"), 0, "\"nodes\" is not a list of at least one node"},
       {"nodes_type.json", json_tree("{}"), 0, "\"nodes\" is not a list"},
@@ -159,8 +162,10 @@ TEST(HostileTrees, native) {
       {"text_mode.morula", std::string(good).erase(6, 1), 0, "changed by a program that took it for text"},
       {"only_magic.morula", good.substr(0, 8), 0, "byte 8: the file ends inside the header"},
       {"version_2.morula", std::string(good).replace(8, 4, raw(2u)), 0,
-       "format version 2, but this library reads version 1"},
-      {"version_0.morula", resealed(std::string(good).replace(8, 4, raw(0u))), 0, "format version 0"},
+       "format version 2 is newer than Morula " + std::string(version) +
+           ", which reads versions up to 1; update Morula, or build"},
+      {"version_0.morula", resealed(std::string(good).replace(8, 4, raw(0u))), 0,
+       "format version 0 does not exist; build"},
       {"only_start.morula", good.substr(0, 24), 0, "the file has 24 bytes instead of "},
       {"truncated.morula", good.substr(0, good.size() - 1), 0, "bytes instead of " + std::to_string(good.size())},
       {"longer.morula", good + "x", 0, "bytes instead of " + std::to_string(good.size())},

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <morula/version.hpp>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -281,6 +282,36 @@ TEST(RobotOutput, own_file_reads_back_and_others_are_refused) {
     EXPECT_THROW(robot::read_robot_spheres(scratch.path() / "bad.json"), FileError) << text.substr(0, 40);
   }
   EXPECT_THROW(robot::read_robot_spheres(scratch.path() / "none.json"), FileError);
+}
+
+// tests/golden/files has a file of each version: a ball of radius 1/2, and a box that two spheres cover.
+TEST(RobotOutput, own_files_of_each_version_are_read_and_newer_ones_are_refused) {
+  const ScratchFolder scratch;
+  std::string text;
+  for (int version = 1; version <= 1; ++version) {
+    const auto path =
+        std::filesystem::path(MORULA_GOLDEN_FILES) / ("robot_spheres_" + std::to_string(version) + ".json");
+    const auto read = robot::read_robot_spheres(path);
+    ASSERT_EQ(read.size(), 2u);
+    EXPECT_EQ(read.at("palm"), (std::vector<Sphere>{{{0, 0, 0}, 0.5000001}}));
+    ASSERT_EQ(read.at("finger").size(), 2u);
+    EXPECT_NEAR(read.at("finger")[0].center.z + read.at("finger")[1].center.z, 2, 0.01);
+    text = bytes_of(path);
+  }
+  for (const auto& [version, fragment] : std::vector<std::pair<std::string, std::string>>{
+           {"2", "format version 2 is newer than Morula " + std::string(morula::version) +
+                     ", which reads versions up to 1; update Morula"},
+           {"0", "has another format"},
+           {"\"1\"", "has another format"}}) {
+    scratch.file("other.json",
+                 std::regex_replace(text, std::regex("\"format_version\": 1"), "\"format_version\": " + version));
+    try {
+      robot::read_robot_spheres(scratch.path() / "other.json");
+      FAIL() << version;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(fragment), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(RobotOutput, joints_of_unknown_range_move_without_limits_in_simulators) {

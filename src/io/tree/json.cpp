@@ -4,6 +4,7 @@
 
 #include "io/json_checks.hpp"
 #include "io/number_text.hpp"
+#include "io/tree/format_version.hpp"
 #include "io/tree/formats.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
@@ -12,6 +13,7 @@ namespace morula::detail {
 namespace {
 
 constexpr const char* format_name = "morula spheres";
+constexpr std::uint64_t json_version = 1;
 
 // Without a point or an exponent, JSON readers may take a number for an integer, and −0 for 0.
 void append_json_double(std::string& text, double value) {
@@ -43,8 +45,8 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
   const nlohmann::json& root = file.root();
   if (!root.is_object() || root.value("format", nlohmann::json()) != format_name)
     file.fail(std::string("is JSON, but not a sphere tree: \"format\" is not \"") + format_name + "\"");
-  if (const std::uint64_t version = file.unsigned_member(root, "version", "the file"); version != 1)
-    file.fail("has version " + std::to_string(version) + ", but this library reads version 1; write it again");
+  if (const std::uint64_t given = file.unsigned_member(root, "version", "the file"); given == 0 || given > json_version)
+    file.fail(unknown_format_version(given, json_version, "write it again"));
   const nlohmann::json& nodes = file.member(root, "nodes", "the file");
   if (!nodes.is_array() || nodes.empty()) file.fail("\"nodes\" is not a list of at least one node");
 
@@ -100,7 +102,8 @@ SphereTree read_json_tree(const std::filesystem::path& path, std::string_view te
 
 std::string json_tree_text(const SphereTree& tree) {
   std::string text = "{\n  \"format\": \"" + std::string(format_name) +
-                     "\",\n  \"version\": 1,\n  \"branching\": " + std::to_string(tree.branching) +
+                     "\",\n  \"version\": " + std::to_string(json_version) +
+                     ",\n  \"branching\": " + std::to_string(tree.branching) +
                      ",\n  \"levels\": " + std::to_string(tree.level_count()) +
                      (tree.nested ? ",\n  \"nested\": true" : "") + ",\n  \"nodes\": [\n";
   InterruptPoller poll_interrupt(4096);

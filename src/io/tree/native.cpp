@@ -12,6 +12,7 @@
 #include "geometry/hash.hpp"
 #include "io/byte_reader.hpp"
 #include "io/json_checks.hpp"
+#include "io/tree/format_version.hpp"
 #include "io/tree/formats.hpp"
 #include "io/tree/sphere_archive.hpp"
 #include "parallel/interruption.hpp"
@@ -361,9 +362,8 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
   if (bytes.substr(0, magic.size()) != magic)
     in.fail("not a .morula file, or changed by a program that took it for text; build the tree again");
   in.skip(magic.size(), "the header");
-  if (const auto version = in.read<std::uint32_t>("the header"); version != format_version)
-    in.fail("format version " + std::to_string(version) + ", but this library reads version " +
-            std::to_string(format_version) + "; build the tree again, or use the library that wrote it");
+  if (const auto given = in.read<std::uint32_t>("the header"); given == 0 || given > format_version)
+    in.fail(unknown_format_version(given, format_version, "build the tree again"));
   const std::size_t header_size = in.read<std::uint32_t>("the header");
   const auto file_size = in.read<std::uint64_t>("the header");
   if (file_size != bytes.size())

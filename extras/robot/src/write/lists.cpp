@@ -14,6 +14,8 @@ namespace morula::robot {
 
 namespace {
 
+constexpr std::uint64_t own_version = 1;  // of write_json
+
 Json numbers(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
@@ -171,7 +173,7 @@ std::vector<OutputFile> write_json(const Description& d) {
     ignored.push_back(ignored_pair_json(d.robot, d.self_collision, pair));
   }
   const Json json{{"format", "morula robot spheres"},
-                  {"format_version", 1},
+                  {"format_version", own_version},
                   {"robot", d.robot.name},
                   {"covered", d.spheres.covered()},
                   {"within", d.spheres.within()},
@@ -198,7 +200,13 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
   try {
     const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
     if (json.is_discarded()) throw fail("is not JSON");
-    if (json.at("format") != "morula robot spheres" || json.at("format_version") != 1) throw fail("has another format");
+    const auto& given = json.at("format") == "morula robot spheres" ? json.at("format_version") : nlohmann::json();
+    if (!given.is_number_unsigned() || given == 0) throw fail("has another format");
+    if (given > own_version)
+      throw FileError(
+          fmt::format("{}: format version {} is newer than Morula {}, which reads versions up to {}; update Morula, or "
+                      "write the file again with this version",
+                      path.string(), given.dump(), morula::version, own_version));
     std::map<std::string, std::vector<Sphere>> result;
     for (const nlohmann::json& link : json.at("links")) {
       std::vector<Sphere>& spheres = result[link.at("link").get<std::string>()];
