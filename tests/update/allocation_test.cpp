@@ -9,6 +9,7 @@
 #include <morula/update/kdop_tree.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <morula/update/rebuilt_body.hpp>
+#include <morula/update/sample_motions.hpp>
 #include <support/allocations.hpp>
 
 #include "bodies.hpp"
