@@ -73,6 +73,28 @@ function(morula_compile_together target)
   endif()
 endfunction()
 
+# morula_compile_folders_together(TARGET ALONE...): the sources of each folder are compiled at once where MORULA_UNITY_CORE says so, for
+# packages: reading headers is most of the time of the core. Kernels stay alone, and sources whose private names others of
+# their folder have too, which follow TARGET.
+function(morula_compile_folders_together target)
+  if(NOT MORULA_UNITY_CORE)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    file(RELATIVE_PATH name "${CMAKE_CURRENT_SOURCE_DIR}" "${source}")
+    cmake_path(GET name PARENT_PATH folder)
+    file(STRINGS "${source}" kernels REGEX "every_processor\\.inl" LIMIT_COUNT 1)
+    if(NOT kernels AND NOT name IN_LIST ARGN)
+      set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${folder}")
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  if(MORULA_GNU_LIKE)
+    target_compile_options(${target} PRIVATE -Wno-shadow)
+  endif()
+endfunction()
+
 # morula_precompile(TARGET HEADERS...): these, and what nearly every source reads of the standard library, are read once for all
 # sources of the target where MORULA_PRECOMPILE says so. A source names what it uses all the same: builds without presets, the
 # preset dev and the tests of an installed library compile each source by itself, and stop where a header is missing.
@@ -121,4 +143,17 @@ function(morula_find_bullet)
   add_library(morula_bullet INTERFACE)
   target_include_directories(morula_bullet SYSTEM INTERFACE ${BULLET_INCLUDE_DIRS})
   target_link_libraries(morula_bullet INTERFACE ${BULLET_LIBRARIES})
+endfunction()
+
+# morula_windows_program(TARGET): on Windows, the program reads and prints UTF-8 and takes long paths (src/platform/windows/
+# program.manifest says so to the system). Elsewhere nothing.
+function(morula_windows_program target)
+  set(manifest "${PROJECT_SOURCE_DIR}/src/platform/windows/program.manifest")
+  if(MSVC)
+    target_sources(${target} PRIVATE "${manifest}")
+  elseif(WIN32)
+    # 1 24: the manifest of a program.
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/program.rc" CONTENT "1 24 \"${manifest}\"\n")
+    target_sources(${target} PRIVATE "${PROJECT_BINARY_DIR}/program.rc")
+  endif()
 endfunction()

@@ -8,11 +8,14 @@
 #   public headers no private ones: everything they include is installed
 #   extras         their own headers, the library's public ones, the private ones of few folders, and the extras that they name
 #   toolbox        itself alone
-#   everyone else  public headers of the library and their own: apps, bench, examples, scenes and the consumer test
+#   everyone else  public headers of the library and their own: apps, bench, examples, scenes and the consumer test; apps and bench
+#                  also those of platform
+#   systems        headers of POSIX and Windows in src/platform/posix and src/platform/windows alone
 cmake_minimum_required(VERSION 3.24)
 
 # ground
 set(height_parallel 0)
+set(height_platform 0)  # POSIX and Windows behind the same functions
 set(height_simd 0)
 set(height_geometry 1)
 # shape
@@ -39,7 +42,7 @@ set(uses_page "")
 set(uses_robot toolbox)
 set(uses_study page toolbox)
 # simd: kernels that are compiled for each kind of processor.
-set(private_for_extras geometry io parallel simd)
+set(private_for_extras geometry io parallel platform simd)
 
 # Wings: the folders of a folder, the lowest first. What lies beside them may include all of them.
 set(wings_generators fit driver divide reduce)
@@ -49,12 +52,14 @@ set(wings_study svg run claims variants output)
 set(wings_robot read fit plan write)
 set(wings_surface boxes pairs layers obstacles haptic)
 set(wings_geometry enclosing triangles)
+set(wings_platform posix windows)
 set(wings_io array paraview gltf mesh tree motion)
 # Files beside the wings that the wings may include.
 set(common_update fitted_body)
 set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates)
+set(common_platform apart console files interrupt process)
 set(common_io interruptible_text first_bytes byte_reader byte_source json_checks number_text text_scanner whole_file)
 
 if(NOT DEFINED ROOT)
@@ -178,7 +183,7 @@ foreach(extra IN LISTS extras)
             check_wings("${file}" "${include}" "${from}" "${extra}/${path}")
           endif()
         elseif(NOT path MATCHES "^([a-z_]+)/" OR NOT CMAKE_MATCH_1 IN_LIST private_for_extras)
-          fault("${file}" "${include}" "extras include private headers of geometry, io, parallel and simd alone")
+          fault("${file}" "${include}" "extras include private headers of geometry, io, parallel, platform and simd alone")
         endif()
       endif()
     endforeach()
@@ -210,9 +215,28 @@ foreach(file IN LISTS outside_files)
     string(REGEX REPLACE "^morula/([a-z_]+)/.*$" "\\1" target "${path}")
     if(target IN_LIST extras AND file MATCHES "^(apps|scenes)/")
       fault("${file}" "${include}" "what an extra adds stands in extras/${target}/command")
+    elseif(path MATCHES "^platform/[a-z_]+[.]hpp$" AND file MATCHES "^(apps|bench)/")
+      continue()
     elseif(path MATCHES "(^|/)src/" OR
        (EXISTS "${ROOT}/src/${path}" AND NOT EXISTS "${ROOT}/${folder_of_file}/${path}"))
       fault("${file}" "${include}" "a private header of the library")
+    endif()
+  endforeach()
+endforeach()
+
+# What knows the operating system stands in the platform's two folders; the rest of the code is the same everywhere.
+set(system_headers "<(sys/.*|unistd|signal|fcntl|termios|poll|dlfcn|spawn|dirent|windows|io|direct|process|psapi|shellapi)[.]h>")
+file(GLOB_RECURSE all_files RELATIVE "${ROOT}" "${ROOT}/src/*.[ch]pp" "${ROOT}/include/*.hpp" "${ROOT}/apps/*.[ch]pp"
+  "${ROOT}/bench/*.[ch]pp" "${ROOT}/toolbox/*.[ch]pp" "${ROOT}/scenes/*.[ch]pp" "${ROOT}/extras/*/src/*.[ch]pp"
+  "${ROOT}/extras/*/include/*.hpp" "${ROOT}/extras/*/command/*.[ch]pp")
+foreach(file IN LISTS all_files)
+  if(file MATCHES "^src/platform/(posix|windows)/")
+    continue()
+  endif()
+  includes_of("${file}")
+  foreach(include IN LISTS includes)
+    if(include MATCHES "^${system_headers}$")
+      fault("${file}" "${include}" "headers of an operating system belong to src/platform/posix and src/platform/windows")
     endif()
   endforeach()
 endforeach()

@@ -69,6 +69,8 @@ def comments_of(text: str):
             elif not line.strip():
                 before = []
             continue
+        if re.fullmatch(r"template\s*<.*>", bare):
+            continue  # the declaration is on the next line
         name = declared_name(code) if not bare.startswith("//") else ""
         qualified = "_".join([scope for scope, _ in scopes] + [name])
         if name and before:

@@ -61,6 +61,8 @@ MORULA_API morula_status morula_mesh_create(const double* positions, size_t vert
                                             size_t facet_count, morula_mesh** mesh);
 /* Reads a mesh by extension: OBJ, OFF, PLY, STL, VTK (.vtk, .vtp, .vtu), Gmsh (.msh), and glTF if the build has it. */
 MORULA_API morula_status morula_mesh_read(const char* path, morula_mesh** mesh);
+/* Reads a mesh from the bytes of a file. name: a file name; its extension is the format, and messages quote it. */
+MORULA_API morula_status morula_mesh_from_bytes(const char* name, const void* bytes, size_t size, morula_mesh** mesh);
 /* Writes a mesh by extension: OBJ, OFF, PLY, STL or .vtp. The write is atomic. */
 MORULA_API morula_status morula_mesh_write(const morula_mesh* mesh, const char* path);
 /* Generates a sample: bar, capsule, limb, torus, blob, plate, two, tool, hand or vessel.
@@ -114,6 +116,12 @@ MORULA_API morula_status morula_build(const morula_mesh* mesh, const morula_buil
 MORULA_API morula_status morula_model_read(const char* path, const morula_mesh* mesh, morula_model** model);
 /* Writes .morula, .sph, .json or .npz by extension. The write is atomic. */
 MORULA_API morula_status morula_model_write(const morula_model* model, const char* path);
+/* The same for the bytes of a .morula, which must be those of a tree that was built for exactly this mesh. */
+MORULA_API morula_status morula_model_from_bytes(const void* bytes, size_t size, const morula_mesh* mesh,
+                                                 morula_model** model);
+/* Writes the bytes of a .morula if `capacity` suffices, and their number to *size. bytes may be NULL with capacity 0.
+ * Cost of each call: linear. */
+MORULA_API morula_status morula_model_to_bytes(const morula_model* model, void* bytes, size_t capacity, size_t* size);
 MORULA_API void morula_model_destroy(morula_model* model);
 MORULA_API size_t morula_model_node_count(const morula_model* model);
 MORULA_API size_t morula_model_level_count(const morula_model* model);
@@ -164,6 +172,12 @@ typedef struct morula_spheref {
  * destroyed afterwards. Cost: linear in influences. */
 MORULA_API morula_status morula_skin_bounds_create(const morula_mesh* mesh, const morula_skin* skin,
                                                    const uint32_t* cluster_of_facet, morula_skin_bounds** bounds);
+/* The same with morph targets, which displace vertices before the bones move them. displacements: 3 numbers per target
+ * and vertex of the mesh, target after target; copied as rest data. Cost: also vertices x targets. */
+MORULA_API morula_status morula_skin_bounds_create_morphed(const morula_mesh* mesh, const morula_skin* skin,
+                                                           size_t target_count, const double* displacements,
+                                                           const uint32_t* cluster_of_facet,
+                                                           morula_skin_bounds** bounds);
 MORULA_API void morula_skin_bounds_destroy(morula_skin_bounds* bounds);
 /* The largest number of a cluster, plus 1. */
 MORULA_API size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bounds);
@@ -174,6 +188,11 @@ MORULA_API size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bou
 MORULA_API morula_status morula_skin_bounds_compute(morula_skin_bounds* bounds, const double* transforms,
                                                     size_t character_count, morula_spheref* spheres,
                                                     morula_boxf* boxes);
+/* The same with morph targets. morphs: a number per character and target, by which its displacements are multiplied, of
+ * any sign; NULL: all are 0. Also rejected: numbers that are not finite or too large. */
+MORULA_API morula_status morula_skin_bounds_compute_morphed(morula_skin_bounds* bounds, const double* transforms,
+                                                            const double* morphs, size_t character_count,
+                                                            morula_spheref* spheres, morula_boxf* boxes);
 
 /* ---- Bodies: spheres that follow the vertices. ---- */
 
@@ -345,6 +364,38 @@ typedef struct morula_distance {
 MORULA_API morula_status morula_distance_of(const morula_body* a, const morula_body* b, morula_distance* distance);
 
 /* ---- Queries on one body. ---- */
+
+typedef struct morula_ray {
+  double origin[3], direction[3]; /* largest |component| of the direction: 2^-200 to 2^200 */
+  double t_end;                   /* the ray ends at origin + t_end direction; 0 or more, may be infinite */
+} morula_ray;
+
+typedef struct morula_ray_hit {
+  double t;              /* distance from the origin in lengths of the direction; infinite: the ray misses */
+  double point[3];       /* this, barycentric and normal are 0 if the ray misses */
+  double barycentric[3]; /* of the point */
+  double normal[3];      /* outward unit normal of the facet; 0 for a facet without area */
+  uint32_t facet;        /* UINT32_MAX: the ray misses */
+  int32_t certified;     /* 1: the spheres of the body cover, so a miss is proven */
+} morula_ray_hit;
+
+/* Finds the first facet that each ray hits, in world coordinates: watertight, no ray passes between adjacent facets.
+ * hits: one per ray. Rejected, with nothing written: a ray that is not finite or out of range. */
+MORULA_API morula_status morula_first_hits(const morula_body* body, const morula_ray* rays, size_t ray_count,
+                                           morula_ray_hit* hits);
+
+typedef struct morula_location {
+  int32_t inside;     /* 1: inside the surface or on it */
+  int32_t on_surface; /* 1: exactly on a facet */
+  int32_t winding;    /* winding number of the surface around the point; 0 outside, on it, or without orientation */
+  int32_t certified;  /* 1: the spheres of the body cover; 0: `inside` may be wrong */
+} morula_location;
+
+/* Locates points, 3 numbers each, in world coordinates, exactly. locations: one per point. A bad argument: an open
+ * surface. Rejected, with nothing written: a point that is not finite or too large. The first call examines the
+ * surface; later calls reuse that. */
+MORULA_API morula_status morula_locate(morula_body* body, const double* points, size_t point_count,
+                                       morula_location* locations);
 
 /* Self-contact: the pairs of facets of the body that intersect, decided exactly, without pairs that share a vertex. Two
  * indices each, the lower one first, ascending. Writes at most `capacity` pairs, and their total number to *count.

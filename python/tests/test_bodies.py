@@ -234,11 +234,37 @@ def test_bounds_of_skinned_clusters_contain_their_vertices(limb):
         whole = whole_spheres[frame].astype(float)
         assert (numpy.linalg.norm(positions - whole[:3], axis=1) <= whole[3]).all()
         assert numpy.array_equal(bounds.bounds(transforms)[0][0], spheres[frame])
+    assert bounds.target_count == 0 and bounds.targets.shape == (0, 8) and len(bounds.target_begin) == 0
     with pytest.raises(ValueError):
         bounds.bounds(numpy.full((2, 3, 4), numpy.nan))
     with pytest.raises(ValueError):
         bounds.bounds(bones[0, :1])
     assert morula.clusters_of_runs(numpy.array([0, 2, 3])).tolist() == [0, 0, 1]
+
+
+def test_bounds_of_clusters_contain_vertices_that_morph_targets_displace(limb):
+    skin = morula.sample_skin(limb.positions)
+    bones = morula.sample_bones(limb.positions, 4)
+    modes = morula.sample_modes(limb.positions, 3)
+    clusters = numpy.arange(len(limb.facets)) // 64
+    bounds = morula.SkinBounds(limb, skin, clusters, modes)
+    assert bounds.target_count == 3 and bounds.targets.shape[1] == 8
+    assert len(bounds.target_begin) == bounds.cluster_count + 1 and bounds.target_begin[-1] == len(bounds.targets)
+    morphs = numpy.random.default_rng(4).uniform(-2, 2, (4, 3))
+    spheres, boxes, whole_spheres, whole_boxes = bounds.bounds(bones, morphs)
+    displacements = modes.displacements
+    for frame, transforms in enumerate(bones):
+        moved = limb.positions + numpy.tensordot(morphs[frame], displacements, 1)
+        positions = morula.move_by_skin(skin, moved, transforms)
+        for cluster in range(bounds.cluster_count):
+            points = positions[numpy.unique(limb.facets[clusters == cluster])]
+            sphere, box = spheres[frame, cluster].astype(float), boxes[frame, cluster]
+            assert (numpy.linalg.norm(points - sphere[:3], axis=1) <= sphere[3]).all()
+            assert (points >= box[0]).all() and (points <= box[1]).all()
+        assert numpy.array_equal(bounds.bounds(transforms, morphs[frame])[0][0], spheres[frame])
+    for bad in (morphs[:, :2], morphs[:3], numpy.full((4, 3), numpy.inf)):
+        with pytest.raises(ValueError):
+            bounds.bounds(bones, bad)
 
 
 def test_a_rebuilding_body_covers_through_swaps(limb, model):

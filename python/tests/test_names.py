@@ -48,7 +48,7 @@ ELSEWHERE = {
     "any_promises_nesting": "Body.any_promises_nesting", "certify_promised_levels": "Body.certify_promised_levels",
     "certify_promised_nesting": "Body.certify_promised_nesting", "FacetGeometry": "cut_by_power",
     "least_growth": "PowerDiagram.least_growth", "tree_hash": "SphereTree.hash", "BoxPair": "BroadPhase",
-    "InnerBallOptions": "inner_ball_candidates", "SceneOptions": "Scene", "SceneFilter": "Scene.all_hits", "SceneReserve": "Scene.reserve", "SceneRayHits": "Scene.all_hits", "SweepQuery": "sweep", "SceneSweepHits": "Scene.sweep_all", "AffineTransform": "move_by_skin", "Boxf": "SkinBounds.bounds", "SkinBoundsOutput": "SkinBounds.bounds", "SkinBoundsCluster": "SkinBounds.clusters", "SkinBoundsRow": "SkinBounds.rows", "SkinBoundsData": "SkinBounds",
+    "InnerBallOptions": "inner_ball_candidates", "SceneOptions": "Scene", "SceneFilter": "Scene.all_hits", "SceneReserve": "Scene.reserve", "SceneRayHits": "Scene.all_hits", "SweepQuery": "sweep", "SceneSweepHits": "Scene.sweep_all", "AffineTransform": "move_by_skin", "Boxf": "SkinBounds.bounds", "SkinBoundsOutput": "SkinBounds.bounds", "SkinBoundsCluster": "SkinBounds.clusters", "SkinBoundsRow": "SkinBounds.rows", "SkinBoundsTarget": "SkinBounds.targets", "SkinBoundsData": "SkinBounds",
     "level_set_spheres": "SphereTree.level_set_spheres", "area": "surface_area",
 }
 #: Headers of which nothing is in the package, and why.

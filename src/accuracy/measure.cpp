@@ -12,9 +12,9 @@ using namespace detail;
 namespace {
 
 /// Data that all levels share.
-class Meter {
+class LevelMeter {
  public:
-  Meter(const MeshView& mesh, const MeasureOptions& options, Workers& workers)
+  LevelMeter(const MeshView& mesh, const MeasureOptions& options, Workers& workers)
       : mesh_(mesh), options_(options), workers_(workers), looseness_(mesh) {
     if (options.with_protrusion && looseness_.has_volume()) object_.emplace(mesh, workers);
     if (options.with_sampled_fit) sampler_.emplace(mesh, SampleCounts{}, workers);
@@ -52,7 +52,7 @@ std::vector<LevelMeasure> measure(const MeshView& mesh, const SphereTree& tree, 
   if (const std::vector<std::string> faults = validate(tree); !faults.empty())
     throw std::invalid_argument("measure: the tree is broken: " + faults.front());
 
-  const Meter meter(mesh, options, workers);
+  const LevelMeter meter(mesh, options, workers);
   std::vector<LevelMeasure> measures;
   for (std::size_t level = 0; level < tree.level_count(); ++level)
     measures.push_back(meter.measure(level, level_set_spheres(tree, level)));
@@ -65,7 +65,7 @@ LevelMeasure measure_spheres(const MeshView& mesh, std::span<const Sphere> spher
   const StandardFloats standard;
   require_usable(mesh);
   require_usable_scale(mesh);
-  return Meter(mesh, options, workers).measure(0, spheres);
+  return LevelMeter(mesh, options, workers).measure(0, spheres);
 }
 
 }  // namespace morula

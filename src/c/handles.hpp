@@ -11,6 +11,7 @@
 #include <memory>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
+#include <morula/collide/containment.hpp>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/parallel/workers.hpp>
@@ -59,6 +60,7 @@ struct morula_body {
   // The surface for morula_self_crossings, made by its first call.
   std::optional<morula::SurfaceTree> surface;
   morula::SurfaceCrossingQuery self_crossings;
+  std::optional<morula::InsideQuery> inside;  // for morula_locate, made by its first call
   // The caller's share of the handle, until morula_body_destroy: scenes hold shares of their own.
   std::shared_ptr<morula_body> of_caller;
 };

@@ -114,7 +114,7 @@ morula_status morula_build(const morula_mesh* mesh, const morula_build_options* 
     *model = nullptr;
     require_pointer(mesh, "mesh");
     const morula_build_options wanted = over_defaults(options, &morula_build_options_defaults);
-    std::stop_source stop;
+    StopSource stop;
     BuildOptions by{.method = named(wanted.method, &method_from_name, "method"),
                     .branching = wanted.branching,
                     .nested = wanted.nested != 0,

@@ -35,6 +35,14 @@ Skin skin_from(std::size_t vertex_count, std::size_t influences, const std::uint
   return skin;
 }
 
+Modes modes_from(std::size_t vertex_count, std::size_t mode_count, const double* displacements) {
+  Modes modes{vertex_count, mode_count, {}};
+  modes.displacements.reserve(vertex_count * mode_count);
+  for (const double* u = displacements; modes.displacements.size() < vertex_count * mode_count; u += 3)
+    modes.displacements.push_back({u[0], u[1], u[2]});
+  return modes;
+}
+
 }  // namespace
 
 void morula::detail::read_transforms(const double* rows, std::span<AffineTransform> transforms) {
@@ -98,15 +106,25 @@ morula_status morula_skin_positions(const morula_skin* skin, const morula_mesh* 
 
 morula_status morula_skin_bounds_create(const morula_mesh* mesh, const morula_skin* skin,
                                         const uint32_t* cluster_of_facet, morula_skin_bounds** bounds) {
+  return morula_skin_bounds_create_morphed(mesh, skin, 0, nullptr, cluster_of_facet, bounds);
+}
+
+morula_status morula_skin_bounds_create_morphed(const morula_mesh* mesh, const morula_skin* skin, size_t target_count,
+                                                const double* displacements, const uint32_t* cluster_of_facet,
+                                                morula_skin_bounds** bounds) {
   return guarded([&] {
     require_pointer(bounds, "bounds");
     *bounds = nullptr;
     require_pointer(mesh, "mesh");
     require_pointer(skin, "skin");
+    if (target_count != 0) require_pointer(displacements, "displacements");
+    if (target_count > 0xffff) throw std::invalid_argument("there are 2^16 morph targets or more");
+    const Modes targets = modes_from(mesh->mesh->vertex_count(), target_count, displacements);
     const std::size_t facets = mesh->mesh->facets.size();
     std::vector<std::uint32_t> one_cluster;
     if (cluster_of_facet == nullptr) one_cluster.resize(facets), cluster_of_facet = one_cluster.data();
-    *bounds = new morula_skin_bounds{SkinBounds(*mesh->mesh, skin->skin, std::span(cluster_of_facet, facets)), {}};
+    *bounds =
+        new morula_skin_bounds{SkinBounds(*mesh->mesh, skin->skin, targets, std::span(cluster_of_facet, facets)), {}};
     return MORULA_OK;
   });
 }
@@ -121,6 +139,12 @@ size_t morula_skin_bounds_cluster_count(const morula_skin_bounds* bounds) {
 
 morula_status morula_skin_bounds_compute(morula_skin_bounds* bounds, const double* transforms, size_t character_count,
                                          morula_spheref* spheres, morula_boxf* boxes) {
+  return morula_skin_bounds_compute_morphed(bounds, transforms, nullptr, character_count, spheres, boxes);
+}
+
+morula_status morula_skin_bounds_compute_morphed(morula_skin_bounds* bounds, const double* transforms,
+                                                 const double* morphs, size_t character_count, morula_spheref* spheres,
+                                                 morula_boxf* boxes) {
   return guarded([&] {
     require_pointer(bounds, "bounds");
     if (character_count == 0) return MORULA_OK;
@@ -132,6 +156,8 @@ morula_status morula_skin_bounds_compute(morula_skin_bounds* bounds, const doubl
     SkinBoundsOutput output;
     if (spheres != nullptr) output.spheres = std::span(reinterpret_cast<Spheref*>(spheres), count);
     if (boxes != nullptr) output.boxes = std::span(reinterpret_cast<Boxf*>(boxes), count);
-    return code_of(of.bounds(bounds->transforms, output));
+    const std::span<const double> own =
+        morphs == nullptr ? std::span<const double>() : std::span(morphs, character_count * of.target_count());
+    return code_of(of.bounds(bounds->transforms, own, output));
   });
 }

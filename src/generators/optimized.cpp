@@ -16,6 +16,7 @@
 #include <cmath>
 #include <memory>
 #include <morula/geometry/sampling.hpp>
+#include <morula/parallel/threads.hpp>
 #include <mutex>
 #include <optional>
 
@@ -134,7 +135,7 @@ class OptimizedDivider {
     // Only the tightest is kept: at the root each start holds all facets. The first of equals is kept.
     NodeFit::Exact tightest;
     std::size_t tightest_start = starts;
-    std::mutex choosing;
+    Mutex choosing;
     const auto fit = [&](std::size_t k) {
       run_.throw_if_stopped();
       NodeFit::Exact exact = attempt(nodes[k], points, level, k, starts > 1);

@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <span>
 
+#include "geometry/wide_integers.hpp"
+
 namespace morula::detail {
 namespace {
-
-__extension__ typedef unsigned __int128 Product;
 
 /// (-1)^negative × mantissa × 2^exponent.
 struct Number {
@@ -46,12 +46,11 @@ class ExactSum {
   }
 
   void add(const Number& a, const Number& b, const Number& c, bool minus = false) {
-    const Product ab = static_cast<Product>(a.mantissa) * b.mantissa;
-    if (ab == 0 || c.mantissa == 0) return;
-    const Product low = static_cast<Product>(static_cast<std::uint64_t>(ab)) * c.mantissa;
-    const Product high = static_cast<Product>(static_cast<std::uint64_t>(ab >> 64)) * c.mantissa + (low >> 64);
-    const std::uint64_t abc[3] = {static_cast<std::uint64_t>(low), static_cast<std::uint64_t>(high),
-                                  static_cast<std::uint64_t>(high >> 64)};
+    const Product128 ab = product(a.mantissa, b.mantissa);
+    if ((ab.low | ab.high) == 0 || c.mantissa == 0) return;
+    const Product128 low = product(ab.low, c.mantissa), high = product(ab.high, c.mantissa);
+    const std::uint64_t middle = high.low + low.high;
+    const std::uint64_t abc[3] = {low.low, middle, high.high + (middle < low.high ? 1 : 0)};
     const auto shift = static_cast<std::size_t>(a.exponent + b.exponent + c.exponent - base_);
     const std::size_t word = shift / 64, bit = shift % 64;
     std::uint64_t shifted[4] = {abc[0] << bit, abc[1] << bit, abc[2] << bit, 0};
@@ -74,17 +73,18 @@ class ExactSum {
   void add(std::size_t word, const std::uint64_t (&x)[4]) {
     std::uint64_t carry = 0;
     for (std::size_t k = word; k < used_ && (k < word + 4 || carry != 0); ++k) {
-      const Product sum = static_cast<Product>(words_[k]) + (k < word + 4 ? x[k - word] : 0) + carry;
-      words_[k] = static_cast<std::uint64_t>(sum);
-      carry = static_cast<std::uint64_t>(sum >> 64);
+      const std::uint64_t x_k = k < word + 4 ? x[k - word] : 0, half = words_[k] + x_k;
+      words_[k] = half + carry;
+      carry = static_cast<std::uint64_t>(half < x_k) + static_cast<std::uint64_t>(words_[k] < carry);
     }
   }
   void subtract(std::size_t word, const std::uint64_t (&x)[4]) {
     std::uint64_t borrow = 0;
     for (std::size_t k = word; k < used_ && (k < word + 4 || borrow != 0); ++k) {
-      const Product difference = static_cast<Product>(words_[k]) - (k < word + 4 ? x[k - word] : 0) - borrow;
-      words_[k] = static_cast<std::uint64_t>(difference);
-      borrow = static_cast<std::uint64_t>(difference >> 64) & 1;
+      const std::uint64_t x_k = k < word + 4 ? x[k - word] : 0, half = words_[k] - x_k;
+      const bool below = words_[k] < x_k || half < borrow;
+      words_[k] = half - borrow;
+      borrow = static_cast<std::uint64_t>(below);
     }
   }
 

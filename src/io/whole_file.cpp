@@ -11,12 +11,13 @@
 
 #include "io/first_bytes.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/files.hpp"
 
 namespace morula::detail {
 namespace fs = std::filesystem;
 
 std::string reason(int error) {
-  return std::generic_category().message(error);
+  return platform::reason(error);
 }
 
 std::uintmax_t size_of_file(const fs::path& path) {

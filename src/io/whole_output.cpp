@@ -1,10 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -25,12 +20,14 @@
 
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/files.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
 namespace fs = std::filesystem;
+using platform::NodeKind;
 
 constexpr int most_attempts = 100;
 constexpr int most_links = 40;  // the system's limit of links to follow
@@ -71,7 +68,7 @@ fs::path hidden_name() {
     bits = std::uint64_t{device()} << 32 | device();
   } catch (const std::exception&) {
     // Without a source of randomness the process and a count are sufficient, because creation is exclusive.
-    bits = static_cast<std::uint64_t>(getpid()) << 32 | (++count & 0xffffffffu);
+    bits = platform::process_number() << 32 | (++count & 0xffffffffu);
   }
   std::array<char, 17> digits{};
   std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(bits));
@@ -100,40 +97,6 @@ fs::path without_slash(fs::path path) {
   return path.has_filename() || !path.has_parent_path() ? path : path.parent_path();
 }
 
-/// Some file systems cannot sync and return an error for it, which is no failure.
-bool sync_failed(int file) {
-  if (fsync(file) == 0) return false;
-  return errno != EINVAL && errno != ENOTSUP && errno != EROFS && errno != EBADF && errno != ENOSYS;
-}
-
-/// A rename survives a crash only if its folder is also synced. The files in the folder are safe in any case.
-void sync_folder(const fs::path& folder) {
-  const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (opened < 0) return;
-  fsync(opened);
-  close(opened);
-}
-
-/// Copies owner and permissions of the replaced file, as far as this user may set them.
-void take_over(int file, const struct stat& old) {
-  if (fchown(file, old.st_uid, old.st_gid) != 0) {
-    // A file of another user may still keep its group.
-    const int ignored = fchown(file, static_cast<uid_t>(-1), old.st_gid);
-    static_cast<void>(ignored);
-  }
-  fchmod(file, old.st_mode & 07777);
-}
-
-bool exchange(const fs::path& a, const fs::path& b) {
-#if defined(__linux__) && defined(SYS_renameat2)
-  constexpr unsigned rename_exchange = 2;
-  return syscall(SYS_renameat2, AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), rename_exchange) == 0;
-#else
-  static_cast<void>(a), static_cast<void>(b);
-  return false;
-#endif
-}
-
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
@@ -148,10 +111,7 @@ std::vector<fs::path> names_in(const fs::path& folder, std::error_code& error) {
 
 /// A folder of another file system, or the current folder of this or the calling process, cannot be renamed.
 bool stays_where_it_is(const fs::path& folder) {
-  struct stat own {
-  }, above{};
-  if (stat(folder.c_str(), &own) != 0 || stat((folder / "..").c_str(), &above) != 0) return true;
-  if (own.st_dev != above.st_dev || own.st_ino == above.st_ino) return true;
+  if (platform::is_mount_point(folder)) return true;
   std::error_code error;
   for (fs::path at = fs::current_path(error); !error; at = at.parent_path()) {
     if (is_same_file(at, folder)) return true;
@@ -192,10 +152,7 @@ void require_room(const fs::path& path, std::uint64_t bytes) {
 }
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
-  struct stat of_a {
-  }, of_b{};
-  return stat(a.c_str(), &of_a) == 0 && stat(b.c_str(), &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
-         of_a.st_ino == of_b.st_ino;
+  return platform::is_same_file(a, b);
 }
 
 void write_whole(const fs::path& path, std::string_view bytes) {
@@ -211,32 +168,32 @@ WholeFile::WholeFile(const fs::path& target) : named_(target) {
   const std::string name = target.string();
   if (!target.has_filename()) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
   target_ = through_links(target);
-  struct stat old {};
-  const bool exists = stat(target_.c_str(), &old) == 0;
-  if (exists && S_ISDIR(old.st_mode))
-    throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
-  if (exists && !S_ISREG(old.st_mode)) throw FileError(name + ": is a device or a pipe, not a file; name a file");
+  const NodeKind kind = platform::kind_of(target_);
+  const bool exists = kind != NodeKind::missing;
+  if (kind == NodeKind::folder) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
+  if (exists && kind != NodeKind::file) throw FileError(name + ": is a device or a pipe, not a file; name a file");
 
   const std::unique_lock lock = lock_unfinished();
+  int error = 0;
   for (int attempt = 0; attempt < most_attempts && file_ < 0; ++attempt) {
     temporary_ = folder_of(target_) / hidden_name();
     // The contents of a private file stay private while it is written.
-    file_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, exists ? 0600 : 0666);
-    if (file_ < 0 && errno != EEXIST) break;
+    file_ = platform::create_file(temporary_, exists, error);
+    if (file_ < 0 && error != EEXIST) break;
   }
   if (file_ < 0)
     throw SystemFileError(target,
-                          "cannot make a file in this folder (" + reason(errno) +
+                          "cannot make a file in this folder (" + reason(error) +
                               "); make the folder first, or choose one that you may write to",
-                          errno);
+                          error);
   try {
     note_unfinished(temporary_);
   } catch (...) {
-    close(file_);
-    unlink(temporary_.c_str());
+    platform::close_file(file_);
+    platform::remove_file(temporary_);
     throw;
   }
-  if (exists) take_over(file_, old);
+  if (exists) platform::copy_permissions(target_, file_);
 }
 
 WholeFile::WholeFile(WholeFile&& other) noexcept
@@ -248,8 +205,8 @@ WholeFile::WholeFile(WholeFile&& other) noexcept
 WholeFile::~WholeFile() {
   if (temporary_.empty()) return;
   const std::unique_lock lock = lock_unfinished();
-  if (file_ >= 0) close(file_);
-  unlink(temporary_.c_str());
+  if (file_ >= 0) platform::close_file(file_);
+  platform::remove_file(temporary_);
   forget_unfinished(temporary_);
 }
 
@@ -258,22 +215,11 @@ void WholeFile::fail(int error) const {
 }
 
 void WholeFile::write(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(file_, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(errno);
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-  }
+  if (const int error = platform::append(file_, bytes); error != 0) fail(error);
 }
 
 void WholeFile::overwrite(std::uint64_t offset, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(errno);
-    bytes.remove_prefix(static_cast<std::size_t>(count));
-    offset += static_cast<std::uint64_t>(count);
-  }
+  if (const int error = platform::overwrite(file_, offset, bytes); error != 0) fail(error);
 }
 
 void WholeFile::commit() {
@@ -283,24 +229,24 @@ void WholeFile::commit() {
     const std::unique_lock lock = lock_unfinished();
     return !is_unfinished(folder);
   }();
-  if (alone && sync_failed(file_)) fail(errno);
-  if (close(std::exchange(file_, -1)) != 0) fail(errno);
+  if (const int error = alone ? platform::sync_file(file_) : 0; error != 0) fail(error);
+  if (const int error = platform::close_file(std::exchange(file_, -1)); error != 0) fail(error);
   {
     const std::unique_lock lock = lock_unfinished();
-    if (rename(temporary_.c_str(), target_.c_str()) != 0)
-      throw SystemFileError(named_, "cannot be replaced (" + reason(errno) + "); nothing was changed", errno);
+    if (const int error = platform::rename_over(temporary_, target_); error != 0)
+      throw SystemFileError(named_, "cannot be replaced (" + reason(error) + "); nothing was changed", error);
     forget_unfinished(temporary_);
     temporary_.clear();
   }
-  if (alone) sync_folder(folder);
+  if (alone) platform::sync_folder(folder);
 }
 
 WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   const std::string name = target.string();
   target_ = through_links(without_slash(target));
-  struct stat old {};
-  exists_ = stat(target_.c_str(), &old) == 0;
-  if (exists_ && !S_ISDIR(old.st_mode)) throw SystemFileError(target, "is a file; name a folder", ENOTDIR);
+  const NodeKind kind = platform::kind_of(target_);
+  exists_ = kind != NodeKind::missing;
+  if (exists_ && kind != NodeKind::folder) throw SystemFileError(target, "is a file; name a folder", ENOTDIR);
   const fs::path parent = folder_of(target_);
   std::error_code error;
   if (!exists_ && !fs::is_directory(parent, error))
@@ -308,18 +254,18 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
 
   merges_ = exists_ && (mode == Mode::merge || stays_where_it_is(target_));
   const std::unique_lock lock = lock_unfinished();
+  int why = 0;
   const auto make = [&](const fs::path& place) {
     for (int attempt = 0; attempt < most_attempts; ++attempt) {
       stage_ = place / hidden_name();
-      if (mkdir(stage_.c_str(), exists_ ? 0700 : 0777) == 0) return true;
-      if (errno != EEXIST) return false;
+      why = platform::create_folder(stage_, exists_);
+      if (why != EEXIST) return why == 0;
     }
     return false;
   };
   bool made = make(merges_ ? target_ : parent);
   if (!made && exists_ && !merges_) made = merges_ = make(target_);
   if (!made) {
-    const int why = errno;
     stage_.clear();
     throw SystemFileError(target,
                           "cannot make a folder in " + (merges_ ? target_ : parent).string() + " (" + reason(why) +
@@ -329,7 +275,7 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   try {
     note_unfinished(stage_);
   } catch (...) {
-    rmdir(stage_.c_str());
+    platform::remove_folder(stage_);
     throw;
   }
 }
@@ -354,13 +300,10 @@ void WholeFolder::commit() {
   for (fs::recursive_directory_iterator entry(stage_, error); !error && entry != fs::recursive_directory_iterator();
        entry.increment(error)) {
     if (!entry->is_regular_file(error)) continue;
-    const int file = open(entry->path().c_str(), O_RDONLY | O_CLOEXEC);
-    const bool failed = file >= 0 && sync_failed(file);
-    const int why = errno;
-    if (file >= 0) close(file);
-    if (failed) throw SystemFileError(named_, "cannot be written (" + reason(why) + "); nothing was changed", why);
+    if (const int why = platform::sync_file(entry->path()); why != 0)
+      throw SystemFileError(named_, "cannot be written (" + reason(why) + "); nothing was changed", why);
   }
-  sync_folder(stage_);
+  platform::sync_folder(stage_);
 
   const fs::path stage = stage_;
   const std::unique_lock lock = lock_unfinished();
@@ -373,12 +316,13 @@ void WholeFolder::commit() {
   }
   forget_unfinished(stage);
   stage_.clear();
-  sync_folder(merges_ ? target_ : folder_of(target_));
+  platform::sync_folder(merges_ ? target_ : folder_of(target_));
 }
 
 void WholeFolder::commit_new() {
-  if (rename(stage_.c_str(), target_.c_str()) == 0) return;
-  throw FileError(named_.string() + ": the finished folder cannot take its name (" + reason(errno) +
+  const int error = platform::rename_over(stage_, target_);
+  if (error == 0) return;
+  throw FileError(named_.string() + ": the finished folder cannot take its name (" + reason(error) +
                   "); nothing was changed");
 }
 
@@ -387,34 +331,32 @@ void WholeFolder::commit_by_exchange() {
     throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
   };
   // Files of other programs are in both folders for a moment, so that no crash can lose one.
-  std::vector<fs::path> later;
+  std::vector<fs::path> linked, later;
   std::error_code error;
   for (const fs::path& name : names_in(target_, error)) {
     if (is_there(stage_ / name)) continue;
-    const bool linked = linkat(AT_FDCWD, (target_ / name).c_str(), AT_FDCWD, (stage_ / name).c_str(), 0) == 0;
-    if (!linked) later.push_back(name);
+    (platform::link_file(target_ / name, stage_ / name) == 0 ? linked : later).push_back(name);
   }
   if (error) reject(error.message());
-  struct stat old {};
-  const int folder = open(stage_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder >= 0) {
-    if (stat(target_.c_str(), &old) == 0) take_over(folder, old);
-    close(folder);
-  }
+  platform::copy_folder_permissions(target_, stage_);
 
   fs::path replaced = stage_;
-  if (!exchange(stage_, target_)) {
+  if (!platform::exchange(stage_, target_)) {
     replaced = folder_of(target_) / hidden_name();
-    if (rename(target_.c_str(), replaced.c_str()) != 0) reject(reason(errno));
-    if (rename(stage_.c_str(), target_.c_str()) != 0) {
-      const int why = errno;
+    if (platform::rename_over(target_, replaced) != 0) {
+      // On Windows, a folder cannot be renamed while other programs have files of it open or work in it.
+      for (const fs::path& name : linked) platform::remove_file(stage_ / name);
+      merges_ = true;
+      return commit_by_merging();
+    }
+    if (const int why = platform::rename_over(stage_, target_); why != 0) {
       fs::rename(replaced, target_, error);
       reject(reason(why));
     }
   }
   for (const fs::path& name : later) {
-    if (rename((replaced / name).c_str(), (target_ / name).c_str()) == 0) continue;
-    const int why = errno;
+    const int why = platform::rename_over(replaced / name, target_ / name);
+    if (why == 0) continue;
     forget_unfinished(stage_);
     stage_.clear();
     throw FileError(named_.string() + ": " + name.string() + " could not be carried over (" + reason(why) +

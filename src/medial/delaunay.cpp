@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cassert>
 
+#include "geometry/wide_integers.hpp"
+
 namespace morula::detail {
 namespace {
 
-__extension__ typedef __int128 Wide;
 using Difference = std::array<std::int64_t, 3>;  // each at most 2²⁰ in size
 
 Difference operator-(const LatticePoint& a, const LatticePoint& b) {
@@ -41,8 +42,8 @@ bool in_sphere(const LatticePoint& a, const LatticePoint& b, const LatticePoint&
   // The determinant of the rows (x, y, z, x² + y² + z²), by its last column; the two cross products serve all four.
   const Difference ab = cross(pa, pb), cd = cross(pc, pd);
   const auto dot = [](const Difference& u, const Difference& v) { return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]; };
-  const Wide sum = Wide{squared_length(pa)} * dot(pb, cd) - Wide{squared_length(pb)} * dot(pa, cd) +
-                   Wide{squared_length(pc)} * dot(ab, pd) - Wide{squared_length(pd)} * dot(ab, pc);
+  const Int128 sum = Int128{squared_length(pa)} * dot(pb, cd) - Int128{squared_length(pb)} * dot(pa, cd) +
+                     Int128{squared_length(pc)} * dot(ab, pd) - Int128{squared_length(pd)} * dot(ab, pc);
   return sum > 0;
 }
 
@@ -278,7 +279,7 @@ Vec3 Delaunay::circumcenter_offset(std::uint32_t slot) const {
   const LatticePoint& a = points_[v[0]];
   const Difference b = points_[v[1]] - a, c = points_[v[2]] - a, d = points_[v[3]] - a;
   const Difference cd = cross(c, d), db = cross(d, b), bc = cross(b, c);
-  const Wide bb = squared_length(b), cc = squared_length(c), dd = squared_length(d);
+  const Int128 bb = squared_length(b), cc = squared_length(c), dd = squared_length(d);
   const double denominator = 2.0 * static_cast<double>(determinant(b, c, d));
   Vec3 offset;
   for (int axis = 0; axis < 3; ++axis) {

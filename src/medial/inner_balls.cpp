@@ -96,7 +96,7 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
   return balls;
 }
 
-std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const std::stop_token& stop) {
+std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const StopToken& stop) {
   if (balls.empty()) return {};
   FilledLattice lattice(balls);
   if (!lattice.tells_balls_apart()) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <mutex>
 #include <stdexcept>
@@ -41,7 +42,7 @@ void run_serially(std::size_t count, ChunkFunction chunk) {
 // The host's threads get neither the library's exceptions nor nested loops, and chunks do not get the host's rounding
 // modes.
 void run_on_host(const Workers::Executor& executor, std::size_t count, ChunkFunction chunk) {
-  std::mutex mutex;
+  Mutex mutex;
   std::size_t failed_index = count;
   std::exception_ptr failure;
   Interruption* const interruption = active_interruption();

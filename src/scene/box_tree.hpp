@@ -15,8 +15,8 @@ namespace morula::detail {
 /// Throws std::bad_alloc for sizes of 2^32 and more: there are no such numbers, and products of sizes would overflow.
 inline void require_reservable(std::initializer_list<std::size_t> sizes) {
   for (const std::size_t size : sizes)
-    // mutant scene-reserve-overflows: `std::size_t{1} << 32` -> `~std::size_t{0}`
-    if (size >= std::size_t{1} << 32) throw std::bad_alloc();
+    // mutant scene-reserve-overflows: `std::uint64_t{1} << 32` -> `~std::uint64_t{0}`
+    if (std::uint64_t{size} >= std::uint64_t{1} << 32) throw std::bad_alloc();
 }
 
 /// A box in float, rounded outwards; bounds beyond the range of float are infinite.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <morula/collide/contact_query.hpp>
 #include <morula/collide/crossings.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/scene/scene.hpp>
 #include <mutex>
 #include <utility>
@@ -63,7 +64,7 @@ class ExtrasPool {
     free_.push_back(std::move(extras));
   }
 
-  std::mutex mutex_;
+  Mutex mutex_;
   std::vector<std::unique_ptr<PairExtras>> free_;
   std::size_t count_ = 0;
 };

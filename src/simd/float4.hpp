@@ -176,6 +176,8 @@ class VectorDouble2 {
     double both;  // two floats fill it
     std::memcpy(&both, two, sizeof both);
     return VectorDouble2(_mm_cvtps_pd(_mm_castpd_ps(_mm_set_sd(both))));
+#elif defined(__wasm_simd128__)
+    return VectorDouble2(std::bit_cast<Register>(wasm_f64x2_promote_low_f32x4(wasm_v128_load64_zero(two))));
 #else
     Number lane[2];
     std::memcpy(lane, two, sizeof lane);
@@ -249,6 +251,10 @@ class VectorFloat4 {
     return VectorFloat4(_mm_movelh_ps(_mm_cvtpd_ps(a.lanes()), _mm_cvtpd_ps(b.lanes())));
 #elif defined(__aarch64__)
     return VectorFloat4(vcvt_high_f32_f64(vcvt_f32_f64(a.lanes()), b.lanes()));
+#elif defined(__wasm_simd128__)
+    const v128_t low = wasm_f32x4_demote_f64x2_zero(std::bit_cast<v128_t>(a.lanes()));
+    const v128_t high = wasm_f32x4_demote_f64x2_zero(std::bit_cast<v128_t>(b.lanes()));
+    return VectorFloat4(std::bit_cast<Register>(wasm_i64x2_shuffle(low, high, 0, 2)));
 #else
     return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(b[0]), static_cast<float>(b[1])};
 #endif
@@ -300,6 +306,8 @@ class VectorFloat4 {
     return VectorFloat4(_mm_sqrt_ps(a.v_));
 #elif defined(__aarch64__)
     return VectorFloat4(vsqrtq_f32(a.v_));
+#elif defined(__wasm_simd128__)
+    return VectorFloat4(std::bit_cast<Register>(wasm_f32x4_sqrt(std::bit_cast<v128_t>(a.v_))));
 #else
     return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 #endif

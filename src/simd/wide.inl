@@ -27,6 +27,8 @@ inline Wide root(Wide a) {
   return _mm_sqrt_ps(a);
 #elif defined(__aarch64__)
   return vsqrtq_f32(a);
+#elif defined(__wasm_simd128__)
+  return __builtin_bit_cast(Wide, wasm_f32x4_sqrt(__builtin_bit_cast(v128_t, a)));
 #else
   Wide roots;
   for (int k = 0; k < lanes; ++k) roots[k] = __builtin_sqrtf(a[k]);
@@ -59,6 +61,8 @@ inline unsigned lane_bits(WideMask mask) {
 #ifdef __aarch64__
   constexpr uint32x4_t bit_of_lane{1, 2, 4, 8};
   return vaddvq_u32(vandq_u32(__builtin_bit_cast(uint32x4_t, mask), bit_of_lane));
+#elif defined(__wasm_simd128__)
+  return wasm_i32x4_bitmask(__builtin_bit_cast(v128_t, mask));
 #else
   unsigned bits = 0;
   for (int k = 0; k < lanes; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
@@ -90,9 +94,13 @@ inline unsigned greater(Doubles a, Doubles b) {
 #endif
 #else
   const Words mask = a > b;
+#ifdef __wasm_simd128__
+  return wasm_i64x2_bitmask(__builtin_bit_cast(v128_t, mask));
+#else
   unsigned bits = 0;
   for (int k = 0; k < doubles; ++k) bits |= static_cast<unsigned>(mask[k] & 1) << k;
   return bits;
+#endif
 #endif
 }
 inline Doubles root(Doubles a) {
@@ -104,6 +112,8 @@ inline Doubles root(Doubles a) {
   return _mm_sqrt_pd(a);
 #elif defined(__aarch64__)
   return vsqrtq_f64(a);
+#elif defined(__wasm_simd128__)
+  return __builtin_bit_cast(Doubles, wasm_f64x2_sqrt(__builtin_bit_cast(v128_t, a)));
 #else
   Doubles roots;
   for (int k = 0; k < doubles; ++k) roots[k] = __builtin_sqrt(a[k]);

@@ -200,7 +200,7 @@ const Cover& Body::cover() const {
 }
 
 const UpdateOptions& Body::options() const {
-  return state_->options;
+  return *state_->options;
 }
 
 const BindReport& Body::bind_report() const {

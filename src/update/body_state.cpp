@@ -23,7 +23,7 @@ void Body::State::show() noexcept {
   posed.origin = origin;
   posed.complete = lazy.is_complete();
   if (models.vertices) {
-    models.vertices->bind(options);
+    models.vertices->bind(*options);
     // mutant posed-at-rest: `posed.frame > 0` -> `true`
     posed.vertices = posed.frame > 0 ? &*models.vertices : nullptr;
   }
@@ -112,7 +112,7 @@ UpdateStatus Body::State::check_transforms(std::span<const AffineTransform> tran
   if (!models.skin) return refused(Status::Code::no_skin);
   if (morphs && !morphs->empty() && !models.modal) return refused(Status::Code::no_modes);
   if (models.follows == RuleTraits::Follows::modes) return wrong_kind_of_frame(models.follows);
-  if (transforms.size() != options.skin.bone_count) return refused(Status::Code::wrong_transform_count);
+  if (transforms.size() != options->skin.bone_count) return refused(Status::Code::wrong_transform_count);
   std::size_t bad = 0;
   morphed = models.skin->unmorphed();
   if (morphs && models.modal) {
@@ -176,7 +176,7 @@ UpdateStatus Body::State::follow(std::span<const double> coordinates, Workers& w
   if (const UpdateStatus fault = check_coordinates(coordinates); !fault) return fault;
   const ModalPose pose = models.modal->pose(coordinates);
   const auto move = [&] {
-    move_by_modes(options.modes, models.rest_positions, coordinates, models.moved_positions, workers);
+    move_by_modes(options->modes, models.rest_positions, coordinates, models.moved_positions, workers);
   };
   if (models.vertices) models.vertices->begin({}, coordinates);
   return follow_model({.origin = pose.origin, .modes = &pose}, move, workers);
@@ -186,9 +186,9 @@ UpdateStatus Body::State::follow(std::span<const AffineTransform> transforms,
                                  std::optional<std::span<const double>> morphs, Workers& workers) noexcept {
   MorphedRest rest;
   if (const UpdateStatus fault = check_transforms(transforms, morphs, rest); !fault) return fault;
-  const BonePose pose = models.skin->pose(options.skin, transforms, rest);
+  const BonePose pose = models.skin->pose(options->skin, transforms, rest);
   const auto move = [&] {
-    move_by_skin(options.skin, options.modes, models.rest_positions, transforms, rest.morphs, models.moved_positions,
+    move_by_skin(options->skin, options->modes, models.rest_positions, transforms, rest.morphs, models.moved_positions,
                  workers);
   };
   if (models.vertices) models.vertices->begin(transforms, rest.morphs);

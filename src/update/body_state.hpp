@@ -75,9 +75,9 @@ struct Body::State {
   };
 
   std::shared_ptr<const CoveredTree> model;
-  UpdateOptions options;
-  detail::LocalPoints local;  // each update by positions moves them
-  Vec3 origin{};              // origin of the spheres; each good update writes origin and rounding
+  std::shared_ptr<const UpdateOptions> options;  // copies of a body share them: modes, skin and training are large
+  detail::LocalPoints local;                     // each update by positions moves them
+  Vec3 origin{};                                 // origin of the spheres; each good update writes origin and rounding
   Models models{};
   std::vector<Spheref> spheres{};  // spheres of the tree until bind()
   detail::EngineList engines{};    // bind() makes them from all of the above, and lets them write spheres and report

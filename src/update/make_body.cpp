@@ -151,7 +151,8 @@ std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared
   require_belonging(mesh, *model);
   const BodyPlan plan(mesh, *model, options);
   LocalPoints local(mesh, model->cover, plan.ownership);
-  const auto state = std::make_shared<State>(State{std::move(model), std::move(options), std::move(local)});
+  const auto state = std::make_shared<State>(
+      State{std::move(model), std::make_shared<const UpdateOptions>(std::move(options)), std::move(local)});
   state->posed.shared = state;
   const LocalPoints::Frame rest = state->local.move(mesh.positions, workers);
   if (!rest.finite)
@@ -160,7 +161,7 @@ std::shared_ptr<Body::State> Body::State::made(const MeshView& mesh, std::shared
         " is too far from the center for an update, or all are too far from the origin: scale "
         "mesh and tree so that coordinates about the center stay below 1e17, others below 1e30");
   state->origin = rest.origin;
-  state->models.follows = followed_by(plan.rules.of_level, state->options);
+  state->models.follows = followed_by(plan.rules.of_level, *state->options);
   narrow_spheres(state->model->tree.spheres, rest.origin, state->spheres);
   state->bind(plan, rest, workers);
   if (plan.raises) state->raise_at_rest(plan, rest.rounding, workers);
@@ -175,25 +176,25 @@ void Body::State::bind(const BodyPlan& plan, const LocalPoints::Frame& rest, Wor
   // Only links search facets, so the index is made for them alone: other bodies may be smaller than their index.
   std::optional<TriangleBvh> bvh;
   if (plan.reads_links) bvh.emplace(mesh, workers);
-  if (!options.modes.empty()) {
-    require_modes(options.modes, mesh);
-    models.modal.emplace(mesh, *model, options.modes, plan.ownership.vertices, local.rest_origin(), local.size());
+  if (!options->modes.empty()) {
+    require_modes(options->modes, mesh);
+    models.modal.emplace(mesh, *model, options->modes, plan.ownership.vertices, local.rest_origin(), local.size());
   }
-  if (!options.skin.empty()) {
-    require_skin(options.skin, mesh);
-    models.skin.emplace(mesh, *model, options.skin, plan.ownership.vertices, local.rest_origin(), local.size());
+  if (!options->skin.empty()) {
+    require_skin(options->skin, mesh);
+    models.skin.emplace(mesh, *model, options->skin, plan.ownership.vertices, local.rest_origin(), local.size());
   }
   if (plan.reads_points && (models.modal || models.skin))
     models.rest_positions = models.moved_positions = mesh.positions.to_vector();
   else if (models.modal || models.skin)
-    models.vertices.emplace(mesh.positions.to_vector(), options);
+    models.vertices.emplace(mesh.positions.to_vector(), *options);
 
   const std::vector<Spheref> of_tree = spheres;
   const RuleFrame frame{.origin = rest.origin, .points = local.points(), .rounding = rest.rounding};
   const Binding binding{
       .mesh = mesh,
       .model = *model,
-      .options = options,
+      .options = *options,
       .rules = plan.rules,
       .order = plan.order,
       .ownership = plan.ownership,
@@ -224,10 +225,10 @@ void Body::State::raise_at_rest(const BodyPlan& plan, const Rounding& rounding, 
 // Writes the spheres' promises, and the work of a good update.
 void Body::State::note_promises(const BodyPlan& plan) {
   const SphereTree& tree = model->tree;
-  lazy = LazyFrame(tree.node_count(), options.modes.mode_count);
+  lazy = LazyFrame(tree.node_count(), options->modes.mode_count);
   posed.cover_id = cover_id_of(*model);
-  posed.covers = options.conservative || std::all_of(plan.rules.of_level.begin(), plan.rules.of_level.end(),
-                                                     [](Rule rule) { return traits(rule).covers; });
+  posed.covers = options->conservative || std::all_of(plan.rules.of_level.begin(), plan.rules.of_level.end(),
+                                                      [](Rule rule) { return traits(rule).covers; });
   // A node whose rule reads children contains their spheres; raised radii keep that true.
   posed.nested = true;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node)

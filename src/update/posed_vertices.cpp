@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "update/posed_vertices.hpp"
 
+#include <morula/parallel/threads.hpp>
 #include <thread>
 #include <utility>
 
@@ -66,9 +67,11 @@ const PositionView& PosedVertices::all() const {
   if (complete_.load(std::memory_order_acquire) == frame_) return all.view;
   const auto count = static_cast<std::uint32_t>(rest_->size());
   for (std::uint32_t v = 0; v < count; ++v) static_cast<void>((*this)[v]);
+#if MORULA_STANDARD_THREADS
   // Another thread may be writing the last of its slots.
   for (std::uint32_t v = 0; v < count; ++v)
     while (all.slots[v].stamp.load(std::memory_order_acquire) != 2 * frame_) std::this_thread::yield();
+#endif
   complete_.store(frame_, std::memory_order_release);
   return all.view;
 }

@@ -20,12 +20,31 @@ namespace detail {
 namespace {
 
 constexpr std::uint32_t skin_bone_words = 16, skin_bound_words = 10, most_lanes = 16;
+constexpr double largest_morph = 0x1p127;  // in the range of float
+
+// The characters that are computed side by side, number by number.
+struct SkinFrame {
+  float* bones;
+  float* morphs;   // none: all are 0
+  float* size;     // of the transforms
+  float* row_sum;  // largest sum of |entries| of a row of the transforms, and at least 1
+};
+
+// Not spans, whose functions the kernels of each kind of processor would share.
+struct SkinRows {
+  const SkinBoundsRow *begin, *end;
+};
+struct SkinTargets {
+  const SkinBoundsTarget *begin, *end;
+};
 
 struct SkinKernels {
   int lanes;
   void (*prepare_bones)(float* bones, std::uint32_t bone_count, float reach, float* size);
-  void (*bound_cluster)(const float* bones, const float* size, const SkinBoundsCluster& cluster,
-                        const SkinBoundsRow* rows, float* bounds);
+  void (*largest_row_sums)(const float* bones, std::uint32_t bone_count, float* result);
+  void (*bound_cluster)(const SkinFrame& frame, const SkinBoundsCluster& cluster, const SkinRows& rows, float* bounds);
+  void (*bound_morphed_cluster)(const SkinFrame& frame, const SkinBoundsCluster& cluster, const SkinRows& rows,
+                                const SkinTargets& targets, float* bounds);
 };
 
 namespace plain {
@@ -77,6 +96,19 @@ void narrow_transforms(std::span<const AffineTransform> transforms, std::size_t 
   }
 }
 
+// The morphs of some characters in float, number by number.
+void narrow_morphs(std::span<const double> morphs, std::size_t target_count, std::size_t lanes, float* out) {
+  const std::size_t characters = morphs.size() / target_count;
+  for (std::size_t j = 0; j < target_count; ++j)
+    for (std::size_t lane = 0; lane < lanes; ++lane)
+      *out++ = static_cast<float>(morphs[std::min(lane, characters - 1) * target_count + j]);
+}
+
+SkinTargets targets_of(const SkinBoundsData& data, std::size_t cluster) {
+  const SkinBoundsTarget* all = data.targets.data();
+  return {all + data.target_begin[cluster], all + data.target_begin[cluster + 1]};
+}
+
 // The box around the boxes of a character's clusters.
 struct WholeBounds {
   Boxf box{};
@@ -109,10 +141,49 @@ Spheref sphere_around(const Boxf& box, std::span<const Spheref> spheres, std::sp
 
 }  // namespace
 
+Status SkinBounds::check(std::span<const AffineTransform> transforms, std::span<const double> morphs) const {
+  const std::size_t bones = bone_count(), targets = target_count();
+  if (!morphs.empty() && morphs.size() != transforms.size() / bones * targets)
+    return {.code = Status::Code::wrong_coordinate_count};
+  for (std::size_t j = 0; j < morphs.size(); ++j)
+    if (!(std::abs(morphs[j]) <= largest_morph))
+      return {.code = Status::Code::bad_coordinate, .index = static_cast<std::uint32_t>(j)};
+  const double limit = static_cast<double>(data_.largest_size), reach = std::max(1.0, static_cast<double>(data_.reach));
+  double largest = 0, row_sum = 1;  // of a character
+  for (std::size_t k = 0; k < transforms.size(); ++k) {
+    if (k % bones == 0) largest = 0, row_sum = 1;
+    const AffineTransform& t = transforms[k];
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      sum = std::max(sum, std::abs(t.columns[0][axis]) + std::abs(t.columns[1][axis]) + std::abs(t.columns[2][axis]));
+    const double size = sum * reach + max_norm(t.translation);
+    if (!is_finite(t) || !(size <= limit)) return {.code = Status::Code::bad_transform, .index = k};
+    largest = std::max(largest, size), row_sum = std::max(row_sum, sum);
+    if (morphs.empty() || k % bones != bones - 1) continue;
+    const std::span<const double> own = morphs.subspan(k / bones * targets, targets);
+    const auto travel = [&](std::size_t j) { return std::abs(own[j]) * travels_[j]; };
+    double sum_of_travels = 0;
+    std::size_t farthest = 0;
+    for (std::size_t j = 0; j < targets; ++j) {
+      sum_of_travels += travel(j);
+      if (travel(j) > travel(farthest)) farthest = j;
+    }
+    if (!(largest + sum_of_travels * row_sum <= limit))
+      return {.code = Status::Code::bad_coordinate,
+              .index = static_cast<std::uint32_t>(k / bones * targets + farthest)};
+  }
+  return {};
+}
+
 Status SkinBounds::bounds(std::span<const AffineTransform> transforms, const SkinBoundsOutput& output,
                           Workers& workers) {
+  return bounds(transforms, {}, output, workers);
+}
+
+Status SkinBounds::bounds(std::span<const AffineTransform> transforms, std::span<const double> morphs,
+                          const SkinBoundsOutput& output, Workers& workers) {
   const StandardFloats standard;
-  const std::size_t bones = bone_count(), clusters = cluster_count();
+  const std::size_t bones = bone_count(), clusters = cluster_count(), targets = target_count();
   if (bones == 0 || transforms.size() % bones != 0) return {.code = Status::Code::wrong_transform_count};
   const std::size_t characters = transforms.size() / bones;
   const auto require = [](std::size_t have, std::size_t wanted, const char* what) {
@@ -126,35 +197,38 @@ Status SkinBounds::bounds(std::span<const AffineTransform> transforms, const Ski
   require(output.whole_boxes.size(), characters, "boxes of whole meshes");
   if (!output.whole_spheres.empty() && output.spheres.empty())
     throw std::invalid_argument("spheres of whole meshes need the spheres of clusters");
-  for (std::size_t k = 0; k < transforms.size(); ++k) {
-    const AffineTransform& t = transforms[k];
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis)
-      sum = std::max(sum, std::abs(t.columns[0][axis]) + std::abs(t.columns[1][axis]) + std::abs(t.columns[2][axis]));
-    const double size = sum * std::max(1.0, static_cast<double>(data_.reach)) + max_norm(t.translation);
-    if (!is_finite(t) || !(size <= static_cast<double>(data_.largest_size)))
-      return {.code = Status::Code::bad_transform, .index = k};
-  }
+  if (const Status status = check(transforms, morphs); !status) return status;
   const SkinKernels& kernels = skin_table.widest();
   const auto lanes = static_cast<std::size_t>(kernels.lanes);
   const std::size_t groups = (characters + lanes - 1) / lanes;
   const std::size_t slots = std::min<std::size_t>(groups, workers.thread_count());
   const bool has_whole = !output.whole_spheres.empty() || !output.whole_boxes.empty();
-  const std::size_t words = bones * skin_bone_words * lanes;
+  const std::size_t bone_words = bones * skin_bone_words * lanes;
+  const std::size_t words = bone_words + (morphs.empty() ? 0 : targets * lanes);
   if (scratch_.size() < slots * words) scratch_.resize(slots * words);
   const Uninterrupted whole;
   const auto bound_group = [&](std::size_t first, float* at) {
     const std::size_t count = std::min(lanes, characters - first);
     narrow_transforms(transforms.subspan(first * bones, count * bones), bones, lanes, at);
-    alignas(64) float size[most_lanes], bounds[most_lanes * skin_bound_words];
+    alignas(64) float size[most_lanes], row_sum[most_lanes], bounds[most_lanes * skin_bound_words];
     WholeBounds wholes[most_lanes];
     kernels.prepare_bones(at, static_cast<std::uint32_t>(bones), data_.reach, size);
+    const SkinFrame frame{at, morphs.empty() ? nullptr : at + bone_words, size, row_sum};
+    if (frame.morphs != nullptr) {
+      narrow_morphs(morphs.subspan(first * targets, count * targets), targets, lanes, frame.morphs);
+      kernels.largest_row_sums(at, static_cast<std::uint32_t>(bones), row_sum);
+    }
     for (std::size_t k = 0; k < clusters; ++k) {
       const SkinBoundsCluster& cluster = data_.clusters[k];
+      const SkinBoundsRow* first_row = data_.rows.data() + cluster.first_row;
+      const SkinRows rows{first_row, first_row + cluster.row_count};
+      const SkinTargets moving = frame.morphs == nullptr ? SkinTargets{} : targets_of(data_, k);
       if (cluster.row_count == 0)
         std::fill(std::begin(bounds), std::end(bounds), 0.0f);
+      else if (moving.begin == moving.end)
+        kernels.bound_cluster(frame, cluster, rows, bounds);
       else
-        kernels.bound_cluster(at, size, cluster, data_.rows.data() + cluster.first_row, bounds);
+        kernels.bound_morphed_cluster(frame, cluster, rows, moving, bounds);
       for (std::size_t lane = 0; lane < count; ++lane) {
         const float* b = bounds + lane;
         const std::size_t place = (first + lane) * clusters + k;

@@ -156,6 +156,40 @@ TEST(CSkin, bounds_of_clusters_are_those_of_the_library) {
   morula_skin_bounds_destroy(bounds);
 }
 
+TEST(CSkin, morphed_bounds_are_those_of_the_library) {
+  const SkinnedLimb limb;
+  const Modes targets = sample_modes(limb.mesh.positions, 3);
+  morula_mesh* mesh = c_mesh_of(limb.mesh);
+  morula_skin* skin = c_skin_of(limb.skin);
+  morula_skin_bounds* bounds = nullptr;
+  ASSERT_EQ(morula_skin_bounds_create_morphed(mesh, skin, 3, &targets.displacements[0].x, nullptr, &bounds), MORULA_OK)
+      << morula_message();
+  const std::vector<std::uint32_t> one_cluster(limb.mesh.facets.size());
+  SkinBounds expected(limb.mesh, limb.skin, targets, one_cluster);
+  const std::vector<double> rows = rows_of(limb.frames);
+  std::vector<double> morphs;
+  for (int k = 0; k < 15; ++k) morphs.push_back(0.3 * k - 2);
+  std::vector<morula_spheref> spheres(5);
+  std::vector<Spheref> of_library(5);
+  for (const bool has_morphs : {true, false}) {
+    ASSERT_EQ(morula_skin_bounds_compute_morphed(bounds, rows.data(), has_morphs ? morphs.data() : nullptr, 5,
+                                                 spheres.data(), nullptr),
+              MORULA_OK);
+    ASSERT_TRUE(expected.bounds(limb.frames, has_morphs ? std::span<const double>(morphs) : std::span<const double>(),
+                                {.spheres = of_library}));
+    for (std::size_t k = 0; k < 5; ++k)
+      EXPECT_EQ(of_library[k], (Spheref{{spheres[k].x, spheres[k].y, spheres[k].z}, spheres[k].radius})) << k;
+  }
+  morphs[7] = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(morula_skin_bounds_compute_morphed(bounds, rows.data(), morphs.data(), 5, spheres.data(), nullptr),
+            MORULA_REFUSED);
+  morula_skin_bounds_destroy(bounds);
+  EXPECT_EQ(morula_skin_bounds_create_morphed(mesh, skin, 3, nullptr, nullptr, &bounds), MORULA_BAD_ARGUMENT);
+  EXPECT_EQ(bounds, nullptr);
+  morula_skin_destroy(skin);
+  morula_mesh_destroy(mesh);
+}
+
 TEST(CSkin, bad_calls_are_refused_and_change_nothing) {
   const SkinnedLimb limb;
   morula_mesh* mesh = c_mesh_of(limb.mesh);

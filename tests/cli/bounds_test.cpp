@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/update/skin_bounds.hpp>
 
@@ -152,6 +153,79 @@ TEST(BoundsCommand, copy_of_a_gltf_file_has_the_bounds_and_nothing_else_new) {
   EXPECT_EQ(bench.read("again.glb"), copy);
   bench.expect_refused("bounds arm.glb -o arm.gltf", "give it that extension");
   bench.expect_refused("bounds arm.glb -o arm.glb", "arm.glb");
+}
+/// The arm with two targets, whose weights the animation moves from those at rest, and a last primitive without facets.
+GltfMaker morphing_arm_with_empty_primitive() {
+  GltfMaker arm = bending_arm();
+  std::vector<float> up(30), out(30);
+  for (std::size_t v = 0; v < 10; ++v) {
+    up[3 * v + 2] = 0.25f * static_cast<float>(v % 3);
+    out[3 * v + 1] = v % 2 == 0 ? -0.5f : 0.75f;
+  }
+  const int first = arm.floats(up, "VEC3"), second = arm.floats(out, "VEC3");
+  arm.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", first}}, {{"POSITION", second}}};
+  arm.json["meshes"][0]["weights"] = {0.5, 0};
+  const int times = arm.floats({0, 1}, "SCALAR"), values = arm.floats({0.5f, 0, -3, 2}, "SCALAR");
+  Json& animation = arm.json["animations"][0];
+  animation["samplers"].push_back({{"input", times}, {"output", values}});
+  animation["channels"].push_back({{"sampler", 2}, {"target", {{"node", 0}, {"path", "weights"}}}});
+  Json& primitives = arm.json["meshes"][1]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["mode"] = 5;  // a strip of two corners
+  primitives[1]["indices"] = arm.shorts({0, 1}, "SCALAR");
+  return arm;
+}
+
+TEST(BoundsCommand, morph_targets_of_a_gltf_file_are_in_its_bounds) {
+  const Workbench bench;
+  bench.write("arm.glb", morphing_arm_with_empty_primitive().glb());
+  const Json report = bench.require("bounds arm.glb -o a.json --clusters 3 --json").json();
+  EXPECT_EQ(report["morph_targets"], 2);
+  EXPECT_EQ(report["uncovered_corners"], 0);
+  const Json file = Json::parse(bench.read("a.json"));
+  EXPECT_EQ(file["target_count"], 2);
+  EXPECT_EQ(file["morph_targets"], Json::parse(R"([{"node": 0, "mesh": 0, "target": 0, "rest_weight": 0.5},
+                                                   {"node": 0, "mesh": 0, "target": 1, "rest_weight": 0.0}])"));
+  const Mesh mesh = read_mesh(bench / "arm.glb");
+  std::vector<std::uint32_t> clusters(mesh.facet_count());
+  for (std::uint32_t i = 0; i < 3; ++i)
+    for (const Json& range : file["clusters"][i]["facet_ranges"])
+      for (std::size_t f = range[0]; f < range[1]; ++f) clusters[f] = i;
+  const SkinBounds bounds(mesh, read_skin(bench / "arm.glb", mesh), read_modes(bench / "arm.glb", mesh), clusters);
+  EXPECT_EQ(file["target_begin"], Json(bounds.data().target_begin));
+  std::vector<SkinBoundsTarget> targets;
+  for (const Json& n : file["targets"]) targets.push_back({{n[0], n[1], n[2]}, n[3], {n[4], n[5], n[6]}, n[7]});
+  EXPECT_EQ(targets, bounds.data().targets);
+  ASSERT_FALSE(targets.empty());
+  // The same from a mesh with the skin of the file, and from arrays.
+  write_mesh(bench / "arm.obj", mesh);
+  bench.require("bounds arm.obj --skin arm.glb -o b.json --clusters 3");
+  EXPECT_EQ(Json::parse(bench.read("b.json"))["targets"], file["targets"]);
+  const Skin skin = read_skin(bench / "arm.glb", mesh);
+  const BoneFrames frames = read_bone_frames(bench / "arm.glb", skin.bone_count, 2);
+  write_skin(bench / "skin.npy", skin);
+  write_bone_frames(bench / "bones.npy", {frames.bone_count, frames.transforms, {}});
+  write_modes(bench / "modes.npy", read_modes(bench / "arm.glb", mesh));
+  write_coordinates(bench / "coords.npy", frames.morphs);
+  const std::string arrays =
+      "bounds arm.obj --skin skin.npy --transforms bones.npy --modes modes.npy --coords coords.npy ";
+  const Json same = bench.require(arrays + "-o c.json --clusters 3 --json").json();
+  EXPECT_EQ(same["radius_over_smallest"], report["radius_over_smallest"]);
+  EXPECT_EQ(Json::parse(bench.read("c.json"))["targets"], file["targets"]);
+  bench.expect_refused("bounds arm.glb -o d.json --modes modes.npy", "leave out --modes");
+  bench.expect_refused("bounds arm.obj --skin skin.npy -o d.json --coords coords.npy", "add --modes FILE");
+}
+
+TEST(BoundsCommand, primitives_without_facets_are_empty_clusters) {
+  const Workbench bench;
+  bench.write("arm.glb", morphing_arm_with_empty_primitive().glb());
+  const Json report = bench.require("bounds arm.glb -o a.json --primitives --json").json();
+  EXPECT_EQ(report["clusters"], 3);
+  const Json file = Json::parse(bench.read("a.json"));
+  EXPECT_EQ(file["primitives"].size(), 3u);
+  EXPECT_EQ(sizes_of_partition(file, 12), (std::vector<std::size_t>{8, 4, 0}));
+  EXPECT_EQ(file["clusters"][2]["data"][11], 0);
+  EXPECT_EQ(file["target_begin"].size(), 4u);
 }
 #endif
 

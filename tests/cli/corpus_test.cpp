@@ -35,7 +35,7 @@ TEST_P(CliCorpus, bunny_is_built_moved_and_stays_covered) {
 
 INSTANTIATE_TEST_SUITE_P(Quick, CliCorpus, testing::Values("octree"),
                          [](const auto& tested) { return std::string(tested.param); });
-INSTANTIATE_TEST_SUITE_P(Long, CliCorpus, testing::Values("grid"),
+INSTANTIATE_TEST_SUITE_P(Nightly, CliCorpus, testing::Values("grid"),
                          [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace

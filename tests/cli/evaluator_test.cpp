@@ -13,13 +13,14 @@
 namespace morula::test {
 namespace {
 
-constexpr std::size_t bone_count = 6;
+constexpr std::size_t bone_count = 6, target_count = 5;
 
-/// Clusters of random triangles whose vertices follow two to four bones.
+/// Clusters of random triangles whose vertices follow two to four bones, and morph targets that move some of them.
 struct RandomCharacter {
   Mesh mesh;
   Skin skin{.bone_count = bone_count, .begin = {0}};
   std::vector<std::uint32_t> clusters;
+  Modes targets{0, target_count, {}};
 };
 
 RandomCharacter random_character(std::mt19937& random, bool with_negative_weights) {
@@ -50,7 +51,24 @@ RandomCharacter random_character(std::mt19937& random, bool with_negative_weight
       made.clusters.push_back(cluster);
     }
   }
+  made.targets.vertex_count = made.mesh.vertex_count();
+  for (std::size_t j = 0; j < target_count; ++j)
+    for (std::size_t v = 0; v < made.mesh.vertex_count(); ++v) {
+      const bool is_moved = (v / 12 + j) % 3 != 0;
+      const Vec3 own{unit(random), unit(random), 0.1 * unit(random)}, shared{2, -1, 0.5};
+      made.targets.displacements.push_back(is_moved ? shared + static_cast<double>(j % 3) * own : Vec3{});
+    }
   return made;
+}
+
+/// None in every third round; else numbers of both signs, some of them 0.
+std::vector<float> random_morphs(std::mt19937& random, int round) {
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<float> morphs;
+  if (round % 3 == 2) return morphs;
+  for (std::size_t j = 0; j < target_count; ++j)
+    morphs.push_back(random() % 4 == 0 ? 0 : unit(random) * (round % 3 == 1 ? 50.0f : 1.0f));
+  return morphs;
 }
 
 /// Matrices near the identity or anywhere, mirrored and uneven ones among them, near the origin or far from it.
@@ -86,28 +104,32 @@ double largest_number(const std::vector<float>& bones) {
 
 class EvaluatorTexts : public testing::TestWithParam<Evaluator> {};
 
-/// The oracle poses vertices in long double, from the definition of linear blend skinning. A GPU may round to either
-/// neighbor of a result: the texts run in every rounding mode.
-TEST_P(EvaluatorTexts, spheres_and_boxes_contain_the_vertices_that_bones_move) {
+/// The oracle poses vertices in long double, from the definitions of morph targets and linear blend skinning. A GPU may
+/// round to either neighbor of a result: the texts run in every rounding mode.
+TEST_P(EvaluatorTexts, spheres_and_boxes_contain_the_vertices_that_targets_and_bones_move) {
   using Real = long double;
   std::mt19937 random(1);
   for (int round = 0; round < 600; ++round) {
     const RandomCharacter c = random_character(random, round % 2 == 0);
-    const SkinBounds bounds(c.mesh, c.skin, c.clusters);
-    const std::vector<float> bones = random_bones(random);
+    const SkinBounds bounds(c.mesh, c.skin, c.targets, c.clusters);
+    const std::vector<float> bones = random_bones(random), morphs = random_morphs(random, round);
     for (std::uint32_t cluster = 0; cluster < bounds.cluster_count(); ++cluster) {
       constexpr int modes[]{FE_TONEAREST, FE_DOWNWARD, FE_UPWARD, FE_TOWARDZERO};
       ASSERT_EQ(std::fesetround(modes[round / 2 % 4]), 0);
-      const auto bound = GetParam()(bounds.data(), cluster, bones);
+      const auto bound = GetParam()(bounds.data(), cluster, bones, morphs);
       ASSERT_EQ(std::fesetround(FE_TONEAREST), 0);
       const auto& [sphere, box] = bound;
       for (std::uint32_t v = 12 * cluster; v < 12 * cluster + 12; ++v) {
-        Real p[3]{}, squares = 0;
+        Real rest[3], p[3]{}, squares = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          rest[axis] = c.mesh.positions[v][axis];
+          for (std::size_t j = 0; j < morphs.size(); ++j) rest[axis] += Real{morphs[j]} * c.targets.mode(j)[v][axis];
+        }
         for (std::uint32_t k = c.skin.begin[v]; k < c.skin.begin[v + 1]; ++k)
           for (int row = 0; row < 3; ++row) {
             const float* m = &bones[12 * c.skin.bones[k] + 4 * static_cast<std::size_t>(row)];
             Real at = m[3];
-            for (int axis = 0; axis < 3; ++axis) at += Real{m[axis]} * c.mesh.positions[v][axis];
+            for (int axis = 0; axis < 3; ++axis) at += Real{m[axis]} * rest[axis];
             p[row] += c.skin.weights[k] * at;
           }
         for (int axis = 0; axis < 3; ++axis) {
@@ -130,19 +152,20 @@ TEST_P(EvaluatorTexts, results_are_those_of_the_library) {
     // The library may take the size of the transforms over all bones: those of one cluster are all.
     const bool has_rounding = round % 5 == 0;
     if (has_rounding) c.clusters.assign(c.clusters.size(), 0);
-    SkinBoundsData data = SkinBounds(c.mesh, c.skin, c.clusters).data();
+    SkinBoundsData data = SkinBounds(c.mesh, c.skin, c.targets, c.clusters).data();
     for (SkinBoundsCluster& cluster : data.clusters) {
       cluster.growth = round % 3 == 0 ? 1.25f : cluster.growth;
       cluster.rounding = has_rounding ? 0.125f : cluster.rounding;
     }
     SkinBounds bounds(data);
-    const std::vector<float> bones = random_bones(random);
+    const std::vector<float> bones = random_bones(random), morphs = random_morphs(random, round);
     std::vector<Spheref> spheres(bounds.cluster_count());
     std::vector<Boxf> boxes(bounds.cluster_count());
-    ASSERT_TRUE(bounds.bounds(as_transforms(bones), {.spheres = spheres, .boxes = boxes}));
-    const double tolerance = 1e-4 * largest_number(bones);
+    ASSERT_TRUE(bounds.bounds(as_transforms(bones), std::vector<double>(morphs.begin(), morphs.end()),
+                              {.spheres = spheres, .boxes = boxes}));
+    const double tolerance = 1e-4 * largest_number(bones) * (round % 3 == 1 ? 50 : 1);
     for (std::uint32_t cluster = 0; cluster < bounds.cluster_count(); ++cluster) {
-      const auto [sphere, box] = GetParam()(data, cluster, bones);
+      const auto [sphere, box] = GetParam()(data, cluster, bones, morphs);
       EXPECT_NEAR(sphere.radius, spheres[cluster].radius, tolerance);
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(sphere.center[axis], spheres[cluster].center[axis], tolerance);
@@ -159,7 +182,7 @@ TEST_P(EvaluatorTexts, a_cluster_without_facets_is_a_point_at_the_origin) {
   RandomCharacter c = random_character(random, false);
   for (std::uint32_t& cluster : c.clusters) cluster += cluster > 1 ? 1 : 0;
   const SkinBounds bounds(c.mesh, c.skin, c.clusters);
-  const auto [sphere, box] = GetParam()(bounds.data(), 2, random_bones(random));
+  const auto [sphere, box] = GetParam()(bounds.data(), 2, random_bones(random), {});
   EXPECT_EQ(sphere, Spheref{});
   EXPECT_EQ(box, Boxf{});
 }

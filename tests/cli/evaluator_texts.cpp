@@ -9,6 +9,8 @@
 #include "shader_types.hpp"
 
 extern "C" skin_bounds skin_bounds_in_c(const skin_bounds_cluster*, const skin_bounds_row*, float, const float*);
+extern "C" skin_bounds skin_bounds_morphed_in_c(const skin_bounds_cluster*, const skin_bounds_row*, float, const float*,
+                                                const skin_bounds_target*, uint32_t, const float*);
 
 namespace morula::test {
 namespace glsl {
@@ -68,6 +70,7 @@ const mat4* skin_bounds_bones = nullptr;
 // Without the padding that a buffer has in neither language: the structures are those of the library, word for word.
 static_assert(sizeof(SkinBoundsCluster) == sizeof(morula::SkinBoundsCluster));
 static_assert(sizeof(SkinBoundsRow) == sizeof(morula::SkinBoundsRow));
+static_assert(sizeof(SkinBoundsTarget) == sizeof(morula::SkinBoundsTarget));
 
 }  // namespace wgsl
 
@@ -79,6 +82,12 @@ Evaluated as_evaluated(const Result& found) {
           {{found.lower.x, found.lower.y, found.lower.z}, {found.upper.x, found.upper.y, found.upper.z}}};
 }
 
+std::vector<SkinBoundsTarget> targets_of(const SkinBoundsData& data, std::uint32_t cluster) {
+  if (data.target_count == 0) return {};
+  const auto at = [&](std::uint32_t k) { return data.targets.begin() + data.target_begin[k]; };
+  return {at(cluster), at(cluster + 1)};
+}
+
 template <class To, class From>
 std::vector<To> same_words(const std::vector<From>& from) {
   std::vector<To> to(from.size());
@@ -88,21 +97,32 @@ std::vector<To> same_words(const std::vector<From>& from) {
 
 }  // namespace
 
-Evaluated evaluated_in_c(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones) {
+Evaluated evaluated_in_c(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones,
+                         const std::vector<float>& morphs) {
   const auto clusters = same_words<skin_bounds_cluster>(data.clusters);
   const auto rows = same_words<skin_bounds_row>(data.rows);
-  const skin_bounds found = skin_bounds_in_c(&clusters[cluster], rows.data(), data.reach, bones.data());
+  const auto targets = same_words<skin_bounds_target>(targets_of(data, cluster));
+  const skin_bounds found =
+      morphs.empty() ? skin_bounds_in_c(&clusters[cluster], rows.data(), data.reach, bones.data())
+                     : skin_bounds_morphed_in_c(&clusters[cluster], rows.data(), data.reach, bones.data(),
+                                                targets.data(), static_cast<uint32_t>(targets.size()), morphs.data());
   return {{{found.center[0], found.center[1], found.center[2]}, found.radius},
           {{found.lower[0], found.lower[1], found.lower[2]}, {found.upper[0], found.upper[1], found.upper[2]}}};
 }
 
-Evaluated evaluated_in_glsl(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones) {
+Evaluated evaluated_in_glsl(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones,
+                            const std::vector<float>& morphs) {
   glsl::data = &data;
   glsl::bones = &bones;
-  return as_evaluated(glsl::skin_bounds(cluster, data.reach));
+  if (morphs.empty()) return as_evaluated(glsl::skin_bounds(cluster, data.reach));
+  glsl::SkinBoundsMorph morph = glsl::skin_bounds_no_morph();
+  for (const glsl::SkinBoundsTarget& t : same_words<glsl::SkinBoundsTarget>(targets_of(data, cluster)))
+    morph = glsl::skin_bounds_add_target(morph, t, morphs[t.target]);
+  return as_evaluated(glsl::skin_bounds_morphed(cluster, data.reach, morph));
 }
 
-Evaluated evaluated_in_wgsl(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones) {
+Evaluated evaluated_in_wgsl(const SkinBoundsData& data, std::uint32_t cluster, const std::vector<float>& bones,
+                            const std::vector<float>& morphs) {
   const auto clusters = same_words<wgsl::SkinBoundsCluster>(data.clusters);
   const auto rows = same_words<wgsl::SkinBoundsRow>(data.rows);
   std::vector<shader::mat4> matrices;
@@ -110,7 +130,11 @@ Evaluated evaluated_in_wgsl(const SkinBoundsData& data, std::uint32_t cluster, c
   wgsl::skin_bounds_clusters = clusters.data();
   wgsl::skin_bounds_rows = rows.data();
   wgsl::skin_bounds_bones = matrices.data();
-  return as_evaluated(wgsl::skin_bounds(cluster, data.reach));
+  if (morphs.empty()) return as_evaluated(wgsl::skin_bounds(cluster, data.reach));
+  wgsl::SkinBoundsMorph morph{};
+  for (const wgsl::SkinBoundsTarget& t : same_words<wgsl::SkinBoundsTarget>(targets_of(data, cluster)))
+    morph = wgsl::skin_bounds_add_target(morph, t, morphs[t.target_number]);
+  return as_evaluated(wgsl::skin_bounds_morphed(cluster, data.reach, morph));
 }
 
 }  // namespace morula::test

@@ -72,7 +72,7 @@ TEST(PatchFigures, of_random_poses_are_those_of_clipped_tetrahedra) {
   compare_random_poses(400, 23);
 }
 // MORULA_PATCH_POSES: so many poses instead.
-TEST(LongPatchFigures, of_random_poses_are_those_of_clipped_tetrahedra) {
+TEST(NightlyPatchFigures, of_random_poses_are_those_of_clipped_tetrahedra) {
   const char* const poses = std::getenv("MORULA_PATCH_POSES");
   compare_random_poses(poses != nullptr ? std::atoi(poses) : 20000, 29);
 }

@@ -68,7 +68,7 @@ std::string part_name(const testing::TestParamInfo<Part>& tested) {
 INSTANTIATE_TEST_SUITE_P(Quick, Corpus, testing::ValuesIn(in_parts({{.method = Method::octree, .depth = 3}})),
                          part_name);
 INSTANTIATE_TEST_SUITE_P(
-    Long, Corpus,
+    Nightly, Corpus,
     testing::ValuesIn(in_parts({{.method = Method::grid, .depth = 3},
                                 {.method = Method::hubbard, .depth = 2},
                                 {.method = Method::spawn, .depth = 2},

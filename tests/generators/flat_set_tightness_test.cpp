@@ -182,7 +182,7 @@ TEST(FlatSetTightness, of_one_sphere_more_is_that_of_a_set_that_grew) {
 }
 
 // What is measured, not promised: sets that were sought at once can be tighter than what has grown.
-TEST(LongFlatSetTightness, of_one_sphere_more_seldom_gets_worse) {
+TEST(NightlyFlatSetTightness, of_one_sphere_more_seldom_gets_worse) {
   for (const Quality quality : {Quality::draft, Quality::fast})
     for (const int resolution : {16, 32}) EXPECT_LE(worst_step("torus", resolution, quality, 2, 64), 1.005);
   EXPECT_LE(worst_step("limb", 12, Quality::draft, 2, 64), 1.02);
@@ -192,7 +192,7 @@ TEST(LongFlatSetTightness, of_one_sphere_more_seldom_gets_worse) {
 
 // MORULA_FLAT_SET_SEEDS: so many seeds of every body by every method, which takes an hour each; else every body and
 // every method once.
-TEST(LongFlatSetTightness, is_that_of_one_level_and_of_smaller_sets) {
+TEST(NightlyFlatSetTightness, is_that_of_one_level_and_of_smaller_sets) {
   constexpr std::array bodies{"bar", "capsule", "limb", "torus", "blob", "two", "tool"};
   constexpr std::array cases{Case{Method::grid, Quality::standard},     Case{Method::hubbard, Quality::standard},
                              Case{Method::spawn, Quality::standard},    Case{Method::medial, Quality::standard},

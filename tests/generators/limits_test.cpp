@@ -24,7 +24,7 @@ TEST(BuildStop, ends_the_build_soon_after_it_is_requested_from_the_progress_call
     for (const unsigned threads : {1u, 3u})
       for (const std::optional<std::size_t> spheres : {std::optional<std::size_t>(), std::optional<std::size_t>(300)}) {
         Workers workers(threads);
-        std::stop_source source;
+        StopSource source;
         int calls_after = 0;
         const BuildOptions options{.method = method,
                                    .depth = 4,
@@ -41,7 +41,7 @@ TEST(BuildStop, ends_the_build_soon_after_it_is_requested_from_the_progress_call
 
 TEST(BuildStop, is_noticed_between_nodes_when_requested_by_another_thread) {
   const Mesh mesh = sample_body("limb", 24);
-  std::stop_source source;
+  StopSource source;
   std::chrono::steady_clock::time_point requested;
   std::thread other([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
@@ -55,7 +55,7 @@ TEST(BuildStop, is_noticed_between_nodes_when_requested_by_another_thread) {
 }
 
 TEST(BuildStop, requested_before_the_build_begins_means_no_work) {
-  std::stop_source source;
+  StopSource source;
   source.request_stop();
   int calls = 0;
   EXPECT_THROW(
@@ -69,7 +69,7 @@ class Unhindered : public testing::TestWithParam<int> {};
 
 TEST_P(Unhindered, by_a_stop_that_is_never_requested) {
   const Mesh mesh = sample_body("blob", 16);
-  const std::stop_source source;
+  const StopSource source;
   EXPECT_EQ(tree_hash(build(mesh, {.depth = GetParam(), .stop = source.get_token()}).tree),
             tree_hash(build(mesh, {.depth = GetParam()}).tree));
 }

@@ -121,10 +121,10 @@ TEST_P(AnyMonotone, no_level_is_looser_whatever_the_body_and_the_seed) {
       expect_no_looser_level(mesh, {.method = GetParam(), .depth = 3, .seed = seed}, what);
 }
 
-INSTANTIATE_TEST_SUITE_P(Long, AnyMonotone, testing::ValuesIn(all_methods().begin(), all_methods().end()),
+INSTANTIATE_TEST_SUITE_P(Nightly, AnyMonotone, testing::ValuesIn(all_methods().begin(), all_methods().end()),
                          test::method_name);
 
-TEST(LongMonotoneForms, holds_for_other_branching_and_depths) {
+TEST(NightlyMonotoneForms, holds_for_other_branching_and_depths) {
   const Mesh mesh = sample_body("capsule", 12);
   for (const Method method : test::quick_methods)
     for (const auto& [branching, depth] : {std::pair{2, 7}, std::pair{4, 4}, std::pair{16, 2}, std::pair{64, 1}})

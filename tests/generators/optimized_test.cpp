@@ -130,7 +130,7 @@ TEST(Own, is_nearly_as_tight_for_every_seed_at_one_level) {
   for (const double l : loose) EXPECT_NEAR(l / mean, 1, 0.15);
 }
 
-TEST(LongOwn, is_nearly_as_tight_for_every_seed) {
+TEST(NightlyOwn, is_nearly_as_tight_for_every_seed) {
   const Mesh mesh = sample_body("limb", 16);
   std::array<std::vector<double>, 2> loose;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {

@@ -126,7 +126,7 @@ TEST_P(RobustnessBy, size_and_place_hardly_change_the_tightness) {
 INSTANTIATE_TEST_SUITE_P(Quick, RobustnessBy, testing::ValuesIn(test::quick_methods), test::method_name);
 INSTANTIATE_TEST_SUITE_P(Long, RobustnessBy, testing::ValuesIn(test::slow_methods), test::method_name);
 
-TEST(LongRobustness, method_morula_covers_hard_meshes_at_its_default_quality) {
+TEST(NightlyRobustness, method_morula_covers_hard_meshes_at_its_default_quality) {
   for (const Named& named : hard_meshes())
     expect_sound(named.mesh, {.method = Method::optimized, .depth = 1}, std::string("morula on ") + named.name);
   for (const char* mesh : {"needle", "flat_plate", "tiny"})

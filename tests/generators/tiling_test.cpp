@@ -54,7 +54,7 @@ TEST(Tiling, holds_for_octrees_of_tiny_degenerate_meshes) {
   expect_tiling_of_tiny_meshes(17, 200);
 }
 
-TEST(LongTiling, holds_for_octrees_of_many_tiny_degenerate_meshes) {
+TEST(NightlyTiling, holds_for_octrees_of_many_tiny_degenerate_meshes) {
   expect_tiling_of_tiny_meshes(17, 1500);
 }
 

@@ -86,6 +86,7 @@ TEST(GltfMorphs, targets_and_bones_make_the_same_frames) {
   move_by_skin(skin, targets, mesh.positions, bones.frame(0), bones.morphs.frame(0), positions);
   EXPECT_EQ(positions, mesh.positions) << "at rest, bit for bit";
   expect_file_error(gltf, 0, "read_modes()", [&] { read_bone_frames(gltf, skin.bone_count); });
+  expect_file_error(gltf, 0, "read_modes()", [&] { read_bone_frames(gltf, skin.bone_count, {}); });  // no targets
   expect_file_error(gltf, 0, "has 3 morph targets, but 2", [&] { read_bone_frames(gltf, skin.bone_count, 2); });
   expect_file_error(gltf, 0, "but the mesh has 4", [&] { read_modes(gltf, Mesh{std::vector<Vec3>(4), {{0, 1, 2}}}); });
 }

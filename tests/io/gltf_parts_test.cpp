@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/skin_bounds_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <stdexcept>
@@ -80,7 +81,30 @@ TEST(GltfParts, bones_and_primitives_are_those_of_the_file_in_the_order_of_reade
   EXPECT_EQ(bone, parts.bones.size());
   EXPECT_EQ(primitive, parts.primitives.size());
   EXPECT_EQ(facets, mesh.facet_count());
-  EXPECT_EQ(parts.morph_targets, 0u);
+  EXPECT_TRUE(parts.targets.empty());
+}
+
+TEST(GltfParts, targets_are_those_of_the_nodes_with_their_weights_at_rest) {
+  const ScratchFolder folder;
+  GltfMaker arm = bending_arm();
+  const int still = arm.floats(std::vector<float>(30), "VEC3"), four = arm.floats(std::vector<float>(12), "VEC3");
+  arm.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", still}}, {{"POSITION", still}}};
+  arm.json["meshes"][0]["weights"] = {0.25, -1};
+  arm.json["meshes"][1]["primitives"][0]["targets"] = {{{"POSITION", four}}};
+  arm.json["nodes"][3]["weights"] = {3};
+  const fs::path path = folder.file("arm.gltf", arm.text());
+  const std::vector<GltfTarget> found = read_gltf_parts(path).targets;
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found.size(), read_modes(path, read_mesh(path)).mode_count);
+  const auto expect = [&](std::size_t k, std::uint32_t node, std::uint32_t mesh, std::uint32_t target, double weight) {
+    EXPECT_EQ(found[k].node, node);
+    EXPECT_EQ(found[k].mesh, mesh);
+    EXPECT_EQ(found[k].target, target);
+    EXPECT_EQ(found[k].rest_weight, weight);
+  };
+  expect(0, 0, 0, 0, 0.25);
+  expect(1, 0, 0, 1, -1);
+  expect(2, 3, 1, 0, 3);
 }
 
 TEST(GltfExtra, all_other_bytes_of_a_text_stay_as_they_are) {

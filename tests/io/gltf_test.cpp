@@ -552,6 +552,25 @@ TEST(Gltf, says_what_extensions_show_or_move) {
   EXPECT_EQ(unknown[1].find("the extension 'XYZ_fur' is used in 2 places"), 0u) << unknown[1];
 }
 
+TEST(Gltf, says_that_weights_are_divided_by_their_sum) {
+  const auto notes = [](float first, float second) {
+    return notes_of([&](GltfMaker& file) {
+      const int joints = file.shorts(std::vector<std::uint16_t>(16), "VEC4");
+      const int weights = file.floats({first, 0, 0, 0, second, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+      Json& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+      attributes["JOINTS_0"] = joints, attributes["WEIGHTS_0"] = weights;
+    });
+  };
+  EXPECT_TRUE(notes(1, 1 + 0x1p-22f).empty());
+  const auto both = notes(0.5f, 1.25f), one = notes(1, 0.99f);
+  ASSERT_EQ(both.size(), 1u);
+  EXPECT_EQ(both[0],
+            "2 vertices have weights that do not add up to 1 within 1e-6, the sums from 0.500000 to 1.250000; "
+            "they are divided by their sum");
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].find("1 vertex has weights that do not add up to 1 within 1e-6, the sums from 0.99"), 0u) << one[0];
+}
+
 TEST(Gltf, counts_nodes_that_are_in_no_scene) {
   const auto notes = notes_of([](GltfMaker& file) {
     for (int i = 0; i < 2; ++i) file.push("nodes", {{"mesh", 0}});

@@ -231,7 +231,7 @@ void expect_met(int rounds, std::uint64_t seed) {
 TEST(Obstacles, are_met_where_dense_samples_say_so) {
   expect_met(2, 41);
 }
-TEST(LongObstacles, are_met_where_dense_samples_say_so) {
+TEST(NightlyObstacles, are_met_where_dense_samples_say_so) {
   expect_met(24, 42);
 }
 
@@ -287,7 +287,7 @@ void expect_times(int rounds, std::uint64_t seed) {
 TEST(Obstacles, swept_times_are_never_later_than_dense_samples_show) {
   expect_times(2, 43);
 }
-TEST(LongObstacles, swept_times_are_never_later_than_dense_samples_show) {
+TEST(NightlyObstacles, swept_times_are_never_later_than_dense_samples_show) {
   expect_times(24, 44);
 }
 

@@ -330,7 +330,7 @@ TEST(NestedTrees, hold_on_meshes_of_every_kind) {
   for (const test::NamedMesh& named : test::all_meshes()) expect_nested_where_asked(named, Method::octree);
 }
 
-TEST(LongNestedTrees, hold_on_meshes_of_every_kind_by_every_method) {
+TEST(NightlyNestedTrees, hold_on_meshes_of_every_kind_by_every_method) {
   for (const Method method : all_methods())
     for (const test::NamedMesh& named : test::all_meshes()) expect_nested_where_asked(named, method);
 }

@@ -47,6 +47,23 @@ TEST(Allocation, no_update_allocates_good_or_bad) {
   EXPECT_GT(allocations, 0u) << "the counter counts";
 }
 
+// A crowd of copies has one set of modes, skin and training poses.
+TEST(Allocation, copies_of_a_body_share_their_options) {
+  const test::Specimen& b = test::specimens()[0];
+  const Skin skin = sample_skin(b.mesh.positions);
+  auto made = std::make_unique<Body>(
+      b.mesh, b.model,
+      UpdateOptions{
+          .rules = {Rule::skinned}, .details = {}, .skin = skin, .training = sample_bones(b.mesh.positions, 100)});
+  Body copy = *made;
+  EXPECT_EQ(copy.options().training.data(), made->options().training.data());
+  const AffineTransform* training = copy.options().training.data();
+  made.reset();
+  EXPECT_EQ(copy.options().training.data(), training);
+  EXPECT_EQ(copy.options().training, sample_bones(b.mesh.positions, 100));
+  EXPECT_TRUE(copy.update_skinned(std::vector<AffineTransform>(skin.bone_count)));
+}
+
 TEST(Allocation, no_estimate_of_looseness_allocates) {
   std::vector<test::Specimen> bodies = test::specimens();
   const Mesh blob = sample_body("blob", 40);

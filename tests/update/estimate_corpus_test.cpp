@@ -21,7 +21,7 @@ TEST_P(EstimateCorpus, agrees_with_voxels_on_scanned_modeled_and_machined_bodies
 
 const auto body_name = [](const testing::TestParamInfo<const char*>& tested) { return std::string(tested.param); };
 INSTANTIATE_TEST_SUITE_P(Quick, EstimateCorpus, testing::Values("joint"), body_name);
-INSTANTIATE_TEST_SUITE_P(Long, EstimateCorpus,
+INSTANTIATE_TEST_SUITE_P(Nightly, EstimateCorpus,
                          testing::Values("hand", "elephant", "fandisk", "bear", "knot1", "cow", "helmet"), body_name);
 
 }  // namespace

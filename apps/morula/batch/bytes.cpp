@@ -2,59 +2,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "batch/bytes.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <functional>
+#include <platform/files.hpp>
 #include <system_error>
-#include <vector>
 
 namespace morula::cli {
 namespace {
 namespace fs = std::filesystem;
 
-class OpenFile {
- public:
-  // A FIFO opens at once for a reader that does not wait.
-  explicit OpenFile(const fs::path& path) : file_(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {
-    if (file_ < 0) error_ = errno;
-  }
-  ~OpenFile() {
-    if (file_ >= 0) close(file_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
+// Nothing when all of it was read, else the reason.
+std::optional<std::string> read_all(const fs::path& path, const std::function<void(std::string_view)>& take) {
+  bool is_file = false;
+  const int error = platform::read_file(path, take, is_file);
+  if (error != 0) return "cannot be read: " + platform::reason(error);
+  if (!is_file) return "is no file";
+  return std::nullopt;
+}
 
-  // Nothing when all of it was read, else the reason.
-  std::optional<std::string> read_all(const std::function<void(std::string_view)>& take) const {
-    const auto words = [](int error) { return "cannot be read: " + std::generic_category().message(error); };
-    if (file_ < 0) return words(error_);
-    struct stat status {};
-    if (fstat(file_, &status) != 0) return words(errno);
-    if (!S_ISREG(status.st_mode)) return "is no file";
-    std::vector<char> part(1 << 16);
-    for (;;) {
-      const ssize_t count = read(file_, part.data(), part.size());
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) return words(errno);
-      if (count == 0) return std::nullopt;
-      take({part.data(), static_cast<std::size_t>(count)});
-    }
+std::string text_of(platform::NodeKind kind) {
+  switch (kind) {
+    case platform::NodeKind::folder:
+      return "a folder";
+    case platform::NodeKind::pipe:
+      return "a FIFO";
+    case platform::NodeKind::socket:
+      return "a socket";
+    case platform::NodeKind::device:
+      return "a device";
+    default:
+      return "something else";
   }
-
- private:
-  int file_ = -1, error_ = 0;
-};
-
-std::string kind_of_node(mode_t mode) {
-  if (S_ISDIR(mode)) return "a folder";
-  if (S_ISFIFO(mode)) return "a FIFO";
-  if (S_ISSOCK(mode)) return "a socket";
-  if (S_ISCHR(mode) || S_ISBLK(mode)) return "a device";
-  return "something else";
 }
 
 }  // namespace
@@ -75,26 +55,24 @@ std::string hash_of_bytes(std::string_view bytes) {
 }
 
 std::optional<std::string> why_no_file(const fs::path& path) {
-  if (path.native().find('\0') != std::string::npos) return "the name holds a zero byte";
-  struct stat status {};
-  if (stat(path.c_str(), &status) == 0) {
-    if (S_ISREG(status.st_mode)) return std::nullopt;
-    return fmt::format("is {}, not a file", kind_of_node(status.st_mode));
-  }
-  const int error = errno;
+  if (path.native().find(fs::path::value_type{}) != fs::path::string_type::npos) return "the name holds a zero byte";
+  int error = 0;
+  const platform::NodeKind kind = platform::kind_of(path, error);
+  if (kind == platform::NodeKind::file) return std::nullopt;
+  if (kind != platform::NodeKind::missing) return fmt::format("is {}, not a file", text_of(kind));
   if (error == ELOOP) return "is a link in a circle of links";
   if (error == ENOENT || error == ENOTDIR) {
     std::error_code no_link;
     const fs::path target = fs::read_symlink(path, no_link);
     return no_link ? "there is no such file" : fmt::format("is a link to {}, which is not there", target.string());
   }
-  return "cannot be read: " + std::generic_category().message(error);
+  return "cannot be read: " + platform::reason(error);
 }
 
 std::optional<std::string> bytes_of_file(const fs::path& path, std::uintmax_t limit) {
   std::string bytes;
   bool fits = true;
-  const auto reason = OpenFile(path).read_all([&](std::string_view part) {
+  const auto reason = read_all(path, [&](std::string_view part) {
     fits = fits && part.size() <= limit - bytes.size();
     if (fits) bytes += part;
   });
@@ -103,7 +81,7 @@ std::optional<std::string> bytes_of_file(const fs::path& path, std::uintmax_t li
 }
 
 std::optional<std::string> hash_file(const fs::path& path, Hash128& hash) {
-  return OpenFile(path).read_all([&](std::string_view part) { hash.take(part); });
+  return read_all(path, [&](std::string_view part) { hash.take(part); });
 }
 
 }  // namespace morula::cli

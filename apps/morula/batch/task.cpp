@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
+#include <platform/interrupt.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <toolbox/csv.hpp>
@@ -91,7 +91,7 @@ void judge_end(Json& result, const ProcessEnd& end, const BatchTask& task, const
   if (end.how == ProcessEnd::How::out_of_time) {
     set_failure(result, "time limit", fmt::format("not done after {} s", task.time_limit.value_or(0)));
   } else if (end.how == ProcessEnd::How::signaled) {
-    set_failure(result, "crashed", fmt::format("ended by signal {} ({})", end.code, strsignal(end.code)));
+    set_failure(result, "crashed", fmt::format("ended by signal {} ({})", end.code, platform::signal_text(end.code)));
   } else if (end.code == exit_bad_use) {
     set_failure(result, "refused", error);
   } else if (end.code == exit_internal_error && is_of_memory(error)) {
@@ -119,9 +119,9 @@ std::optional<T> number_of(const Json& json, const char* name) {
 
 std::string task_line(const BatchTask& task) {
   Json json{{"key", task.key},
-            {"mesh", text_of_name(task.mesh.native())},
-            {"tree", text_of_name(task.tree.native())},
-            {"result", text_of_name(task.result.native())},
+            {"mesh", text_of_name(task.mesh.string())},
+            {"tree", text_of_name(task.tree.string())},
+            {"result", text_of_name(task.result.string())},
             {"words", task.words},
             {"time_limit", nullptr},
             {"megabytes", nullptr},
@@ -153,11 +153,11 @@ Json result_of(const ProcessEnd& end, const BatchTask& task, bool& is_kept) {
   const std::string error = error_of(end.errors);
   judge_end(result, end, task, error);
   is_kept = true;
-  if (result["status"] == "refused" && error.find(text_of_name(task.tree.native())) != std::string::npos) {
+  if (result["status"] == "refused" && error.find(text_of_name(task.tree.string())) != std::string::npos) {
     set_failure(result, "failed", error);
     is_kept = false;
   }
-  result["message"] = replaced(result["message"].get<std::string>(), text_of_name(task.mesh.native()), mesh_mark);
+  result["message"] = replaced(result["message"].get<std::string>(), text_of_name(task.mesh.string()), mesh_mark);
   if (const std::optional<Json> report = parsed(end.out); report && has_text(*report, "tree_hash"))
     add_report(result, *report);
   else if (result["status"] == "ok")
@@ -167,7 +167,7 @@ Json result_of(const ProcessEnd& end, const BatchTask& task, bool& is_kept) {
   if (result["status"] == "ok") {
     Hash128 hash;
     if (const auto reason = hash_file(task.tree, hash))
-      set_failure(result, "failed", fmt::format("{}: {}", text_of_name(task.tree.native()), *reason)), is_kept = false;
+      set_failure(result, "failed", fmt::format("{}: {}", text_of_name(task.tree.string()), *reason)), is_kept = false;
     else
       result["tree_file"] = hash.text();
   }

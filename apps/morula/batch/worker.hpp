@@ -3,11 +3,10 @@
 // A worker, from the side of the batch that started it.
 #pragma once
 
-#include <sys/types.h>
-
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <platform/process.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +17,9 @@ namespace morula::cli {
 /// How a worker is started where the command runs inside another program (an interpreter): that program, and its words
 /// before the worker's. Otherwise this program. To be set before the first worker.
 void start_workers_as(const std::string& program, const std::vector<std::string>& words);
+/// The program of a worker, and its words.
+const std::string& worker_path();
+std::vector<std::string> worker_words();
 
 /// A worker that was started. It has one task at a time.
 class BatchWorker {
@@ -30,18 +32,17 @@ class BatchWorker {
   BatchWorker& operator=(const BatchWorker&) = delete;
 
   void give(const BatchTask& task);
-  /// The file to poll for input, which means an answer or the end of the worker.
-  int answers() const { return from_; }
+  /// To wait for: output means an answer, and the end of output the end of the worker.
+  const platform::ChildProgram& program() const { return program_; }
   /// Reads what is there, without waiting. The result's text, once it is whole.
   std::optional<std::string> answer();
   /// Requests its end, and the end of the build that it runs. Any thread may call it.
-  void request_end() const;
+  void request_end();
   /// Whether it has ended without an answer.
   bool is_gone() const { return is_gone_; }
 
  private:
-  pid_t process_ = -1;
-  int to_ = -1, from_ = -1;
+  platform::ChildProgram program_;
   std::string read_;
   bool is_gone_ = false;
 };

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // morula batch: a tree for each of many meshes, one process each; a failure is a row of the table.
 #include <fmt/format.h>
-#include <poll.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -18,6 +15,9 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
+#include <platform/console.hpp>
+#include <platform/files.hpp>
+#include <random>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -120,11 +120,14 @@ class TemporaryFolder {
     if (error)
       throw UsageError("the folder for temporary files, which TMPDIR names, is not there: " + error.message() +
                        "; set TMPDIR to one that is");
-    // mkdtemp() puts letters in the place of each X.
-    std::string name = among / "morula-batch-XXXXXX";
-    if (mkdtemp(name.data()) == nullptr)
-      throw UsageError(fmt::format("{}: no folder can be made: {}", name, std::generic_category().message(errno)));
-    path_ = name;
+    std::random_device random;
+    int reason = EEXIST;
+    for (int attempt = 0; attempt < 100 && reason == EEXIST; ++attempt) {
+      path_ = among / fmt::format("morula-batch-{:08x}", random());
+      reason = platform::create_folder(path_, true);
+    }
+    if (reason != 0)
+      throw UsageError(fmt::format("{}: no folder can be made: {}", path_.string(), platform::reason(reason)));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -181,7 +184,7 @@ Work plan(const std::vector<ManifestRow>& all, const BatchArguments& o, const Ba
 class BatchProgress {
  public:
   BatchProgress(std::size_t count, bool is_quiet)
-      : count_(count), is_quiet_(is_quiet), is_for_person_(isatty(STDERR_FILENO) != 0) {
+      : count_(count), is_quiet_(is_quiet), is_for_person_(platform::is_terminal(platform::Stream::errors)) {
     if (is_for_person_ && !is_quiet_) bar_.emplace("building");
   }
   void update(std::size_t done, std::size_t failures) {
@@ -240,10 +243,10 @@ class Crew {
     seat.worker->give(task_of(o_, places_, work_.meshes[row], work_.rows[row].key));
   }
   void wait() {
-    std::vector<pollfd> waits;
+    std::vector<const platform::ChildProgram*> waits;
     for (const Seat& seat : seats_)
-      if (seat.row) waits.push_back({seat.worker->answers(), POLLIN, 0});
-    poll(waits.data(), waits.size(), 100);
+      if (seat.row) waits.push_back(&seat.worker->program());
+    platform::ChildProgram::wait_for_any(waits, 100);
   }
   void look_at(Seat& seat) {
     const std::string& key = work_.rows[*seat.row].key;

@@ -17,13 +17,13 @@ namespace {
 // lattice.
 constexpr int voxels = 160;
 
-void throw_if_stopped(const std::stop_token& stop) {
+void throw_if_stopped(const StopToken& stop) {
   if (stop.stop_requested()) throw BuildStopped();
 }
 
 /// A few spheres at a time, so that it can be stopped.
-Protrusion stoppable_protrusion(const SignedDistance& object, const std::vector<Sphere>& spheres,
-                                const std::stop_token& stop, Workers& workers) {
+Protrusion stoppable_protrusion(const SignedDistance& object, const std::vector<Sphere>& spheres, const StopToken& stop,
+                                Workers& workers) {
   constexpr std::size_t at_a_time = 128;
   constexpr double tolerance = 1e-2;
   Protrusion all;
@@ -40,7 +40,7 @@ Protrusion stoppable_protrusion(const SignedDistance& object, const std::vector<
 
 }  // namespace
 
-std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const std::stop_token& stop,
+std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const StopToken& stop,
                                          Workers& workers) {
   std::vector<LevelFigures> levels;
   std::optional<SignedDistance> object;

@@ -5,8 +5,8 @@
 
 #include <morula/accuracy/measure.hpp>
 #include <morula/generators/build.hpp>
+#include <morula/parallel/threads.hpp>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -20,7 +20,7 @@ struct LevelFigures {
   std::optional<Protrusion> protrusion;
 };
 /// The figures of --report: one entry per level; figures are missing if the mesh has no inside. Throws BuildStopped.
-std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const std::stop_token& stop,
+std::vector<LevelFigures> measure_levels(const Mesh& mesh, const SphereTree& tree, const StopToken& stop,
                                          Workers& workers);
 
 /// tree: as written. figures: empty, or one entry per level.

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/console.hpp"
 
-#include <fcntl.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -60,18 +58,6 @@ int say_interrupted(int exit_code, const std::string& what_is_left) {
 void say_text(const std::string& text) noexcept {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
-}
-
-bool open_standard_streams() {
-  bool has_stdout = true;
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (fcntl(stream, F_GETFD) >= 0) continue;
-    has_stdout = has_stdout && stream != STDOUT_FILENO;
-    // The lowest number that is free is this one.
-    const int opened = open("/dev/null", stream == STDIN_FILENO ? O_RDONLY : O_WRONLY);
-    static_cast<void>(opened);
-  }
-  return has_stdout;
 }
 
 void note_written(const std::filesystem::path& path) {

@@ -35,10 +35,6 @@ int complain(int exit_code, fmt::format_string<Args...> format, Args&&... args) 
 /// "morula: interrupted…", on stderr; returns the exit code.
 int say_interrupted(int exit_code, const std::string& what_is_left);
 
-/// Makes sure that the three standard streams are open: a file that is written must not become one of them. False when
-/// stdout was closed.
-bool open_standard_streams();
-
 /// Notes a complete output, which is reported if a later step fails.
 void note_written(const std::filesystem::path& path);
 /// "; a and b are written"; empty when there are none.

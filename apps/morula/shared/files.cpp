@@ -3,8 +3,6 @@
 #include "shared/files.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -13,6 +11,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <platform/console.hpp>
 #include <system_error>
 
 #include "shared/command.hpp"
@@ -180,13 +179,11 @@ void require_not_input(const fs::path& output, const std::vector<fs::path>& inpu
     throw UsageError(
         fmt::format("{}: is also what is read ({}): name another output", output.string(), input.string()));
   }
-  struct stat own {};
-  if (stat(output.c_str(), &own) != 0) return;
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    struct stat standard {};
-    if (fstat(stream, &standard) != 0 || standard.st_dev != own.st_dev || standard.st_ino != own.st_ino) continue;
+  using platform::Stream;
+  for (const Stream stream : {Stream::input, Stream::output, Stream::errors}) {
+    if (!platform::is_stream_of(stream, output)) continue;
     throw UsageError(fmt::format("{}: is where this command's {} goes already: name another output", output.string(),
-                                 stream == STDIN_FILENO ? "input comes from and nothing" : "text"));
+                                 stream == Stream::input ? "input comes from and nothing" : "text"));
   }
 }
 

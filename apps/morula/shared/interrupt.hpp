@@ -8,10 +8,13 @@
 
 namespace morula::cli {
 
-/// Makes SIGINT, SIGTERM and SIGHUP remove incomplete outputs before they end the program, with exit code 128 + signal.
-/// Signals that were ignored at the start (nohup, background jobs) stay ignored. A closed pipe and a file that grows
-/// too large become errors of the write instead of signals. To be called once, at the beginning.
+/// Makes SIGINT, SIGTERM and SIGHUP, and on Windows Ctrl-C, Ctrl-Break and the end of the console, remove incomplete
+/// outputs before they end the program, with exit code 128 + signal. Signals that were ignored at the start (nohup,
+/// background jobs) stay ignored. A closed pipe and a file that grows too large become errors of the write instead of
+/// signals. To be called once, at the beginning.
 void watch_signals();
+/// What a signal does.
+void take_signal(int signal);
 
 /// While it lives, the first signal requests a stop instead of ending the program; the second one ends it. One at a
 /// time.

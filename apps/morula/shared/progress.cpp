@@ -3,30 +3,14 @@
 #include "shared/progress.hpp"
 
 #include <algorithm>
+#include <platform/console.hpp>
 #include <string>
-
-#ifdef _WIN32
-#include <io.h>
-#else
-#include <unistd.h>
-#endif
 
 #include "shared/console.hpp"
 
 namespace morula::cli {
-namespace {
-
-bool stderr_is_terminal() {
-#ifdef _WIN32
-  return _isatty(_fileno(stderr)) != 0;
-#else
-  return isatty(STDERR_FILENO) != 0;
-#endif
-}
-
-}  // namespace
-
-Progress::Progress(std::string label) : label_(std::move(label)), shown_(stderr_is_terminal()) {}
+Progress::Progress(std::string label)
+    : label_(std::move(label)), shown_(platform::is_terminal(platform::Stream::errors)) {}
 
 Progress::~Progress() {
   if (shown_ && last_ != Clock::time_point{}) say("\r\x1b[K");

@@ -304,7 +304,7 @@ TEST(Motions, a_deep_contact_is_found_where_it_begins) {
   EXPECT_EQ(judge_edges(4361, 4362, 1e-4)[1], 1);
 }
 
-TEST(LongMotions, ten_thousand_verdicts_are_those_of_times_close_to_each_other) {
+TEST(NightlyMotions, ten_thousand_verdicts_are_those_of_times_close_to_each_other) {
   judge_and_count_edges(10000, 1e-4);
 }
 

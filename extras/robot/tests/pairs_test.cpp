@@ -603,7 +603,7 @@ TEST(IgnoredPairs, tells_its_progress_and_stops_on_request) {
                                      }});
   EXPECT_EQ(last, 1);
   for (const double at : {0.0, 0.1, 0.5}) {
-    std::stop_source stop;
+    StopSource stop;
     const auto run = [&] {
       robot::find_ignored(arm, spheres, {.samples = 1'000'000, .stop = stop.get_token(), .progress = [&](double share) {
                                            if (share >= at) stop.request_stop();

@@ -171,7 +171,7 @@ TEST(SelfFit, progress_rises_and_a_stop_ends_it) {
   };
   (void)robot::fit_for_self_collision(made, options, {.samples = 50});
   EXPECT_EQ(last, 1);
-  std::stop_source source;
+  StopSource source;
   options.stop = source.get_token();
   options.progress = [&](double share, const std::string&) {
     if (share > 0.6) source.request_stop();

@@ -127,7 +127,7 @@ TEST(StudyRun, same_figures_for_any_workers_from_the_cache_and_after_a_stop) {
   const std::string expected = cells_csv(plan, run(plan));
   const test::ScratchFolder folder;
   const Cache cache(folder.path());
-  std::stop_source stop;
+  StopSource stop;
   std::atomic<int> steps = 0;
   const auto stop_half_way = [&](double, std::string) {
     if (++steps == 9) stop.request_stop();

@@ -13,12 +13,12 @@
 #include <functional>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/mesh_view.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/tree/cover.hpp>
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -85,7 +85,7 @@ struct BuildOptions {
   std::optional<double> time_limit_seconds{};
   /// Read ahead of every node, on all threads. After a stop request, build throws BuildStopped as soon as the nodes in
   /// progress are done.
-  std::stop_token stop{};
+  StopToken stop{};
   /// Called on the calling thread. It may request the stop.
   std::function<void(const BuildProgress&)> progress{};
 };

@@ -33,10 +33,15 @@ struct GltfPrimitive {
   std::uint32_t node, mesh, primitive;  ///< indices of the node, of its mesh, and of the primitive in the mesh
   std::size_t facet_count;
 };
+/// A morph target of a node with a mesh.
+struct GltfTarget {
+  std::uint32_t node, mesh, target;  ///< indices of the node, of its mesh, and of the target in the mesh
+  double rest_weight;  ///< its weight in the mesh as read; the number of the target is its weight less this
+};
 struct GltfParts {
   std::vector<GltfBone> bones;            ///< in the order of read_skin()
   std::vector<GltfPrimitive> primitives;  ///< facets of read_mesh() are those of these primitives, in order
-  std::size_t morph_targets = 0;          ///< number of morph targets of all meshes that are shown
+  std::vector<GltfTarget> targets;        ///< in the order of read_modes()
 };
 /// Reads the parts of a .gltf or .glb. Throws FileError.
 GltfParts read_gltf_parts(const std::filesystem::path& path);

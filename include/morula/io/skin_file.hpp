@@ -11,6 +11,7 @@
 //       std::puts(message(status).c_str());
 #pragma once
 
+#include <concepts>
 #include <morula/io/modal_file.hpp>
 #include <morula/io/motion_file.hpp>
 #include <morula/update/skin.hpp>
@@ -18,6 +19,12 @@
 #include <vector>
 
 namespace morula {
+
+struct BoneFrames;
+namespace detail {
+BoneFrames read_morphed_bone_frames(const std::filesystem::path& path, std::size_t bone_count, std::size_t mode_count,
+                                    const MotionOptions& options);
+}  // namespace detail
 
 /// Reads a skin. path: a .npy of float32 or float64 in C order, shape (vertices, bones), with rows that add up to 1
 /// within 1e-3 and are then divided by their sum; or a .gltf or .glb with the mesh's vertices, whose nodes without a
@@ -49,9 +56,12 @@ BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_
                             const MotionOptions& options = {});
 /// Also reads the coordinates of the morph targets of a .gltf or .glb, for Body::update_skinned(): their weights less
 /// those of the mesh at rest. mode_count: of the targets that read_modes() returns. Throws FileError also for another
-/// number of targets; a .npy has none.
-BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count, std::size_t mode_count,
-                            const MotionOptions& options = {});
+/// number of targets; a .npy has none. An empty list, {}, in the place of the number means MotionOptions{}.
+template <std::integral Count>
+BoneFrames read_bone_frames(const std::filesystem::path& path, std::size_t bone_count, Count mode_count,
+                            const MotionOptions& options = {}) {
+  return detail::read_morphed_bone_frames(path, bone_count, static_cast<std::size_t>(mode_count), options);
+}
 
 /// Writes float64 arrays of the shapes above. Transforms read back to the bit, and so do weights with rows that add up
 /// to exactly 1; write_coordinates() writes morphs. The write is atomic and replaces an existing file. Throws FileError

@@ -5,11 +5,11 @@
 
 #include <array>
 #include <cstdint>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 namespace morula {
@@ -58,6 +58,6 @@ std::vector<Sphere> inner_ball_candidates(const MeshView& mesh, const SignedDist
 
 /// At most `count` of the balls, in the order of the volume that they add; fewer if the others add nothing, or after a
 /// stop request. The volume is measured on a lattice of 40 points along the longest side of their box.
-std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const std::stop_token& stop = {});
+std::vector<Sphere> fullest_balls(std::span<const Sphere> balls, std::size_t count, const StopToken& stop = {});
 
 }  // namespace morula

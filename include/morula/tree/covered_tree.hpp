@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <morula/geometry/vector.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/tree/sphere_tree.hpp>
 #include <mutex>
 #include <optional>
@@ -108,7 +109,7 @@ class SharedFacetLists {
   std::shared_ptr<const FacetLists> get(const SphereTree& tree, const Cover& cover) const;
 
  private:
-  mutable std::mutex mutex_;
+  mutable Mutex mutex_;
   mutable std::shared_ptr<const FacetLists> made_;
 };
 }  // namespace detail

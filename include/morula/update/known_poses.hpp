@@ -27,7 +27,7 @@ struct KnownPoseOptions {
   double pose_threshold = 1.2;
   /// Largest number of trees added; principal_strains() with max_stretch up to 2 has as many poses.
   std::size_t max_trees = 24;
-  std::stop_token stop{};
+  StopToken stop{};
   /// Called at the start, and after every tree that was built or added, with KnownPosesReport::trees_built and worst up
   /// to then. May be empty.
   std::function<void(std::size_t count, double worst)> progress{};

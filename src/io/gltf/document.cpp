@@ -38,6 +38,7 @@ class Reader {
   Document read() {
     read_nodes();
     for (std::size_t i = 0; i < model_.meshes.size(); ++i) read_mesh_data(i);
+    note_divided_weights();
     for (std::size_t i = 0; i < model_.skins.size(); ++i) read_skin_data(i);
     for (const std::uint32_t node : document_.drawn) check_drawn(node);
     require_modest();
@@ -182,7 +183,7 @@ class Reader {
     document_.meshes.push_back(std::move(mesh));
   }
 
-  VertexSet read_vertices(const Attributes& attributes, const std::string& owner) const {
+  VertexSet read_vertices(const Attributes& attributes, const std::string& owner) {
     VertexSet set;
     set.positions = accessors_.vectors(attributes[0].second, owner + "'s positions");
     const std::size_t count = set.positions.size();
@@ -200,7 +201,15 @@ class Reader {
     return set;
   }
 
-  void read_influences(const Attributes& attributes, VertexSet& set, const std::string& owner) const {
+  void note_divided_weights() {
+    if (divided_ == 0) return;
+    document_.notes.push_back(std::to_string(divided_) + (divided_ == 1 ? " vertex has" : " vertices have") +
+                              " weights that do not add up to 1 within 1e-6, the sums from " +
+                              std::to_string(least_sum_) + " to " + std::to_string(largest_sum_) +
+                              "; they are divided by their sum");
+  }
+
+  void read_influences(const Attributes& attributes, VertexSet& set, const std::string& owner) {
     const std::map<std::string, int> by_name(attributes.begin(), attributes.end());
     const std::size_t count = set.positions.size();
     std::vector<std::vector<std::uint32_t>> joints;
@@ -231,6 +240,11 @@ class Reader {
           set.weights.push_back(weights[k][c]);
         }
       if (!(sum > 0)) document_.fail(owner + " has no weights of vertex " + std::to_string(v));
+      if (std::abs(1 - sum) > weight_tolerance) {
+        least_sum_ = divided_ == 0 ? sum : std::min(least_sum_, sum);
+        largest_sum_ = std::max(largest_sum_, sum);
+        ++divided_;
+      }
       for (std::size_t k = first; k < set.weights.size(); ++k) set.weights[k] /= sum;
       set.begin.push_back(static_cast<std::uint32_t>(set.joints.size()));
     }
@@ -388,8 +402,12 @@ class Reader {
                      std::to_string(groups));
   }
 
+  static constexpr double weight_tolerance = 1e-6;
+
   const morula_tinygltf::Model& model_;
   std::size_t bytes_;
+  std::size_t divided_ = 0;  // vertices whose weights do not add up to 1
+  double least_sum_ = 0, largest_sum_ = 0;
   Document document_;
   Accessors accessors_;
 };

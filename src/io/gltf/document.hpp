@@ -70,7 +70,7 @@ struct Document {
   std::vector<std::uint32_t> parents_first;  ///< all nodes, each after its parent
   std::vector<std::uint32_t> drawn;          ///< nodes of the scene with a mesh, in the scene's order
   std::vector<std::vector<Channel>> animations;
-  std::vector<std::string> notes;  ///< parts of the file that the document does not have
+  std::vector<std::string> notes;  ///< parts of the file that the document does not have, or has otherwise
   std::size_t bytes = 0;           ///< number of bytes of the text and of all buffers
 
   [[noreturn]] void fail(const std::string& problem) const;

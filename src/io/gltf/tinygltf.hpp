@@ -5,8 +5,10 @@
 #pragma once
 
 #include <fstream>  // which tinygltf uses and does not include
+#include <nlohmann/json.hpp>
 
 #define tinygltf morula_tinygltf
+#define TINYGLTF_NO_INCLUDE_JSON
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE

@@ -138,6 +138,7 @@ namespace morula {
 
 GltfParts read_gltf_parts(const std::filesystem::path& path) {
   const gltf::Document document = gltf::read_document(path, detail::read_whole(path));
+  const gltf::Moment rest = gltf::at_rest(document);
   GltfParts parts;
   for (const std::uint32_t i : document.drawn) {
     const gltf::Node& node = document.nodes[i];
@@ -151,7 +152,8 @@ GltfParts read_gltf_parts(const std::filesystem::path& path) {
     }
     for (const gltf::Primitive& primitive : document.meshes[node.mesh].primitives)
       parts.primitives.push_back({i, node.mesh, static_cast<std::uint32_t>(primitive.index), primitive.facets.size()});
-    parts.morph_targets += document.meshes[node.mesh].weights.size();
+    const std::vector<double>& weights = rest.weights[i];
+    for (std::uint32_t k = 0; k < weights.size(); ++k) parts.targets.push_back({i, node.mesh, k, weights[k]});
   }
   return parts;
 }

@@ -98,8 +98,8 @@ BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, const 
   return checked(path, gltf_bone_frames(path, false, options), bone_count);
 }
 
-BoneFrames read_bone_frames(const fs::path& path, std::size_t bone_count, std::size_t mode_count,
-                            const MotionOptions& options) {
+BoneFrames detail::read_morphed_bone_frames(const fs::path& path, std::size_t bone_count, std::size_t mode_count,
+                                            const MotionOptions& options) {
   const StandardFloats standard;
   BoneFrames frames = is_gltf(path) ? checked(path, gltf_bone_frames(path, true, options), bone_count)
                                     : bone_frames_of(path, bone_count);

@@ -15,6 +15,7 @@
 #include <morula/collide/collider.hpp>
 #include <morula/geometry/mesh.hpp>
 #include <morula/geometry/mesh_view.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/surface/surface_tree.hpp>
 #include <mutex>
 #include <optional>
@@ -120,7 +121,7 @@ class RestShapes;
 /// The excluded pairs that queries requested last, and the boxes and shapes at rest that serve all of them;
 /// excluded_pairs() makes them.
 struct ExclusionTables {
-  std::mutex mutex;
+  Mutex mutex;
   std::vector<std::shared_ptr<const ExcludedPairs>> latest_first;
   std::shared_ptr<const RestBoxes> rest_boxes;
   std::shared_ptr<const RestShapes> rest_shapes[2];  // of facets alone, and of all features

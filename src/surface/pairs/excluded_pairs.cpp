@@ -10,7 +10,7 @@ namespace {
 /// The value that a surface keeps, or a new one. The lock is not held while it is made, because workers may do other
 /// work for this surface in between. Two threads may make the same value.
 template <class Value, class Make>
-std::shared_ptr<const Value> kept(std::mutex& mutex, std::shared_ptr<const Value>& value, const Make& make) {
+std::shared_ptr<const Value> kept(Mutex& mutex, std::shared_ptr<const Value>& value, const Make& make) {
   {
     const std::lock_guard lock(mutex);
     if (value) return value;

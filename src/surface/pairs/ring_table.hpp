@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <mutex>
 #include <vector>
@@ -70,7 +71,7 @@ class RingTable {
   std::vector<std::atomic<const RingRow*>> rows_;  // by block; null: not made yet
   std::atomic<std::size_t> row_bytes_ = 0, row_count_ = 0;
   std::atomic<bool> is_too_large_ = false, has_nodes_ = false;
-  mutable std::mutex mutex_;                         // of the members below
+  mutable Mutex mutex_;                              // of the members below
   std::vector<std::unique_ptr<RingRowMaker>> idle_;  // makers that no thread uses
   ExcludedNodes nodes_;                              // it does not change once has_nodes_ is true
 };

@@ -57,7 +57,7 @@ void RebuildJob::set_pose(std::size_t which, const PositionView& positions) {
 void RebuildJob::queue(int steps, Quality quality) {
   if (build_.method == Method::optimized) build_.quality = quality;
   steps_ = steps;
-  stop_ = std::stop_source();
+  stop_ = StopSource();
   build_.stop = stop_.get_token();
   stage_.store(Stage::queued, std::memory_order_release);
 }
@@ -121,13 +121,25 @@ std::unique_ptr<TreeVersion> RebuildJob::rebuilt() {
 
 struct OwnThread::State {
   std::mutex mutex;
-  std::condition_variable_any wake;
+  std::condition_variable wake;
   std::shared_ptr<RebuildJob> waiting;
-  std::jthread thread;
+  bool quits = false;
+  std::thread thread;
 
-  void serve(const std::stop_token& quit) {
+  ~State() {
+    {
+      const std::lock_guard lock(mutex);
+      quits = true;
+    }
+    wake.notify_one();
+    if (thread.joinable()) thread.join();
+  }
+
+  void serve() {
     std::unique_lock lock(mutex);
-    while (wake.wait(lock, quit, [this] { return waiting != nullptr; })) {
+    for (;;) {
+      wake.wait(lock, [this] { return quits || waiting != nullptr; });
+      if (quits) return;
       const std::shared_ptr<RebuildJob> job = std::exchange(waiting, nullptr);
       lock.unlock();
       job->run();
@@ -137,7 +149,7 @@ struct OwnThread::State {
 };
 
 OwnThread::OwnThread() : state_(std::make_unique<State>()) {
-  state_->thread = std::jthread([s = state_.get()](const std::stop_token& quit) { s->serve(quit); });
+  state_->thread = std::thread([s = state_.get()] { s->serve(); });
 }
 
 void OwnThread::run(std::shared_ptr<RebuildJob> job) {

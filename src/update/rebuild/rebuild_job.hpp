@@ -8,10 +8,10 @@
 #include <functional>
 #include <memory>
 #include <morula/generators/build.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/update/body.hpp>
 #include <morula/update/looseness_estimate.hpp>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -67,7 +67,7 @@ class RebuildJob {
   LoosenessEstimator estimator_;
   std::size_t levels_;
   bool fits_leaves_;
-  std::stop_source stop_;
+  StopSource stop_;
   std::unique_ptr<TreeVersion> retired_{};
   Result result_{};
   std::atomic<Stage> stage_{Stage::idle};

@@ -12,8 +12,8 @@ namespace morula::detail {
 namespace {
 
 // Another tree costs a switch, after which queries start from scratch: its expected score has to be better by
-// least_gain, and its volume less by least_less, which is a fifth of the looseness of tight leaves.
-constexpr double least_gain = 0.02, least_less = 0.008;
+// min_gain, and its volume less by least_less, which is a fifth of the looseness of tight leaves.
+constexpr double min_gain = 0.02, least_less = 0.008;
 // If the volume of a tree's spheres exceeds that at its build by this factor, other trees are evaluated in each frame,
 // whatever their expected score.
 constexpr double grown = 1.15;
@@ -88,7 +88,7 @@ double TreeVersions::expected_score(const TreeVersion& tree) const noexcept {
 
 // The score that another tree has to be expected to stay below.
 double TreeVersions::score_to_beat() const noexcept {
-  return (1 - std::max(least_gain, min_improvement_)) * expected_score(*present_);
+  return (1 - std::max(min_gain, min_improvement_)) * expected_score(*present_);
 }
 
 TreeVersion& TreeVersions::tree_for_this_pose() noexcept {

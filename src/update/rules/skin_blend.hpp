@@ -64,11 +64,6 @@ struct BlendNode {
   Sphere rest{};           ///< contains the corners
 };
 
-struct BonePair {
-  std::uint32_t main, other;
-  auto operator<=>(const BonePair&) const = default;
-};
-
 /// The rest data of one node, ahead of its place in a SkinBlend.
 struct NodeBlend {
   BlendNode node;
@@ -94,6 +89,8 @@ struct SkinBlend {
   std::vector<NodeGroup> groups{};  ///< every node is in one of them
   std::vector<GroupTerm> terms{};
   std::vector<BonePair> pairs{};
+  Vec3 pivot;       ///< a place amid the nodes
+  double unit = 1;  ///< a power of two, mesh units: the unit of lengths in groups and terms
   double factor_sum = 0;       ///< largest NodeBlend::factor_sum
   std::size_t most_terms = 0;  ///< largest number of terms of a node
 };

@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Groups of the rule `skinned`: nodes with one main bone and, nearly, the same other bones.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 
+#include "geometry/rounded_up.hpp"
+#include "update/rules/mode_rows.hpp"
 #include "update/rules/skin_blend.hpp"
 
 namespace morula::detail {
@@ -72,10 +76,6 @@ class GroupChoice {
   Bones united_;
 };
 
-void put(const Vec3& v, LaneVectors& to, std::size_t lane) {
-  to.x[lane] = v.x, to.y[lane] = v.y, to.z[lane] = v.z;
-}
-
 // The entry of a bone in a list by bone; null if there is none.
 template <class Entry>
 const Entry* entry_of(std::uint32_t bone, const std::vector<Entry>& by_bone) {
@@ -84,31 +84,106 @@ const Entry* entry_of(std::uint32_t bone, const std::vector<Entry>& by_bone) {
   return found != by_bone.end() && found->bone == bone ? &*found : nullptr;
 }
 
-void put_node(const NodeBlend& blend, NodeGroup& group, std::size_t lane) {
-  put(blend.node.rest.center, group.center, lane);
-  group.radius[lane] = blend.node.rest.radius;
-  for (const BlendTerm& term : blend.terms) group.weight_strays[lane] += term.weight_stray;
-  put(blend.shape.center, group.shape_center, lane);
-  for (std::size_t k = 0; k < 3; ++k) put(blend.shape.axes[k], group.shape_axes[k], lane);
-  group.ball_radius[lane] = -1;
-  if (const BoneBall* ball = entry_of(group.bone, blend.balls))
-    put(ball->center, group.ball, lane), group.ball_radius[lane] = ball->radius;
+void put(const Vec3& v, LaneVectors& to, std::size_t lane) {
+  to.x[lane] = static_cast<float>(v.x), to.y[lane] = static_cast<float>(v.y), to.z[lane] = static_cast<float>(v.z);
+}
+Vec3 read(const LaneVectors& v, std::size_t lane) {
+  return Vec3(Vec3f{v.x[lane], v.y[lane], v.z[lane]});
 }
 
-void put_term(const NodeBlend& blend, GroupTerm& to, std::size_t lane) {
-  to.ball_radius[lane] = -1;
-  if (const BoneBall* ball = entry_of(to.bone, blend.balls))
-    put(ball->center, to.ball, lane), to.ball_radius[lane] = ball->radius;
-  const BlendTerm* term = entry_of(to.bone, blend.terms);
-  if (term == nullptr) return;
-  to.weight[lane] = term->weight, to.scale[lane] = term->scale;
-  put(term->slope, to.slope, lane), put(term->moment, to.moment, lane);
-  to.weight_stray[lane] = term->weight_stray, to.moment_stray[lane] = term->moment_stray;
+// Rest data of nodes in float, with what the rounding of the kernels costs (skinned.cpp).
+class LaneWriter {
+ public:
+  // terms: of the group.
+  LaneWriter(const Vec3& pivot, double unit, std::size_t terms)
+      : pivot_(pivot), unit_(unit), share_(0x1p-24 * (static_cast<double>(terms) + 16)) {}
+
+  void put_node(const NodeBlend& blend, NodeGroup& group, std::size_t lane) const {
+    const Vec3& center = blend.node.rest.center;
+    group.center_x[lane] = center.x, group.center_y[lane] = center.y, group.center_z[lane] = center.z;
+    put((center - pivot_) / unit_, group.place, lane);
+    const double radius = blend.node.rest.radius / unit_, place = length((center - pivot_) / unit_);
+    group.radius[lane] = above(radius);
+    // mutant skinned-float-turn: `above(share_ * place)` -> `0`
+    group.turn_stray[lane] = above(share_ * place);
+    // mutant skinned-float-size: `above(share_ * 1.75 * radius)` -> `0`
+    group.size_stray[lane] = above(share_ * 1.75 * radius);
+    put(blend.shape.center / unit_, group.shape_center, lane);
+    double squares = squared_length(blend.shape.center / unit_);
+    for (int column = 0, k = 0; column < 3; ++column) {
+      const Vec3 axis = blend.shape.axes[static_cast<std::size_t>(column)] / unit_;
+      for (int row = column; row < 3; ++row) group.shape_axes[k++][lane] = static_cast<float>(axis[row]);
+      squares += squared_length(axis);
+    }
+    // mutant skinned-float-shape: `above(0x1p-20 * std::sqrt(squares))` -> `0`
+    group.shape_stray[lane] = above(0x1p-20 * std::sqrt(squares));
+    put_ball(blend, group.bone, group.ball, group.ball_radius, lane);
+  }
+
+  void put_term(const NodeBlend& blend, GroupTerm& to, std::size_t lane) const {
+    put_ball(blend, to.bone, to.ball, to.ball_radius, lane);
+    const BlendTerm* term = entry_of(to.bone, blend.terms);
+    if (term == nullptr) return;
+    const double radius = blend.node.rest.radius / unit_, place = length((blend.node.rest.center - pivot_) / unit_);
+    const Vec3 slope = term->slope * unit_, moment = term->moment / unit_;
+    to.weight[lane] = static_cast<float>(term->weight), to.scale[lane] = static_cast<float>(term->scale);
+    // Slopes of nodes that are very small for the body are left out.
+    if (length(slope) <= 0x1p40) put(slope, to.slope, lane);
+    put(moment, to.moment, lane);
+    const double weight = static_cast<double>(to.weight[lane]), scale = static_cast<double>(to.scale[lane]);
+    const Vec3 kept_slope = read(to.slope, lane), kept_moment = read(to.moment, lane);
+    // mutant skinned-float-weight: `std::abs(term->weight - weight)` -> `0`
+    // mutant skinned-float-slope: `length(slope - kept_slope) * radius` -> `0`
+    const double stray = term->weight_stray + std::abs(term->weight - weight) + length(slope - kept_slope) * radius;
+    // mutant skinned-float-moment: `length(moment - kept_moment)` -> `0`
+    // mutant skinned-float-scale: `std::abs(term->scale - scale) * radius` -> `0`
+    const double moment_stray = term->moment_stray / unit_ + length(moment - kept_moment) +
+                                std::abs(term->scale - scale) * radius;
+    const double moved = std::abs(weight) + length(kept_slope) * radius + stray;
+    const double turned = length(kept_moment) + std::abs(scale) * radius + 2 * place * moved;
+    // mutant skinned-float-moves: `share_ * moved` -> `0`
+    to.weight_stray[lane] = above(stray + share_ * moved);
+    // mutant skinned-float-turns: `share_ * turned` -> `0`
+    to.moment_stray[lane] = above(moment_stray + share_ * turned);
+  }
+
+ private:
+  // A float that exceeds x by the share of the sums that follow.
+  float above(double x) const { return x == 0 ? 0.0f : rounded_up(x * (1 + share_)); }
+
+  void put_ball(const NodeBlend& blend, std::uint32_t bone, LaneVectors& centers, LaneFloats& radii,
+                std::size_t lane) const {
+    radii[lane] = -1;
+    const BoneBall* ball = entry_of(bone, blend.balls);
+    if (ball == nullptr) return;
+    const Vec3 place = (blend.node.rest.center - pivot_ + ball->center) / unit_;
+    put(place, centers, lane);
+    // mutant skinned-float-ball: `0x1p-20 * length(place)` -> `0`
+    radii[lane] = above(ball->radius / unit_ + 0x1p-20 * length(place));
+  }
+
+  Vec3 pivot_;
+  double unit_, share_;
+};
+
+// A place amid the nodes.
+Vec3 pivot_of(std::span<const NodeBlend> from) {
+  std::vector<Vec3> centers;
+  for (const NodeBlend& blend : from) centers.push_back(blend.node.rest.center);
+  return centers.empty() ? Vec3{} : mode_row(centers).shift;
+}
+
+// A power of two above all places about the pivot and all radii.
+double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
+  double largest = 0x1p-900;
+  for (const NodeBlend& blend : from)
+    largest = std::max({largest, max_norm(blend.node.rest.center - pivot), blend.node.rest.radius});
+  return std::ldexp(1, std::ilogb(largest) + 1);
 }
 
 }  // namespace
 
-SkinBlend::SkinBlend(std::span<const NodeBlend> from) {
+SkinBlend::SkinBlend(std::span<const NodeBlend> from) : pivot(pivot_of(from)), unit(unit_of(from, pivot)) {
   std::vector<Bones> bones;
   for (const NodeBlend& blend : from) {
     nodes.push_back(blend.node);
@@ -142,11 +217,17 @@ SkinBlend::SkinBlend(std::span<const NodeBlend> from) {
       term.bone = bone, term.pair = number_of({group.bone, bone});
     }
     group.end_term = static_cast<std::uint32_t>(terms.size());
+    std::array<double, lanes_of_group> strays{};
+    const LaneWriter writer(pivot, unit, choice.united().size());
     for (std::size_t lane = 0; lane < lanes_of_group; ++lane) {
       const std::uint32_t member = members[lane < members.size() ? lane : 0];
       group.slot[lane] = member;
-      put_node(from[member], group, lane);
-      for (std::uint32_t i = group.first_term; i != group.end_term; ++i) put_term(from[member], terms[i], lane);
+      writer.put_node(from[member], group, lane);
+      for (std::uint32_t i = group.first_term; i != group.end_term; ++i) {
+        writer.put_term(from[member], terms[i], lane);
+        strays[lane] += static_cast<double>(terms[i].weight_stray[lane]);
+      }
+      group.weight_strays[lane] = rounded_up(strays[lane] * (1 + 0x1p-40));
     }
     groups.push_back(group);
   }

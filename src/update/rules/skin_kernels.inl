@@ -1,32 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The source of the skin kernels, on registers of `doubles` doubles. skinned.cpp has the names and the proofs.
+// The source of the skin kernels, on registers of `lanes` floats. skinned.cpp has the names and the proofs.
 
 #ifdef MORULA_LANES
+typedef std::int32_t Bits __attribute__((vector_size(4 * lanes)));
 typedef float Singles __attribute__((vector_size(4 * doubles)));
+typedef float LooseSingles __attribute__((vector_size(4 * doubles), aligned(4), may_alias));
+// The largest power of two that is not above a number of at least 0; 0 below 2^-126.
+inline Wide power_of(Wide a) {
+  return reinterpret_cast<Wide>(reinterpret_cast<Bits>(a) & 0x7f800000);
+}
+// The inverse of a power of two below 2^127; of 0: 2^127.
+inline Wide inverse_of_power(Wide a) {
+  return reinterpret_cast<Wide>(0x7f000000 - reinterpret_cast<Bits>(a));
+}
 inline Doubles narrowed(Doubles a) {
   return __builtin_convertvector(__builtin_convertvector(a, Singles), Doubles);
 }
+inline Doubles widened(const float* first) {
+  return __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(first), Doubles);
+}
+inline void write_narrowed(Doubles a, float* first) {
+  *reinterpret_cast<LooseSingles*>(first) = __builtin_convertvector(a, Singles);
+}
 #endif
-inline Doubles each(double x) {
-  return x - Doubles{};
+inline Wide read(const float* first) {
+  return load(first);
 }
-inline Doubles read(const double* first) {
-  return *reinterpret_cast<const LooseDoubles*>(first);
-}
-inline void write(Doubles a, double* first) {
-  *reinterpret_cast<LooseDoubles*>(first) = a;
-}
-// The second if the two are equal or not comparable.
-inline Doubles larger(Doubles a, Doubles b) {
-  return a > b ? a : b;
-}
-inline Doubles smaller(Doubles a, Doubles b) {
-  return a < b ? a : b;
+inline void write(Wide a, float* first) {
+  store(a, first);
 }
 
 struct Vectors {
-  Doubles x, y, z;
+  Wide x, y, z;
 };
 // GCC 12 without optimization fails to compile these as friends inside.
 inline Vectors operator+(const Vectors& a, const Vectors& b) {
@@ -35,24 +41,33 @@ inline Vectors operator+(const Vectors& a, const Vectors& b) {
 inline Vectors operator-(const Vectors& a, const Vectors& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline Vectors operator*(const Doubles& s, const Vectors& v) {
+inline Vectors operator*(const Wide& s, const Vectors& v) {
   return {s * v.x, s * v.y, s * v.z};
 }
-inline Vectors each(const Vec3& v) {
-  return {each(v.x), each(v.y), each(v.z)};
+inline Vectors each(const Vec3f& v) {
+  return {all(v.x), all(v.y), all(v.z)};
 }
 inline Vectors read(const LaneVectors& v, std::size_t lane) {
   return {read(v.x + lane), read(v.y + lane), read(v.z + lane)};
 }
-inline Doubles dot(const Vectors& a, const Vectors& b) {
+inline void write(const Vectors& v, LaneVectors& to, std::size_t lane) {
+  write(v.x, to.x + lane), write(v.y, to.y + lane), write(v.z, to.z + lane);
+}
+inline Wide dot(const Vectors& a, const Vectors& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline Doubles norm(const Vectors& a) {
+inline Wide norm(const Vectors& a) {
   return root(dot(a, a));
 }
-inline Doubles largest_component(const Vectors& a) {
-  const Doubles x = larger(a.x, -a.x), y = larger(a.y, -a.y), z = larger(a.z, -a.z);
-  return larger(larger(x, y), z);
+inline Wide size_of(Wide a) {
+  return max(a, -a);
+}
+inline Wide sum_of_sizes(const Vectors& a) {
+  return size_of(a.x) + size_of(a.y) + size_of(a.z);
+}
+
+inline Wide largest_of(const Vectors& a) {
+  return max(max(size_of(a.x), size_of(a.y)), size_of(a.z));
 }
 
 // The matrix with these columns.
@@ -61,60 +76,61 @@ struct Matrices {
 
   Vectors operator*(const Vectors& v) const { return v.x * columns[0] + v.y * columns[1] + v.z * columns[2]; }
 };
-inline Matrices linear_part(const BoneMotion& bone) {
-  return {{each(bone.columns[0]), each(bone.columns[1]), each(bone.columns[2])}};
+inline Matrices each(const Columns& columns) {
+  return {{each(columns[0]), each(columns[1]), each(columns[2])}};
 }
 
-// largest_stretch of mode_rows.hpp. If squares or their cubes leave the range of double, the bound is three times the
-// largest entry, which is at least the root of the sum of nine squares.
-inline Doubles stretch(const Matrices& f) {
-  const Vectors &a = f.columns[0], &b = f.columns[1], &c = f.columns[2];
-  const Doubles aa = dot(a, a), bb = dot(b, b), cc = dot(c, c), ab = dot(a, b), ac = dot(a, c), bc = dot(b, c);
-  const Doubles mean = (aa + bb + cc) * (1.0 / 3);
-  const Doubles xx = aa - mean, yy = bb - mean, zz = cc - mean;
-  const Doubles off = ab * ab + ac * ac + bc * bc;
-  const Doubles p = root((xx * xx + yy * yy + zz * zz + (off + off)) * (1.0 / 6));
-  const Doubles cube = p * p * p;
-  const Doubles determinant = xx * (yy * zz - bc * bc) - ab * (ab * zz - bc * ac) + ac * (ab * bc - yy * ac);
-  const Doubles right = larger(each(-1), smaller(each(1), determinant / (cube + cube)));
-  const auto tangent = [&](double at) { return at + (right - (4 * at * at * at - 3 * at)) * (1 / (12 * at * at - 3)); };
-  Doubles g = smaller(smaller(tangent(1), tangent(0.85)), smaller(tangent(0.7), tangent(0.56)));
-  g -= (4.0 * g * g * g - 3.0 * g - right) / (12.0 * g * g - 3.0);
-  g = cube > each(0) ? g : each(1);
-  // The factor is far above the rounding: about fifty units in the last place.
-  // mutant skinned-stretch: `(mean + 2.0 * p * g) * (1 + 0x1p-40)` -> `(mean + 2.0 * p * g)`
-  const Doubles result = root(mean + 2.0 * p * g) * (1 + 0x1p-40);
-  const Doubles least = each(0x1p-200), most = each(0x1p200);
-  // mutant skinned-stretch-range: `(least, mean) | greater(mean, most)) == 0` -> `(least, mean) | greater(mean, most)) < 99`
-  if ((greater(least, mean) | greater(mean, most)) == 0) return result;
-  const Doubles entry = larger(larger(largest_component(a), largest_component(b)), largest_component(c));
-  const Doubles bound = 3 * (1 + 0x1p-40) * entry;
-  return mean < least ? bound : mean > most ? bound : result;
+// At least the largest stretch, and at most 4 % more: largest_stretch of mode_rows.hpp, in float. Powers of two bring
+// the largest entry into 1…2. Entries below 2^-126 count as 0.
+inline Wide stretch(const Matrices& f) {
+  const Wide power = power_of(max(max(largest_of(f.columns[0]), largest_of(f.columns[1])), largest_of(f.columns[2])));
+  const Wide scale = inverse_of_power(power);
+  const Vectors a = scale * f.columns[0], b = scale * f.columns[1], c = scale * f.columns[2];
+  const Wide aa = dot(a, a), bb = dot(b, b), cc = dot(c, c), ab = dot(a, b), ac = dot(a, c), bc = dot(b, c);
+  const Wide mean = (aa + bb + cc) * (1.0f / 3);
+  const Wide xx = aa - mean, yy = bb - mean, zz = cc - mean;
+  const Wide off = ab * ab + ac * ac + bc * bc;
+  const Wide p = root((xx * xx + yy * yy + zz * zz + (off + off)) * (1.0f / 6));
+  const Wide cube = p * p * p;
+  const Wide determinant = xx * (yy * zz - bc * bc) - ab * (ab * zz - bc * ac) + ac * (ab * bc - yy * ac);
+  const Wide right = max(all(-1), min(all(1), determinant / (cube + cube)));
+  const auto tangent = [&](float at) {
+    return at - (4 * at * at * at - 3 * at) * (1 / (12 * at * at - 3)) + right * (1 / (12 * at * at - 3));
+  };
+  Wide g = min(min(tangent(1), tangent(0.85f)), min(tangent(0.7f), tangent(0.56f)));
+  const Wide gg = g * g;
+  g -= (g * (4.0f * gg - 3.0f) - right) / (12.0f * gg - 3.0f);
+  g = cube > all(0) ? g : all(1);
+  // mutant skinned-stretch: `(mean + 2.0f * p * g) * (1 + 0x1p-15f)` -> `(mean + 2.0f * p * g)`
+  return root(mean + 2.0f * p * g) * (1 + 0x1p-15f) * power;
 }
 
 // The bounds of some lanes; the center is a displacement.
 struct Bounds {
   Vectors center;
-  Doubles radius, strays;
+  Wide radius, strays, stretched;
   Matrices f;
 };
 
 inline Bounds blended(const NodeGroup& group, const SkinFrame& frame, std::size_t lane) {
   const BoneMotion& main = frame.bones[group.bone];
-  const Vectors center = read(group.center, lane);
+  const Vectors place = read(group.place, lane);
+  const Wide rest_radius = read(group.radius + lane);
   Bounds s{};
-  s.f = linear_part(main);
-  s.center = s.f * center + each(main.shift);
-  s.f.columns[0].x += 1, s.f.columns[1].y += 1, s.f.columns[2].z += 1;
-  s.radius = each(main.size) * read(group.radius + lane);
-  if (group.first_term == group.end_term) return s;
-  Doubles squares{};
+  s.center = each(main.change.linear) * place;
+  s.strays = main.change.size * read(group.turn_stray + lane);
+  if (group.first_term == group.end_term) {
+    s.radius = main.size * rest_radius + s.strays;
+    return s;
+  }
+  s.f = each(main.linear);
+  Wide squares{};
   for (std::uint32_t i = group.first_term; i != group.end_term; ++i) {
     const GroupTerm& t = frame.terms[i];
-    const BoneMotion& pair = frame.pairs[t.pair];
-    const Matrices linear = linear_part(pair);
-    const Vectors move = linear * center + each(pair.shift), slope = read(t.slope, lane);
-    const Doubles scale = read(t.scale + lane);
+    const MotionRow& pair = frame.pairs[t.pair];
+    const Matrices linear = each(pair.linear);
+    const Vectors move = linear * place + each(pair.shift), slope = read(t.slope, lane);
+    const Wide scale = read(t.scale + lane);
     s.center = s.center + (read(t.weight + lane) * move + linear * read(t.moment, lane));
     s.f.columns[0] = s.f.columns[0] + (slope.x * move + scale * linear.columns[0]);
     s.f.columns[1] = s.f.columns[1] + (slope.y * move + scale * linear.columns[1]);
@@ -122,18 +138,14 @@ inline Bounds blended(const NodeGroup& group, const SkinFrame& frame, std::size_
     squares += read(t.weight_stray + lane) * dot(move, move);
     s.strays += read(t.moment_stray + lane) * pair.size;
   }
-  s.strays += root(read(group.weight_strays + lane) * squares);
-  // mutant skinned-strays: `read(group.radius + lane) + s.strays` -> `read(group.radius + lane)`
-  s.radius = stretch(s.f) * read(group.radius + lane) + s.strays;
+  s.strays += root(read(group.weight_strays + lane) * squares) + main.size * read(group.size_stray + lane);
+  s.stretched = stretch(s.f);
+  // mutant skinned-strays: `s.stretched * rest_radius + s.strays` -> `s.stretched * rest_radius`
+  s.radius = s.stretched * rest_radius + s.strays;
   return s;
 }
 
-inline void shape(const NodeGroup& group, std::size_t lane, Bounds& s) {
-  Matrices axes;
-  for (int k = 0; k < 3; ++k) axes.columns[k] = s.f * read(group.shape_axes[k], lane);
-  // mutant skinned-shape-strays: `stretch(axes) + s.strays` -> `stretch(axes)`
-  const Doubles radius = stretch(axes) + s.strays;
-  const Vectors center = s.center + s.f * read(group.shape_center, lane);
+inline void take_smaller(const Vectors& center, Wide radius, Bounds& s) {
   const auto is_better = radius < s.radius;
   s.center.x = is_better ? center.x : s.center.x;
   s.center.y = is_better ? center.y : s.center.y;
@@ -141,36 +153,45 @@ inline void shape(const NodeGroup& group, std::size_t lane, Bounds& s) {
   s.radius = is_better ? radius : s.radius;
 }
 
+inline void shape(const NodeGroup& group, std::size_t lane, Bounds& s) {
+  const Vectors* f = s.f.columns;
+  const auto axis = [&](int k) { return read(group.shape_axes[k] + lane); };
+  Matrices axes;
+  axes.columns[2] = axis(5) * f[2];
+  axes.columns[1] = axis(3) * f[1] + axis(4) * f[2];
+  axes.columns[0] = axis(0) * f[0] + axis(1) * f[1] + axis(2) * f[2];
+  // mutant skinned-shape-strays: `stretch(axes) + s.strays` -> `stretch(axes)`
+  const Wide radius = stretch(axes) + s.strays + s.stretched * read(group.shape_stray + lane);
+  take_smaller(s.center + s.f * read(group.shape_center, lane), radius, s);
+}
+
 struct Ball {
-  Vectors center;
-  Doubles radius;
+  Vectors center;  // about the moved pivot
+  Wide radius;
 };
 struct Boxes {
   Vectors lower, upper;
 
   void extend(const Ball& b) {
-    lower = {smaller(b.center.x - b.radius, lower.x), smaller(b.center.y - b.radius, lower.y),
-             smaller(b.center.z - b.radius, lower.z)};
-    upper = {larger(b.center.x + b.radius, upper.x), larger(b.center.y + b.radius, upper.y),
-             larger(b.center.z + b.radius, upper.z)};
+    lower = {min(b.center.x - b.radius, lower.x), min(b.center.y - b.radius, lower.y),
+             min(b.center.z - b.radius, lower.z)};
+    upper = {max(b.center.x + b.radius, upper.x), max(b.center.y + b.radius, upper.y),
+             max(b.center.z + b.radius, upper.z)};
   }
 };
 
-// A ball around the moved balls of the bones, about the displaced center: around the middle of their box.
+// A ball around the moved balls of the bones: around the middle of their box.
 inline void hull(const NodeGroup& group, const SkinFrame& frame, std::size_t lane, Bounds& s) {
   const BoneMotion& main = frame.bones[group.bone];
-  Matrices turned = linear_part(main);
-  turned.columns[0].x += 1, turned.columns[1].y += 1, turned.columns[2].z += 1;
-  const Vectors center = read(group.center, lane), moved = linear_part(main) * center + each(main.shift);
   const auto moved_ball = [&](const GroupTerm& t) -> Ball {
-    const BoneMotion& pair = frame.pairs[t.pair];
-    const Vectors place = read(t.ball, lane);
-    const Doubles radius = read(t.ball_radius + lane);
-    return {linear_part(pair) * (center + place) + each(pair.shift) + turned * place,
-            radius < each(0) ? each(-infinite) : frame.bones[t.bone].size * radius};
+    const BoneMotion& bone = frame.bones[t.bone];
+    const Wide radius = read(t.ball_radius + lane);
+    return {each(bone.linear) * read(t.ball, lane) + each(frame.pairs[t.pair].shift),
+            radius < all(0) ? all(-infinite) : bone.size * radius};
   };
   const std::span<const GroupTerm> terms(frame.terms + group.first_term, frame.terms + group.end_term);
-  const Ball ball_of_main{turned * read(group.ball, lane), main.size * read(group.ball_radius + lane)};
+  const Wide radius_of_main = read(group.ball_radius + lane);
+  const Ball ball_of_main{each(main.linear) * read(group.ball, lane), main.size * radius_of_main};
   Boxes box{ball_of_main.center, ball_of_main.center};
   box.extend(ball_of_main);
   Ball kept[most_kept_balls];  // the first ones; the others are computed twice
@@ -179,54 +200,92 @@ inline void hull(const NodeGroup& group, const SkinFrame& frame, std::size_t lan
     box.extend(ball);
     if (i < most_kept_balls) kept[i] = ball;
   }
-  const Vectors middle = each(0.5) * (box.lower + box.upper), displaced = moved + middle;
-  Doubles reach = norm(ball_of_main.center - middle) + ball_of_main.radius;
+  const Vectors middle = all(0.5f) * (box.lower + box.upper);
+  Wide reach = norm(ball_of_main.center - middle) + ball_of_main.radius;
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const Ball ball = i < most_kept_balls ? kept[i] : moved_ball(terms[i]);
-    reach = larger(norm(ball.center - middle) + ball.radius, reach);
+    reach = max(norm(ball.center - middle) + ball.radius, reach);
   }
-  // mutant skinned-negative-hull: `read(group.ball_radius + lane) < each(0) ? s.radius : reach` -> `reach`
-  reach = read(group.ball_radius + lane) < each(0) ? s.radius : reach;
-  const auto is_better = reach < s.radius;
-  s.center.x = is_better ? displaced.x : s.center.x;
-  s.center.y = is_better ? displaced.y : s.center.y;
-  s.center.z = is_better ? displaced.z : s.center.z;
-  s.radius = is_better ? reach : s.radius;
-}
-
-inline void write(const Vectors& v, LaneVectors& to, std::size_t lane) {
-  write(v.x, to.x + lane), write(v.y, to.y + lane), write(v.z, to.z + lane);
+  const Vectors displaced = middle - all(frame.scale) * read(group.place, lane);
+  reach = reach * (1 + 0x1p-20f) + (sum_of_sizes(middle) + sum_of_sizes(displaced)) * 0x1p-22f;
+  // mutant skinned-negative-hull: `radius_of_main < all(0) ? s.radius : reach` -> `reach`
+  reach = radius_of_main < all(0) ? s.radius : reach;
+  take_smaller(displaced, reach, s);
 }
 
 void bound(const NodeGroup& group, const SkinFrame& frame, GroupSpheres& spheres) {
-  constexpr std::size_t registers = lanes_of_group / doubles;
-  const double size = loose * frame.bones[group.bone].size;
+  constexpr std::size_t registers = lanes_of_group / lanes;
+  const float size = loose * frame.bones[group.bone].size;
   Bounds bounds[registers];
   unsigned loose_lanes = 0;
   for (std::size_t r = 0; r < registers; ++r) {
-    bounds[r] = blended(group, frame, r * doubles);
-    loose_lanes |= greater(bounds[r].radius, size * read(group.radius + r * doubles));
+    bounds[r] = blended(group, frame, r * lanes);
+    loose_lanes |= lanes_at_most(size * read(group.radius + r * lanes), bounds[r].radius);
   }
   for (std::size_t r = 0; r < registers; ++r) {
-    if (loose_lanes != 0) {
-      shape(group, r * doubles, bounds[r]);
-      hull(group, frame, r * doubles, bounds[r]);
+    if (loose_lanes != 0 && group.first_term != group.end_term) {
+      shape(group, r * lanes, bounds[r]);
+      hull(group, frame, r * lanes, bounds[r]);
     }
-    write(bounds[r].center, spheres.center, r * doubles);
-    write(bounds[r].radius, spheres.radius + r * doubles);
+    write(bounds[r].center, spheres.center, r * lanes);
+    write(bounds[r].radius, spheres.radius + r * lanes);
   }
 }
 
-void narrow(const NodeGroup& group, const Vec3& origin, double pad, GroupSpheres& spheres) {
+inline Doubles each(double x) {
+  return x - Doubles{};
+}
+inline Doubles read(const double* first) {
+  return *reinterpret_cast<const LooseDoubles*>(first);
+}
+inline Doubles size_of(Doubles a) {
+  return a > -a ? a : -a;
+}
+
+void differ(const BoneRow* rows, std::span<const BonePair> pairs, double scale, MotionRow* differences) {
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const double *main = rows[pairs[p].main].entries, *other = rows[pairs[p].other].entries;
+    float* to = &differences[p].linear[0].x;
+    for (std::size_t k = 0; k < 16; k += doubles)
+      write_narrowed(scale * (read(other + k) - read(main + k)), to + k);
+    float squares = 0;
+    for (std::size_t k = 0; k < 9; ++k) squares += to[k] * to[k];
+    differences[p].size = __builtin_sqrtf(squares) * (1 + 0x1p-20f);
+  }
+}
+
+void stretches(const LaneVectors (&columns)[3], LaneFloats& to) {
+  for (std::size_t lane = 0; lane < lanes_of_group; lane += lanes) {
+    const Matrices f{{read(columns[0], lane), read(columns[1], lane), read(columns[2], lane)}};
+    write(stretch(f), to + lane);
+  }
+}
+
+// The rounding is measured by the sum of its components, which is at least its length.
+void narrow(const NodeGroup& group, const SkinFrame& frame, const Vec3& origin, double pad, GroupSpheres& spheres) {
+  const Vec3& shift = frame.shifts[group.bone];
   for (std::size_t lane = 0; lane < lanes_of_group; lane += doubles) {
-    const Vectors center = read(group.center, lane) + read(spheres.center, lane) - each(origin);
-    // Adding zero makes a negative zero positive, like the other rules.
-    const Vectors nearest{narrowed(center.x) + 0.0, narrowed(center.y) + 0.0, narrowed(center.z) + 0.0};
-    const Doubles radius = read(spheres.radius + lane);
-    write(nearest, spheres.center, lane);
-    // mutant skinned-narrowed-center: `radius + norm(nearest - center)` -> `radius`
-    write((radius + norm(nearest - center)) * (1 + 0x1p-40) + pad, spheres.radius + lane);
+    Doubles lost{};
+    const auto place = [&](const double* rest, double moved, float* displacement, double from) {
+      const Doubles at = read(rest + lane) + (each(moved) + frame.unit * widened(displacement + lane)) - each(from);
+      // Adding zero makes a negative zero positive, like the other rules.
+      const Doubles nearest = narrowed(at) + 0.0;
+      lost += size_of(nearest - at);
+      return nearest;
+    };
+    const Doubles x = place(group.center_x, shift.x, spheres.center.x, origin.x);
+    const Doubles y = place(group.center_y, shift.y, spheres.center.y, origin.y);
+    const Doubles z = place(group.center_z, shift.z, spheres.center.z, origin.z);
+    // mutant skinned-narrowed-center: `spheres.radius + lane) + lost)` -> `spheres.radius + lane))`
+    const Doubles radius = (frame.unit * widened(spheres.radius + lane) + lost) * (1 + 0x1p-40) + pad;
+    // mutant skinned-largest-bound: `radius <= each(largest_bound)` -> `radius == radius`
+    const auto is_inside = radius <= each(largest_bound);
+    write_narrowed(is_inside ? x : each(0), spheres.center.x + lane);
+    write_narrowed(is_inside ? y : each(0), spheres.center.y + lane);
+    write_narrowed(is_inside ? z : each(0), spheres.center.z + lane);
+    // The nearest float is not below the radius.
+    write_narrowed((is_inside ? radius : each(largest_bound)) * (1 + 0x1p-23) + 0x1p-149, spheres.radius + lane);
   }
 }
 
-constexpr SkinKernels kernels{bound, narrow};
+constexpr SkinKernels kernels{differ, stretches, bound, narrow};

@@ -53,6 +53,7 @@
 #include <limits>
 #include <vector>
 
+#include "geometry/rounded_up.hpp"
 #include "parallel/interruption.hpp"
 #include "update/points/ownership.hpp"
 #include "update/points/ownership_check.hpp"
@@ -68,16 +69,14 @@ namespace morula::detail {
 namespace {
 
 constexpr std::size_t groups_per_chunk = 4;
-// Contains all that the poser accepts: coordinates about the origin are below 2^57 at rest, and displacements, the
-// origin's included, below 2^56.
-constexpr double largest_bound = 0x1p59;
-
-// At least the root of the sum of the squares of the entries. Squares may vanish below the first limit and overflow,
-// but three times the largest entry is a bound of that root at any size.
-double frobenius_norm(const std::array<Vec3, 3>& columns) {
-  const double largest = std::max({max_norm(columns[0]), max_norm(columns[1]), max_norm(columns[2])});
-  const double root = std::sqrt(squared_length(columns[0]) + squared_length(columns[1]) + squared_length(columns[2]));
-  return std::min(std::max(root * (1 + 0x1p-40), 0x1p-450), 3 * largest);
+// The main bones of groups, and the bones of pairs.
+std::vector<std::uint32_t> used_bones(const SkinBlend& blend) {
+  std::vector<std::uint32_t> bones;
+  for (const NodeGroup& group : blend.groups) bones.push_back(group.bone);
+  for (const BonePair& pair : blend.pairs) bones.push_back(pair.other);
+  std::sort(bones.begin(), bones.end());
+  bones.erase(std::unique(bones.begin(), bones.end()), bones.end());
+  return bones;
 }
 
 class SkinnedRule final : public RuleEngine {
@@ -107,6 +106,9 @@ class SkinnedRule final : public RuleEngine {
     morphs_ = SkinMorphs(morphs, modes.mode_count, binding.options.skin.bone_count);
     binding.posers.skin->add_morphs(morphs_.factor_sum(), morphs_.most_terms());
     bones_.resize(binding.options.skin.bone_count);
+    shifts_.resize(bones_.size());
+    rows_.resize(bones_.size() + 1);
+    used_ = used_bones(blend_);
     pairs_.resize(blend_.pairs.size());
     measured_ = trained_nodes(binding, [&](const RuleFrame& frame, std::span<Spheref> spheres) {
       update(frame, spheres.size(), spheres, binding.workers);
@@ -117,19 +119,22 @@ class SkinnedRule final : public RuleEngine {
   void update(const RuleFrame& frame, std::size_t node_end, std::span<Spheref> spheres,
               Workers& workers) noexcept override {
     const Uninterrupted whole;
-    move_bones(frame.bones->transforms);
-    morphs_.begin(*frame.bones, workers);
+        morphs_.begin(*frame.bones, workers);
     const SkinKernels& kernels = skin_kernels();
-    const SkinFrame bones{bones_.data(), pairs_.data(), blend_.terms.data()};
+    move_bones(frame.bones->transforms, kernels);
+    const SkinFrame bones{bones_.data(),  pairs_.data(),
+                          blend_.terms.data(), shifts_.data(),
+                          static_cast<float>(scale_), blend_.unit / scale_};
     parallel_for(workers, blend_.groups.size(), groups_per_chunk, [&](std::size_t begin, std::size_t end) {
       GroupSpheres bounds;
       for (const NodeGroup& group : std::span(blend_.groups).subspan(begin, end - begin)) {
         kernels.bound(group, bones, bounds);
-        if (!frame.bones->morphs.empty()) add_morphs(group, bounds);
-        kernels.narrow(group, frame.origin, frame.bones->pad, bounds);
+        if (!frame.bones->morphs.empty()) add_morphs(group, bones.unit, bounds);
+        kernels.narrow(group, bones, frame.origin, frame.bones->pad, bounds);
         for (std::size_t lane = 0; lane < group.count; ++lane)
           if (const std::uint32_t node = blend_.nodes[group.slot[lane]].node; node < node_end)
-            spheres[node] = sphere_of(bounds, lane);
+            spheres[node] = {{bounds.center.x[lane], bounds.center.y[lane], bounds.center.z[lane]},
+                             bounds.radius[lane]};
       }
     });
     if (measured_) measured_->update(frame, node_end, spheres, workers);
@@ -138,40 +143,67 @@ class SkinnedRule final : public RuleEngine {
   MovedPoints moved_points() const override { return measured_ ? measured_->moved_points() : MovedPoints{}; }
 
  private:
-  void move_bones(std::span<const AffineTransform> transforms) noexcept {
-    for (std::size_t b = 0; b < bones_.size(); ++b) {
-      const std::array<Vec3, 3>& columns = transforms[b].columns;
-      bones_[b] = {{columns[0] - Vec3{1, 0, 0}, columns[1] - Vec3{0, 1, 0}, columns[2] - Vec3{0, 0, 1}},
-                   transforms[b].translation,
-                   largest_stretch(columns)};
+  void move_bones(std::span<const AffineTransform> transforms, const SkinKernels& kernels) noexcept {
+    double largest = 0;
+    for (const std::uint32_t b : used_) {
+      const AffineTransform& t = transforms[b];
+      shifts_[b] = displacement(t, blend_.pivot);
+      const Vec3 row[]{t.columns[0] - Vec3{1, 0, 0}, t.columns[1] - Vec3{0, 1, 0}, t.columns[2] - Vec3{0, 0, 1},
+                       shifts_[b] / blend_.unit};
+      for (std::size_t k = 0; k < 4; ++k) {
+        largest = std::max(largest, max_norm(row[k]));
+        for (int axis = 0; axis < 3; ++axis) rows_[b].entries[3 * k + static_cast<std::size_t>(axis)] = row[k][axis];
+      }
     }
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      const BoneMotion &main = bones_[blend_.pairs[p].main], &other = bones_[blend_.pairs[p].other];
-      for (std::size_t i = 0; i < 3; ++i) pairs_[p].columns[i] = other.columns[i] - main.columns[i];
-      pairs_[p].shift = other.shift - main.shift;
-      pairs_[p].size = frobenius_norm(pairs_[p].columns);
+    // mutant skinned-scale: `largest > 0x1p40` -> `false`
+    scale_ = largest > 0x1p40 ? std::ldexp(1.0, -1 - std::ilogb(largest)) : 1.0;
+    for (std::size_t first = 0; first < used_.size(); first += lanes_of_group)
+      move_lanes(transforms, std::span(used_).subspan(first), kernels);
+    kernels.differ(rows_.data(), blend_.pairs, scale_, pairs_.data());
+  }
+  // The first of the bones, as many as there are lanes.
+  void move_lanes(std::span<const AffineTransform> transforms, std::span<const std::uint32_t> bones,
+                  const SkinKernels& kernels) noexcept {
+    LaneVectors columns[3]{};
+    LaneFloats sizes;
+    const std::size_t count = std::min(bones.size(), lanes_of_group);
+    for (std::size_t lane = 0; lane < count; ++lane)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f column(transforms[bones[lane]].columns[k] * scale_);
+        bones_[bones[lane]].linear[k] = column;
+        columns[k].x[lane] = column.x, columns[k].y[lane] = column.y, columns[k].z[lane] = column.z;
+      }
+    kernels.stretch(columns, sizes);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      bones_[bones[lane]].size = sizes[lane];
+      const BonePair whole{static_cast<std::uint32_t>(bones_.size()), bones[lane]};
+      kernels.differ(rows_.data(), {&whole, 1}, scale_, &bones_[bones[lane]].change);
     }
   }
 
-  void add_morphs(const NodeGroup& group, GroupSpheres& bounds) const noexcept {
-    for (std::size_t lane = 0; lane < group.count; ++lane) {
-      Sphere s{{bounds.center.x[lane], bounds.center.y[lane], bounds.center.z[lane]}, bounds.radius[lane]};
+  // Morph targets are added in double; the radius pays for narrowing the center.
+  void add_morphs(const NodeGroup& group, double unit, GroupSpheres& bounds) const noexcept {
+    for (std::size_t lane = 0; lane < lanes_of_group; ++lane) {
+      const Vec3f at{bounds.center.x[lane], bounds.center.y[lane], bounds.center.z[lane]};
+      Sphere s{unit * Vec3(at), unit * static_cast<double>(bounds.radius[lane])};
       morphs_.add_to(group.slot[lane], s);
-      bounds.center.x[lane] = s.center.x, bounds.center.y[lane] = s.center.y, bounds.center.z[lane] = s.center.z;
-      bounds.radius[lane] = s.radius;
+      const Vec3 center = s.center / unit;
+      const Vec3f nearest(center);
+      bounds.center.x[lane] = nearest.x, bounds.center.y[lane] = nearest.y, bounds.center.z[lane] = nearest.z;
+      // mutant skinned-morphed-center: `+ length(Vec3(nearest) - center)` -> ``
+      bounds.radius[lane] = rounded_up((s.radius / unit + length(Vec3(nearest) - center)) * (1 + 0x1p-40));
     }
-  }
-
-  static Spheref sphere_of(const GroupSpheres& s, std::size_t lane) noexcept {
-    // mutant skinned-largest-bound: `s.radius[lane] <= largest_bound` -> `true`
-    if (s.radius[lane] <= largest_bound)
-      return {Vec3f(Vec3{s.center.x[lane], s.center.y[lane], s.center.z[lane]}), rounded_up(s.radius[lane])};
-    return {{}, rounded_up(largest_bound)};
   }
 
   SkinBlend blend_;
   SkinMorphs morphs_;
-  std::vector<BoneMotion> bones_, pairs_;  // of the current frame
+  std::vector<std::uint32_t> used_;  // bones of groups and terms
+  // The current frame:
+  std::vector<Vec3> shifts_;   // displacements of the pivot, by bone
+  std::vector<BoneRow> rows_;  // by bone, and one of zeros
+  std::vector<BoneMotion> bones_;
+  std::vector<MotionRow> pairs_;
+  double scale_ = 1;
   std::optional<MeasuredNodes> measured_{};
 };
 

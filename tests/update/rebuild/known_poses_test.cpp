@@ -10,12 +10,12 @@
 #include <morula/deform/deformation.hpp>
 #include <morula/geometry/rigid_transform.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/tree/cover.hpp>
 #include <morula/update/known_poses.hpp>
 #include <morula/update/rebuilt_body.hpp>
 #include <optional>
 #include <random>
-#include <stop_token>
 #include <support/meshes.hpp>
 
 #include "../bodies.hpp"
@@ -470,7 +470,7 @@ TEST(KnownPoses, are_added_beside_a_tree_that_is_loose_at_its_own_pose) {
 // Nothing is added, and a tree is built for a pose once at most.
 TEST(KnownPoses, that_are_stopped_leave_the_tree_as_it_was) {
   CoveredTree model = bare(home_with_poses());
-  std::stop_source stop;
+  StopSource stop;
   std::size_t trees = 0;
   KnownPoseOptions options = quick_poses;
   options.stop = stop.get_token();

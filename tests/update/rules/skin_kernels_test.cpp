@@ -50,39 +50,47 @@ long double reached_stretch(const std::array<Vec3, 3>& columns) {
   return size_of(times(columns, v)) / size_of(v);
 }
 
-// The radii that a kernel finds for nodes of radius 1 under a matrix.
-GroupSpheres under(const std::array<Vec3, 3>& columns, const SkinKernels& kernels) {
-  NodeGroup group;
-  group.end_term = 1;
-  GroupTerm term;
-  for (std::size_t lane = 0; lane < lanes_of_group; ++lane) group.radius[lane] = term.scale[lane] = 1;
-  const BoneMotion main{{Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{0, 0, -1}}, {}, 1e300}, pair{columns, {}, 0};
-  GroupSpheres spheres;
-  kernels.bound(group, {&main, &pair, &term}, spheres);
-  return spheres;
+using FloatColumns = std::array<Vec3f, 3>;
+
+// The bounds that a kernel finds for a matrix in all lanes, or in one of them beside others.
+std::vector<float> stretches_of(const FloatColumns& columns, const SkinKernels& kernels, bool is_alone) {
+  LaneVectors lanes[3]{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t lane = 0; lane < lanes_of_group; ++lane) {
+      const float factor = !is_alone || lane == 5 ? 1 : 0x1p30f;
+      lanes[k].x[lane] = columns[k].x * factor;
+      lanes[k].y[lane] = columns[k].y;
+      lanes[k].z[lane] = columns[k].z * factor;
+    }
+  LaneFloats stretches;
+  kernels.stretch(lanes, stretches);
+  if (is_alone) return {stretches[5]};
+  return {std::begin(stretches), std::end(stretches)};
 }
 
 TEST(SkinKernels, the_stretch_of_matrices_of_any_size_is_bounded) {
   Random random(5);
-  for (int k = 0; k < 3000; ++k) {
-    const bool is_usual = k % 2 == 0;
-    const double size = is_usual ? 1 : std::ldexp(1, k % 960 - 480);
-    std::array<Vec3, 3> columns;
-    for (Vec3& c : columns) c = Vec3{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)} * size;
-    if (k % 3 == 0) columns[2] = columns[0] * 0.5;
-    if (k % 5 == 0) columns[2] = columns[1] = columns[0];
-    const long double reached = reached_stretch(columns);
-    for (const SkinKernels& kernels : all_skin_kernels()) {
-      const GroupSpheres spheres = under(columns, kernels);
-      for (const double radius : spheres.radius) {
-        EXPECT_GE(static_cast<long double>(radius), reached) << k;
-        EXPECT_LE(static_cast<long double>(radius), (is_usual ? 1.03L : 3.1L) * reached) << k;
-      }
-    }
+  for (int k = 0; k < 6000; ++k) {
+    const float size = std::ldexp(1.0f, k % 2 == 0 ? 0 : k % 160 - 110);
+    std::array<Vec3, 3> wide;
+    FloatColumns columns;
+    for (Vec3& c : wide) c = Vec3{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    if (k % 3 == 0) wide[2] = wide[0] * 0.5;
+    if (k % 5 == 0) wide[2] = wide[1] = wide[0];
+    if (k % 7 == 0)  // nearly a rotation
+      wide = {Vec3{0.6, 0.8, 0} + wide[0] * 1e-6, Vec3{-0.8, 0.6, 0} + wide[1] * 1e-6, Vec3{0, 0, 1} + wide[2] * 1e-6};
+    for (std::size_t c = 0; c < 3; ++c) columns[c] = size * Vec3f(wide[c]), wide[c] = Vec3(columns[c]);
+    const long double reached = reached_stretch(wide);
+    for (const SkinKernels& kernels : all_skin_kernels())
+      for (const bool is_alone : {false, true})
+        for (const float stretch : stretches_of(columns, kernels, is_alone)) {
+          EXPECT_GE(static_cast<long double>(stretch), reached) << k;
+          EXPECT_LE(static_cast<long double>(stretch), (k % 7 == 0 ? 1.0001L : 1.031L) * reached) << k;
+        }
   }
   for (const SkinKernels& kernels : all_skin_kernels()) {
-    EXPECT_EQ(under({}, kernels).radius[0], 0);
-    EXPECT_NEAR(under({Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, -1}}, kernels).radius[0], 1, 1e-11);
+    EXPECT_EQ(stretches_of({}, kernels, true)[0], 0);
+    EXPECT_NEAR(stretches_of({Vec3f{0, 1, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, -1}}, kernels, true)[0], 1, 4e-5);
   }
 }
 

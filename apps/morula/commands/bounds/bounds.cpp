@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <morula/io/modal_file.hpp>
 #include <morula/io/skin_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
@@ -27,7 +28,7 @@ namespace {
 struct BoundsArguments {
   std::string mesh;
   std::string output;
-  std::string skin, transforms;
+  std::string skin, transforms, modes, coordinates;
   std::size_t clusters = 64;
   std::string clusters_from;
   bool primitives = false;
@@ -49,6 +50,10 @@ void require_arguments(BoundsArguments& o) {
     throw UsageError(fmt::format("{}: has no skin; add --skin FILE, or give a .gltf or .glb", o.mesh));
   if (o.skin.empty()) o.skin = o.mesh;
   if (o.transforms.empty() && is_gltf(o.skin)) o.transforms = o.skin;
+  if (!o.modes.empty() && is_gltf(o.skin))
+    throw UsageError(fmt::format("both --modes and {}, which has morph targets of its own: leave out --modes", o.skin));
+  if (!o.coordinates.empty() && (o.modes.empty() || o.transforms.empty()))
+    throw UsageError("--coords needs the modes and transforms they belong to: add --modes FILE and --transforms FILE");
   if (o.primitives && !is_gltf(o.mesh)) throw UsageError("--primitives needs a .gltf or .glb as MESH");
   const bool embeds = is_gltf(o.output);
   if (!embeds && extension(o.output) != ".json")
@@ -56,13 +61,23 @@ void require_arguments(BoundsArguments& o) {
   if (embeds && o.skin != o.mesh)
     throw UsageError(fmt::format("{}: bounds go into a copy of a glTF file with its own skin; name a .json", o.output));
   require_output_place(o.output);
-  require_not_input(o.output, {o.mesh, o.skin, o.transforms, o.clusters_from});
+  require_not_input(o.output, {o.mesh, o.skin, o.transforms, o.modes, o.coordinates, o.clusters_from});
 }
 
-/// Primitives of the mesh, and bones of the skin, where they are glTF files.
+/// The file with the morph targets; none: empty.
+std::string file_of_targets(const BoundsArguments& o) {
+  if (!o.modes.empty()) return o.modes;
+  return is_gltf(o.skin) ? o.skin : is_gltf(o.mesh) ? o.mesh : "";
+}
+
+/// Primitives of the mesh, bones of the skin, and morph targets, where they are in glTF files.
 GltfParts parts_of(const BoundsArguments& o) {
   GltfParts parts = is_gltf(o.mesh) ? read_gltf_parts(o.mesh) : GltfParts{};
-  if (o.skin != o.mesh) parts.bones = is_gltf(o.skin) ? read_gltf_parts(o.skin).bones : std::vector<GltfBone>{};
+  if (o.skin != o.mesh) {
+    GltfParts of_skin = is_gltf(o.skin) ? read_gltf_parts(o.skin) : GltfParts{};
+    parts.bones = std::move(of_skin.bones);
+    if (file_of_targets(o) != o.mesh) parts.targets = std::move(of_skin.targets);
+  }
   return parts;
 }
 
@@ -70,6 +85,29 @@ std::vector<std::uint32_t> requested_clusters(const BoundsArguments& o, const Me
   if (o.primitives) return primitive_clusters(parts);
   return o.clusters_from.empty() ? halved_clusters(mesh, o.clusters)
                                  : read_clusters(o.clusters_from, mesh.facet_count());
+}
+
+/// Frames without coordinates have all targets at rest.
+BoneFrames requested_frames(const BoundsArguments& o, const Skin& skin, const Modes& targets) {
+  if (o.transforms.empty()) return {};
+  // The animation of the file that has the targets.
+  if (is_gltf(o.transforms) && o.transforms == file_of_targets(o))
+    return read_bone_frames(o.transforms, skin.bone_count, targets.mode_count, o.animation);
+  BoneFrames frames = read_bone_frames(o.transforms, skin.bone_count, o.animation);
+  if (o.coordinates.empty()) return frames;
+  frames.morphs = read_coordinates(o.coordinates, targets.mode_count);
+  if (frames.morphs.frame_count() != frames.frame_count())
+    throw FileError(fmt::format("{}: has {}, but {} has {}", o.coordinates,
+                                counted(frames.morphs.frame_count(), "frame"), o.transforms, frames.frame_count()));
+  return frames;
+}
+
+/// Clusters without facets behind the last one that has some.
+void add_empty_clusters(SkinBoundsData& data, std::size_t cluster_count) {
+  const SkinBoundsCluster empty{.first_row = static_cast<std::uint32_t>(data.rows.size())};
+  if (data.clusters.size() < cluster_count) data.clusters.resize(cluster_count, empty);
+  if (data.target_count > 0)
+    data.target_begin.resize(data.clusters.size() + 1, static_cast<std::uint32_t>(data.targets.size()));
 }
 
 struct Written {
@@ -87,6 +125,7 @@ void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsDa
                 {"clusters", data.clusters.size()},
                 {"bones", data.bone_count},
                 {"rows", data.rows.size()},
+                {"morph_targets", data.target_count},
                 {"frames", written.frames}};
     if (written.frames > 0) report.update(written.tightness.json());
     report["seconds"] = {{"read", written.read_seconds}, {"bounds", written.bounds_seconds}};
@@ -94,8 +133,10 @@ void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsDa
     return;
   }
   fmt::print("{}\n\n", mesh_line(o.mesh, mesh));
-  fmt::print("bounds        {}, {}, {}\n", counted(data.clusters.size(), "cluster"), counted(data.bone_count, "bone"),
+  fmt::print("bounds        {}, {}, {}", counted(data.clusters.size(), "cluster"), counted(data.bone_count, "bone"),
              counted(data.rows.size(), "row"));
+  if (data.target_count > 0) fmt::print(", {}", counted(data.target_count, "morph target"));
+  fmt::print("\n");
   if (written.frames > 0) {
     fmt::print("checked       {}\n", counted(written.frames, "frame"));
     fmt::print("radius        {} of the smallest sphere's\n", written.tightness.text());
@@ -123,23 +164,22 @@ int bounds_command(BoundsArguments o) {
   const Mesh mesh = load_mesh(o.mesh);
   const Skin skin = read_skin(o.skin, mesh);
   const GltfParts parts = parts_of(o);
-  if (parts.morph_targets > 0)
-    note("{}: has {}: bounds hold for their weights in the file alone", o.mesh,
-         counted(parts.morph_targets, "morph target"));
+  const std::string modes = file_of_targets(o);
+  const Modes targets = modes.empty() ? Modes{} : read_modes(modes, mesh);
   const std::vector<std::uint32_t> clusters = requested_clusters(o, mesh, parts);
-  const BoneFrames frames =
-      o.transforms.empty() ? BoneFrames{} : read_bone_frames(o.transforms, skin.bone_count, o.animation);
+  const BoneFrames frames = requested_frames(o, skin, targets);
   Written written{.read_seconds = watch.lap(), .frames = frames.frame_count()};
-  const SkinBounds bounds(mesh, skin, clusters, workers);
+  SkinBoundsData data = SkinBounds(mesh, skin, targets, clusters, workers).data();
+  if (o.primitives) add_empty_clusters(data, parts.primitives.size());
   written.bounds_seconds = watch.lap();
-  written.tightness = measured_tightness(bounds.data(), mesh, skin, clusters, frames, workers);
-  const std::string text = bounds_text(bounds.data(), mesh, clusters, parts);
+  written.tightness = measured_tightness(data, mesh, skin, targets, clusters, frames, workers);
+  const std::string text = bounds_text(data, mesh, clusters, parts);
   if (is_gltf(o.output))
     write_gltf_extra(o.mesh, o.output, "morula_skin_bounds", text);
   else
     write_whole(o.output, text + "\n");
   note_written(o.output);
-  print_report(o, mesh, bounds.data(), written);
+  print_report(o, mesh, data, written);
   return written.tightness.uncovered_count() > 0 ? exit_check_failed : exit_done;
 }
 
@@ -156,6 +196,11 @@ void add_bounds(CLI::App& app, Run& run) {
       ->type_name("FILE");
   add_option(*command, "--transforms", o->transforms,
              "Transforms to check and measure by: .npy of shape (frames, bones, 3, 4); default: a glTF's animation")
+      ->type_name("FILE");
+  add_option(*command, "--modes", o->modes,
+             "Morph targets: .npy of shape (targets, vertices, 3); default: those of a glTF MESH")
+      ->type_name("FILE");
+  add_option(*command, "--coords", o->coordinates, "Their numbers to check by: .npy of shape (frames, targets)")
       ->type_name("FILE");
   CLI::Option* clusters = add_option(*command, "--clusters", o->clusters, "Number of clusters of facets")
                               ->type_name("N")

@@ -34,6 +34,13 @@ Json primitives_json(const GltfParts& parts) {
   return all;
 }
 
+Json targets_json(const GltfParts& parts) {
+  Json all = Json::array();
+  for (const GltfTarget& t : parts.targets)
+    all.push_back({{"node", t.node}, {"mesh", t.mesh}, {"target", t.target}, {"rest_weight", t.rest_weight}});
+  return all;
+}
+
 /// Numbers of floats have the fewest digits that read back as the same float.
 template <class... Numbers>
 void append_numbers(std::string& text, Numbers... numbers) {
@@ -51,6 +58,11 @@ void append_cluster(std::string& text, const SkinBoundsCluster& c, const FacetRa
 
 void append_row(std::string& text, const SkinBoundsRow& r) {
   append_numbers(text, r.bone, r.weight, r.weight_stray, r.moment_stray, r.center.x, r.center.y, r.center.z, r.radius);
+}
+
+void append_target(std::string& text, const SkinBoundsTarget& t) {
+  append_numbers(text, t.shift.x, t.shift.y, t.shift.z, t.radius, t.half_extent.x, t.half_extent.y, t.half_extent.z,
+                 t.target);
 }
 
 /// One line for each item.
@@ -78,6 +90,8 @@ std::string bounds_text(const SkinBoundsData& data, const Mesh& mesh, std::span<
     for (const GltfBone& bone : parts.bones) head["bones"].push_back(bone_json(bone));
   }
   if (!parts.primitives.empty()) head["primitives"] = primitives_json(parts);
+  if (data.target_count > 0) head["target_count"] = data.target_count;
+  if (!parts.targets.empty()) head["morph_targets"] = targets_json(parts);
   std::string text = json_text(head, -1);
   text.pop_back();
   text += fmt::format(",\n\"reach\":{},\"largest_size\":{}", data.reach, data.largest_size);
@@ -85,6 +99,10 @@ std::string bounds_text(const SkinBoundsData& data, const Mesh& mesh, std::span<
   append_list(text, "clusters", data.clusters.size(),
               [&](std::size_t i) { append_cluster(text, data.clusters[i], ranges[i]); });
   append_list(text, "rows", data.rows.size(), [&](std::size_t i) { append_row(text, data.rows[i]); });
+  if (data.target_count > 0) {
+    text += fmt::format(",\n\"target_begin\":{}", Json(data.target_begin).dump());
+    append_list(text, "targets", data.targets.size(), [&](std::size_t i) { append_target(text, data.targets[i]); });
+  }
   return text + "}";
 }
 

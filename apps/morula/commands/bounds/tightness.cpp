@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <morula/geometry/enclosing_sphere.hpp>
+#include <morula/update/skin_morphs.hpp>
 
 #include "commands/bounds/clusters.hpp"
 #include "evaluators/skin_bounds.h"
@@ -114,9 +115,36 @@ std::vector<AffineTransform> transforms_of(std::span<const float> rows) {
   return transforms;
 }
 
+/// Coordinates of morph targets as an engine has them.
+std::vector<float> engine_morphs(const BoneFrames& frames, std::size_t frame) {
+  if (frames.morphs.mode_count == 0) return {};
+  const std::span<const double> morphs = frames.morphs.frame(frame);
+  std::vector<float> numbers;
+  for (const double morph : morphs) {
+    numbers.push_back(static_cast<float>(morph));
+    if (!std::isfinite(numbers.back()))
+      throw UsageError(
+          fmt::format("frame {}: the number of a morph target is too large for engines, which compute in "
+                      "float",
+                      frame));
+  }
+  return numbers;
+}
+
+/// The sum of the targets of a cluster.
+skin_bounds_morph morph_of(const SkinBoundsData& data, std::size_t cluster, std::span<const float> morphs) {
+  skin_bounds_morph morph{};
+  if (morphs.empty()) return morph;
+  for (std::uint32_t i = data.target_begin[cluster]; i < data.target_begin[cluster + 1]; ++i) {
+    const auto target = std::bit_cast<skin_bounds_target>(data.targets[i]);
+    skin_bounds_add_target(&morph, &target, morphs[target.target]);
+  }
+  return morph;
+}
+
 }  // namespace
 
-Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const Skin& skin,
+Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const Skin& skin, const Modes& targets,
                              std::span<const std::uint32_t> cluster_of_facet, const BoneFrames& frames,
                              Workers& workers) {
   const auto vertices = cluster_vertices(mesh, cluster_of_facet, data.clusters.size());
@@ -130,10 +158,14 @@ Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const
   for (std::size_t frame = 0; frame < frames.frame_count(); ++frame) {
     progress.update(static_cast<double>(frame) / static_cast<double>(frames.frame_count()));
     const std::vector<float> bones = engine_rows(data, frames.frame(frame), frame);
-    move_by_skin(skin, mesh.positions, transforms_of(bones), positions, workers);
+    const std::vector<float> morphs = engine_morphs(frames, frame);
+    const std::vector<double> numbers(morphs.begin(), morphs.end());
+    move_by_skin(skin, targets, mesh.positions, transforms_of(bones), numbers, positions, workers);
     for (std::size_t i = 0; i < clusters.size(); ++i) {
       if (vertices[i].empty()) continue;
-      const skin_bounds found = skin_bounds_of(&clusters[i], cluster_rows.data(), data.reach, bones.data());
+      const skin_bounds_morph morph = morph_of(data, i, morphs);
+      const skin_bounds found =
+          skin_bounds_morphed(&clusters[i], cluster_rows.data(), data.reach, bones.data(), &morph);
       points.clear();
       for (const std::uint32_t v : vertices[i]) points.push_back(positions[v]);
       const auto& [center, radius, lower, upper] = found;

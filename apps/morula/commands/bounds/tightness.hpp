@@ -41,9 +41,9 @@ class Tightness {
   bool sorted_ = true;
 };
 
-/// Measures the spheres that the evaluator in C computes in all frames, with transforms rounded to float, against the
-/// vertices as these transforms move them.
-Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const Skin& skin,
+/// Measures the spheres that the evaluator in C computes in all frames, with transforms and morphs rounded to float,
+/// against the vertices as these move them. Frames without morphs have all targets at rest.
+Tightness measured_tightness(const SkinBoundsData& data, const Mesh& mesh, const Skin& skin, const Modes& targets,
                              std::span<const std::uint32_t> cluster_of_facet, const BoneFrames& frames,
                              Workers& workers);
 

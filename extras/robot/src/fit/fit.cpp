@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <morula/geometry/box.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/robot/fit.hpp>
 #include <mutex>
 #include <numeric>
@@ -55,7 +56,7 @@ class FitProgress {
 
  private:
   const std::function<void(double, const std::string&)>& report_;
-  std::mutex mutex_;
+  detail::Mutex mutex_;
   std::size_t all_ = 0, done_ = 0;
 };
 

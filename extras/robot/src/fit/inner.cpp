@@ -84,7 +84,7 @@ std::vector<Solid> solids_of(const Mesh& given) {
 
 std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
                                   std::span<const ClipPlane> planes, std::size_t count, std::uint64_t seed,
-                                  const std::stop_token& stop) {
+                                  const StopToken& stop) {
   std::vector<Solid> solids;
   std::vector<Sphere> own, balls;
   for (const Shape& shape : shapes) {

@@ -17,6 +17,6 @@ namespace morula::robot {
 /// for meshes that cannot be read.
 std::vector<Sphere> inner_spheres(const std::filesystem::path& robot_file, std::span<const Shape> shapes,
                                   std::span<const ClipPlane> planes, std::size_t count, std::uint64_t seed,
-                                  const std::stop_token& stop);
+                                  const StopToken& stop);
 
 }  // namespace morula::robot

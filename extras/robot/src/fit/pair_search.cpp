@@ -81,7 +81,7 @@ class Prover {
     allowance_ = rounding * (reach_of(pair.chain, pair.ranges) + pair.a.extent + pair.b.extent);
   }
 
-  Verdict run(std::size_t boxes, const std::stop_token& stop) {
+  Verdict run(std::size_t boxes, const StopToken& stop) {
     // The proven share gives an estimate of the number of boxes that the rest will take.
     constexpr std::size_t before_guessing = 1000;
     JointBox all;
@@ -221,7 +221,7 @@ class Descent {
     for (const std::size_t c : pair.chain.coordinates) sides_.push_back(pair.ranges.coordinates[c]);
   }
 
-  bool run(Random& random, const std::stop_token& stop) {
+  bool run(Random& random, const StopToken& stop) {
     constexpr std::size_t draws = 96, starts = 12, finalists = 2;
     constexpr int few_steps = 40, many_steps = 400;
     std::vector<std::pair<double, std::vector<double>>> drawn(draws);
@@ -308,11 +308,11 @@ class Descent {
 
 }  // namespace
 
-Verdict prove_apart(const LinkPair& pair, std::size_t boxes, const std::stop_token& stop) {
+Verdict prove_apart(const LinkPair& pair, std::size_t boxes, const StopToken& stop) {
   return Prover(pair).run(boxes, stop);
 }
 
-bool descend_to_contact(const LinkPair& pair, std::uint64_t seed, const std::stop_token& stop) {
+bool descend_to_contact(const LinkPair& pair, std::uint64_t seed, const StopToken& stop) {
   if (pair.chain.coordinates.empty()) return false;
   Random random(seed);
   return Descent(pair).run(random, stop);

@@ -4,8 +4,8 @@
 // none.
 #pragma once
 
+#include <morula/parallel/threads.hpp>
 #include <optional>
-#include <stop_token>
 
 #include "fit/pair_chain.hpp"
 #include "fit/sphere_group.hpp"
@@ -42,9 +42,9 @@ enum class Verdict {
 /// Rounding. A pose is a product of at most a few hundred rigid transforms, each rounded by less than 2^-50 of the sum
 /// of all lengths in it, and a turn of up to far_turn radians is off by less than 2^-43: balls have to be apart by
 /// 2^-33 of this sum (`reach_of` and the extents of both links) on top.
-Verdict prove_apart(const LinkPair& pair, std::size_t boxes, const std::stop_token& stop);
+Verdict prove_apart(const LinkPair& pair, std::size_t boxes, const StopToken& stop);
 
 /// Goes downhill from random configurations to one in which the spheres of two links meet: true if it finds one.
-bool descend_to_contact(const LinkPair& pair, std::uint64_t seed, const std::stop_token& stop);
+bool descend_to_contact(const LinkPair& pair, std::uint64_t seed, const StopToken& stop);
 
 }  // namespace morula::robot

@@ -223,7 +223,7 @@ Sphere PartialCover::best_place(const Sphere& s, double worth) {
   return best.gain > -std::numeric_limits<double>::infinity() ? best.sphere : s;
 }
 
-void PartialCover::improve(double worth, int rounds, const std::stop_token& stop) {
+void PartialCover::improve(double worth, int rounds, const StopToken& stop) {
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < spheres_.size() && !stop.stop_requested(); ++i) {
       count(spheres_[i], -1);

@@ -5,9 +5,9 @@
 
 #include <cstdint>
 #include <morula/geometry/mesh.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 namespace morula::robot {
@@ -27,7 +27,7 @@ class PartialCover {
 
   /// Moves every sphere so many times, for a worth in mesh units. Each sphere keeps the samples within the tolerance
   /// that no other sphere keeps there. Ends early on a stop request.
-  void improve(double worth, int rounds, const std::stop_token& stop);
+  void improve(double worth, int rounds, const StopToken& stop);
 
   std::span<const Sphere> spheres() const { return spheres_; }
   void set_spheres(std::span<const Sphere> spheres);

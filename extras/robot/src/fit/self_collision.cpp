@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <morula/geometry/reproducible.hpp>
+#include <morula/parallel/threads.hpp>
 #include <morula/robot/self_collision.hpp>
 #include <mutex>
 #include <numeric>
@@ -219,7 +220,7 @@ class Finder {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
       if (is_open(pairs_[p])) open.push_back(p);
     }
-    std::mutex one_call;
+    detail::Mutex one_call;
     std::size_t done = 0;
     workers_.run(open.size(), [&](std::size_t i) {
       if (o_.stop.stop_requested()) return;

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <morula/parallel/threads.hpp>
 #include <morula/robot/self_fit.hpp>
 #include <mutex>
 #include <stdexcept>
@@ -22,7 +23,7 @@ SelfRates self_collision_rates(const Robot& robot, const RobotSpheres& spheres, 
 
   // Per sample the pairs whose spheres overlap, and whether their shapes collide.
   std::vector<std::vector<std::pair<std::size_t, bool>>> met(o.samples);
-  std::mutex one_call;
+  detail::Mutex one_call;
   std::size_t done = 0;
   parallel_for(workers, o.samples, 16, [&](std::size_t begin, std::size_t end) {
     if (o.stop.stop_requested()) return;

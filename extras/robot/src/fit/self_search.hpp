@@ -25,7 +25,7 @@ struct SelfSearch {
   const std::vector<bool>& stays;                          // per link
   std::size_t samples;                                     // number of all samples
   double volume;                                           // of all links in one sphere each
-  const std::stop_token& stop;
+  const StopToken& stop;
 
   /// The gain is the decrease of the objective by a change: the costs of overlaps, and outside volume. present: volume
   /// of the link's spheres; below 0: it is computed.

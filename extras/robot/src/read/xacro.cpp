@@ -2,27 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "read/xacro.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "parallel/interruption.hpp"
-
-extern char** environ;
+#include "platform/files.hpp"
+#include "platform/process.hpp"
 
 namespace morula::robot {
 
@@ -58,77 +51,19 @@ const tinyxml2::XMLElement* find_below(const tinyxml2::XMLElement& at, bool is_d
   return nullptr;
 }
 
-/// A pipe whose ends other programs do not inherit, and which closes itself.
-class Pipe {
- public:
-  Pipe() {
-    if (::pipe(ends_.data()) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
-    for (const int end : ends_) ::fcntl(end, F_SETFD, FD_CLOEXEC);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  ~Pipe() {
-    close(0);
-    close(1);
-  }
-  int read_end() const { return ends_[0]; }
-  int write_end() const { return ends_[1]; }
-  void close(std::size_t end) {
-    if (ends_[end] >= 0) ::close(ends_[end]);
-    ends_[end] = -1;
-  }
-
- private:
-  std::array<int, 2> ends_{-1, -1};
-};
-
-/// A program that was started; it is ended, and waited for, at the latest with this object.
-class Child {
- public:
-  explicit Child(pid_t id) : id_(id) {}
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (id_ <= 0) return;
-    ::kill(id_, SIGKILL);
-    wait();
-  }
-  /// The exit status as of waitpid().
-  int wait() {
-    int status = 0;
-    while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
-    }
-    id_ = -1;
-    return status;
-  }
-
- private:
-  pid_t id_;
-};
-
-/// Reads both pipes to their ends.
-void read_all(Pipe& out, Pipe& err, std::string& text, std::string& message, const std::filesystem::path& file) {
-  std::array<pollfd, 2> polled{pollfd{out.read_end(), POLLIN, 0}, pollfd{err.read_end(), POLLIN, 0}};
-  std::vector<char> buffer(1u << 16);
-  while (polled[0].fd >= 0 || polled[1].fd >= 0) {
+/// Reads output and errors of a program to their ends.
+void read_all(platform::ChildProgram& program, std::string& text, std::string& message,
+              const std::filesystem::path& file) {
+  const std::array<const platform::ChildProgram*, 1> waited{&program};
+  bool has_text = true, has_message = true;
+  while (has_text || has_message) {
     detail::check_interrupt();
-    if (::poll(polled.data(), polled.size(), 100) < 0) continue;
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (polled[k].fd < 0 || polled[k].revents == 0) continue;
-      const ssize_t count = ::read(polled[k].fd, buffer.data(), buffer.size());
-      if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-      if (count <= 0) {
-        polled[k].fd = -1;
-        continue;
-      }
-      std::string& to = k == 0 ? text : message;
-      const std::size_t most = k == 0 ? most_output_bytes : most_output_bytes / 64;
-      if (to.size() + static_cast<std::size_t>(count) > most) {
-        if (k == 1) continue;
-        throw FileError(fmt::format("{}: xacro makes more than 64 MiB of it", file.string()));
-      }
-      to.append(buffer.data(), static_cast<std::size_t>(count));
-    }
+    platform::ChildProgram::wait_for_any(waited, 100);
+    has_text = has_text && program.read_output(text);
+    if (text.size() > most_output_bytes)
+      throw FileError(fmt::format("{}: xacro makes more than 64 MiB of it", file.string()));
+    has_message = has_message && program.read_errors(message);
+    message.resize(std::min(message.size(), most_output_bytes / 64));
   }
 }
 
@@ -147,9 +82,9 @@ std::string one_line(const std::string& message) {
 /// A program that ended.
 struct Run {
   int not_started = 0;  // the error where it could not be started
-  int status = 0;       // as of waitpid()
+  platform::ProcessStatus status;
   std::string text, message;
-  bool succeeded() const { return not_started == 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0; }
+  bool succeeded() const { return not_started == 0 && !status.by_signal && status.code == 0; }
 };
 
 /// Runs xacro on the file, with these options of its own and the arguments of the file.
@@ -158,26 +93,14 @@ Run run_xacro(const std::vector<std::string>& own, const std::filesystem::path& 
   words.insert(words.end(), own.begin(), own.end());
   words.push_back(std::filesystem::absolute(file).string());
   words.insert(words.end(), options.xacro_arguments.begin(), options.xacro_arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
   Run run;
-  Pipe out, err;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, out.write_end(), 1);
-  posix_spawn_file_actions_adddup2(&actions, err.write_end(), 2);
-  pid_t id = 0;
-  run.not_started = ::posix_spawnp(&id, words[0].c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (run.not_started != 0) return run;
-  Child child(id);
-  out.close(1);
-  err.close(1);
-  read_all(out, err, run.text, run.message, file);
-  run.status = child.wait();
+  try {
+    platform::ChildProgram program(words, {.reads_errors = true});
+    read_all(program, run.text, run.message, file);
+    run.status = program.wait();
+  } catch (const std::system_error& error) {
+    run.not_started = error.code().value();
+  }
   return run;
 }
 
@@ -206,9 +129,9 @@ std::string expand_xacro(const std::filesystem::path& file, int line, const Read
     fail_at(file, line,
             fmt::format("has macros, and the program {} that expands them cannot be run ({}): install it (pip install "
                         "xacro, or ros-DISTRIBUTION-xacro), or name it as the option xacro",
-                        options.xacro, std::strerror(run.not_started)));
+                        options.xacro, platform::reason(run.not_started)));
   }
-  if (WIFEXITED(run.status) && WEXITSTATUS(run.status) == 127 && run.text.empty() && run.message.empty()) {
+  if (!run.status.by_signal && run.status.code == 127 && run.text.empty() && run.message.empty()) {
     fail_at(file, line, fmt::format("has macros, and the program {} that expands them cannot be run", options.xacro));
   }
   if (!run.succeeded()) {
@@ -223,13 +146,15 @@ std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& f
   const Run run = run_xacro({"--deps"}, file, options);
   if (!run.succeeded()) return {};
   // Absolute paths with a blank between them; names may also have blanks.
+  const auto is_path_at = [&](std::size_t at) { return std::filesystem::path(run.text.substr(at, 3)).is_absolute(); };
   std::set<std::filesystem::path> files;
   for (std::size_t begin = 0; begin < run.text.size();) {
-    const std::size_t end = std::min(run.text.find(" /", begin), run.text.size());
+    std::size_t end = begin;
+    while (end < run.text.size() && !(run.text[end] == ' ' && is_path_at(end + 1))) ++end;
     std::string name = run.text.substr(begin, end - begin);
     while (!name.empty() && (name.back() == '\n' || name.back() == '\r')) name.pop_back();
     std::error_code error;
-    if (name.starts_with('/') && std::filesystem::is_regular_file(name, error)) files.insert(name);
+    if (std::filesystem::path(name).is_absolute() && std::filesystem::is_regular_file(name, error)) files.insert(name);
     begin = end + 1;
   }
   return {files.begin(), files.end()};

@@ -119,7 +119,7 @@ class FreshOwnTree final : public Follower {
 };
 
 std::unique_ptr<Follower> make_follower(const Plan& plan, const Source& source, const CoveredTree& model,
-                                        const FollowRule& rule, PoseTrees& trees, const std::stop_token& stop) {
+                                        const FollowRule& rule, PoseTrees& trees, const StopToken& stop) {
   const Mesh& mesh = plan.bodies[source.body].mesh;
   switch (rule.kind) {
     case rebuilt:
@@ -215,8 +215,7 @@ std::optional<Looseness> loose_from(const Json& json) {
 }  // namespace
 
 MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
-                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion,
-                   const std::stop_token& stop) {
+                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion, const StopToken& stop) {
   const Source& source = plan.sources[key.source];
   const Mesh& rest = plan.bodies[source.body].mesh;
   MotionRun cell;

@@ -4,10 +4,10 @@
 #pragma once
 
 #include <memory>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/query/signed_distance.hpp>
 #include <morula/study/cell.hpp>
-#include <stop_token>
 
 #include "json.hpp"
 #include "run/measured_trees.hpp"
@@ -26,8 +26,7 @@ struct Poses {
 
 /// Throws BuildStopped when the stop is requested. meter: of the body at rest.
 MotionRun run_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,
-                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion,
-                   const std::stop_token& stop);
+                   const FollowRule& rule, const LoosenessMeter& meter, bool with_protrusion, const StopToken& stop);
 
 /// Seconds of one update of the cell's body; none for rules that are no plain update.
 std::optional<double> time_cell(const Plan& plan, const MotionRunKey& key, const CoveredTree& model, const Poses& poses,

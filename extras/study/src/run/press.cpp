@@ -189,7 +189,7 @@ std::vector<PressQuery> press_queries(const Plan& plan) {
 }
 
 PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& model,
-                    const PressScene& scene, const std::stop_token& stop) {
+                    const PressScene& scene, const StopToken& stop) {
   PressCell cell{source, rule, {}};
   const Mesh& mesh = plan.bodies[scene.body].mesh;
   Body moving(mesh, model, plan.press_rules[rule].options);  // one for both sides: they are in the same pose

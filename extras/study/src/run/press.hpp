@@ -3,10 +3,10 @@
 // Presses, measured; and as JSON, for the cache and for study.json.
 #pragma once
 
+#include <morula/parallel/threads.hpp>
 #include <morula/study/press.hpp>
 #include <morula/study/run.hpp>
 #include <morula/tree/cover.hpp>
-#include <stop_token>
 
 #include "json.hpp"
 
@@ -21,7 +21,7 @@ std::optional<PressScene> make_press(const Plan& plan, std::size_t body, const C
 /// source: a place in Plan::pressed; rule: a place in Plan::press_rules. Throws BuildStopped when the stop is
 /// requested.
 PressCell run_press(const Plan& plan, std::size_t source, std::size_t rule, const CoveredTree& model,
-                    const PressScene& scene, const std::stop_token& stop);
+                    const PressScene& scene, const StopToken& stop);
 
 Json figures_json(const PressCell& cell);
 /// Throws nlohmann::json::exception when it is none.

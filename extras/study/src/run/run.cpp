@@ -108,7 +108,7 @@ struct Context {
   const Plan& plan;
   const Cache* cache;
   Workers& workers;
-  const std::stop_token& stop;
+  const StopToken& stop;
   Counter& counter;
   Result& result;
   RunShard shard;

@@ -37,7 +37,7 @@ struct ClumpOptions {
   Quality quality = Quality::standard;  ///< quality of a cover
   std::size_t candidates = 2000;        ///< number of inner balls to select from
   std::uint64_t seed = 1;
-  std::stop_token stop{};
+  StopToken stop{};
   std::function<void(const BuildProgress&)> progress{};
 };
 

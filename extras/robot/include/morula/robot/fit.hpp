@@ -79,7 +79,7 @@ struct FitOptions {
   std::optional<Quality> quality{};
   std::uint64_t seed = 1;  ///< seed of all random choices
   double density = 1000;   ///< density of links without a mass in the robot's file, above 0, mass per mesh unit³
-  std::stop_token stop{};  ///< a stop request makes fit_spheres() throw BuildStopped
+  StopToken stop{};        ///< a stop request makes fit_spheres() throw BuildStopped
   /// Called with the completed share of the work, which rises to 1 at the end, and the name of the link that is done;
   /// on any thread, one call at a time.
   std::function<void(double share, const std::string& link)> progress{};

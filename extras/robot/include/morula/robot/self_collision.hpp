@@ -4,9 +4,9 @@
 #pragma once
 
 #include <functional>
+#include <morula/parallel/threads.hpp>
 #include <morula/robot/fit.hpp>
 #include <optional>
-#include <stop_token>
 #include <string_view>
 
 namespace morula::robot {
@@ -62,7 +62,7 @@ struct SelfCollisionOptions {
   /// Names of pairs of links to ignore in any case, such as those of read_ignored_pairs(). Pairs with a link that the
   /// robot lacks, or that has no spheres, have no effect.
   std::vector<std::array<std::string, 2>> given{};
-  std::stop_token stop{};  ///< a stop request makes find_ignored() throw BuildStopped
+  StopToken stop{};  ///< a stop request makes find_ignored() throw BuildStopped
   /// Called with the completed share of the work, 0 to 1, on any thread, one call at a time.
   std::function<void(double share)> progress{};
 };

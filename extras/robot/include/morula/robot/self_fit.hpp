@@ -16,7 +16,7 @@ namespace morula::robot {
 struct SelfRateOptions {
   std::size_t samples = 1000;  ///< number of configurations, uniform between the joints' limits, 1 or more
   std::uint64_t seed = 1;      ///< seed of the random configurations
-  std::stop_token stop{};      ///< a stop request makes the function throw BuildStopped
+  StopToken stop{};            ///< a stop request makes the function throw BuildStopped
   /// Called with the completed share of the work, 0 to 1, on any thread, one call at a time.
   std::function<void(double share)> progress{};
 };

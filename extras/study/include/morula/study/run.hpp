@@ -12,12 +12,12 @@
 #pragma once
 
 #include <functional>
+#include <morula/parallel/threads.hpp>
 #include <morula/parallel/workers.hpp>
 #include <morula/study/cache.hpp>
 #include <morula/study/cell.hpp>
 #include <morula/study/press.hpp>
 #include <stdexcept>
-#include <stop_token>
 #include <string>
 
 namespace morula::study {
@@ -36,7 +36,7 @@ struct RunShard {
 
 struct RunOptions {
   const Cache* cache = nullptr;  ///< cache from which to take cells, and in which to keep new ones; nullptr: none
-  std::stop_token stop{};        ///< a stop request makes run() throw Stopped
+  StopToken stop{};              ///< a stop request makes run() throw Stopped
   Progress progress{};           ///< may be empty
   RunShard shard{};              ///< a part needs a cache, from which a whole run joins all parts
 };

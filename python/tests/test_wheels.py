@@ -1,0 +1,105 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""What wheels are made of: options, pinned archives, and the checks of scripts/wheels. No wheel is built here."""
+
+import hashlib
+import importlib.machinery
+import importlib.util
+import pathlib
+import re
+import shutil
+import subprocess
+import tarfile
+
+import pytest
+
+sources = pathlib.Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def wheels():
+    loader = importlib.machinery.SourceFileLoader("wheels", str(sources / "scripts/wheels"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("wheels", loader))
+    loader.exec_module(module)
+    return module
+
+
+def test_a_wheel_leaves_no_part_out_silently():
+    settings = (sources / "pyproject.toml").read_text(encoding="utf-8")
+    given = dict(re.findall(r'^(MORULA_\w+) = "(\w+)"$', settings, re.MULTILINE))
+    declared = (sources / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert [name for name in given if not re.search(rf"(?:option|set)\({name} ", declared)] == []
+    assert {name: given[name] for name in ("MORULA_ROBOT", "MORULA_GLTF", "MORULA_VIEWER", "MORULA_PYTHON")} == dict.fromkeys(
+        ("MORULA_ROBOT", "MORULA_GLTF", "MORULA_VIEWER", "MORULA_PYTHON"), "ON"
+    )
+
+
+def fetch(folder, *lines):
+    """Runs functions of cmake/MorulaThirdParty.cmake with an address and a hash of the test's own."""
+    script = folder / "fetch.cmake"
+    head = [
+        "cmake_minimum_required(VERSION 3.24)",
+        f"set(PROJECT_SOURCE_DIR {folder})",
+        f"set(PROJECT_BINARY_DIR {folder}/build)",
+        f"include({sources}/cmake/MorulaThirdParty.cmake)",
+    ]
+    script.write_text("\n".join([*head, *lines]) + "\n")
+    return subprocess.run(["cmake", "-P", script], capture_output=True, text=True)
+
+
+@pytest.fixture
+def archive(tmp_path):
+    (tmp_path / "fmt-9.1.0/include/fmt").mkdir(parents=True)
+    (tmp_path / "fmt-9.1.0/include/fmt/format.h").write_text("// a header\n")
+    path = tmp_path / "9.1.0.tar.gz"
+    with tarfile.open(path, "w:gz") as file:
+        file.add(tmp_path / "fmt-9.1.0", "fmt-9.1.0")
+    shutil.rmtree(tmp_path / "fmt-9.1.0")
+    return path
+
+
+def test_an_archive_with_the_pinned_hash_is_used(tmp_path, archive):
+    pin = hashlib.sha256(archive.read_bytes()).hexdigest()
+    ran = fetch(tmp_path, f"set(MORULA_fmt_URL file://{archive})", f"set(MORULA_fmt_SHA256 {pin})", "morula_fetch(fmt)",
+                "message(STATUS ${folder})")
+    assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "build/third_party/fmt/include/fmt/format.h").read_text() == "// a header\n"
+
+
+def test_an_archive_with_another_hash_is_not_used(tmp_path, archive):
+    ran = fetch(tmp_path, f"set(MORULA_fmt_URL file://{archive})", "morula_fetch(fmt)")
+    assert ran.returncode != 0 and "not used" in " ".join(ran.stderr.split())
+    assert not (tmp_path / "build/third_party/fmt").exists()
+
+
+def test_a_single_header_is_fetched_as_an_archive_is(tmp_path):
+    header = tmp_path / "tiny_gltf.h"
+    header.write_text("// another\n")
+    pin = hashlib.sha256(header.read_bytes()).hexdigest()
+    ran = fetch(tmp_path, f"set(MORULA_tinygltf_URL file://{header})", f"set(MORULA_tinygltf_SHA256 {pin})", "morula_fetch(tinygltf)")
+    assert ran.returncode == 0, ran.stderr
+    assert (tmp_path / "build/third_party/tinygltf/tiny_gltf.h").read_text() == "// another\n"
+
+
+def test_the_message_names_packages_and_addresses(tmp_path):
+    ran = fetch(tmp_path, f"set(MORULA_fmt_URL file://{tmp_path}/nowhere.tar.gz)", "morula_fetch(fmt)",
+                "set(MORULA_MISSING fmt tinyxml2)", "morula_check_provided()")
+    text = " ".join(ran.stderr.split())
+    assert ran.returncode != 0
+    assert "not found: fmt, tinyxml2" in text and "apt-get install libfmt-dev libtinyxml2-dev" in text and "nowhere.tar.gz" in text
+
+
+def test_a_tag_promises_no_older_system_than_auditwheel_finds(wheels):
+    shown = 'x.whl is consistent with the following platform tag: "manylinux_2_{}_x86_64". The wheel'
+    assert wheels.consistent(shown.format(17), "manylinux_2_28_x86_64")
+    assert wheels.consistent(shown.format(28), "manylinux_2_28_x86_64")
+    assert not wheels.consistent(shown.format(35), "manylinux_2_28_x86_64")
+    assert not wheels.consistent(shown.format(28), "manylinux_2_28_aarch64")
+    assert not wheels.consistent(shown.replace("manylinux_2_{}", "linux"), "manylinux_2_28_x86_64")
+
+
+def test_every_pinned_package_has_its_license(wheels):
+    for name, (_, _, licence) in wheels.THIRD_PARTY.items():
+        assert (sources / f"licenses/{licence}.txt").is_file()
+        version, address, pin = wheels.pinned(name)
+        assert version in address and re.fullmatch("[0-9a-f]{64}", pin)

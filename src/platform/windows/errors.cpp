@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/windows/errors.hpp"
+
+#include <cerrno>
+#include <system_error>
+
+namespace morula::platform {
+namespace {
+
+// Names up to here, and the hidden names beside them, are within the limit of the system's calls.
+constexpr std::size_t longest_plain_name = 200;
+
+}  // namespace
+
+int errno_of(DWORD error) {
+  switch (error) {
+    case ERROR_SUCCESS:
+      return 0;
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND:
+    case ERROR_INVALID_NAME:
+    case ERROR_BAD_NETPATH:
+    case ERROR_INVALID_DRIVE:
+    case ERROR_BAD_PATHNAME:
+      return ENOENT;
+    case ERROR_ACCESS_DENIED:
+    case ERROR_CURRENT_DIRECTORY:
+    case ERROR_WRITE_PROTECT:
+      return EACCES;
+    case ERROR_SHARING_VIOLATION:
+    case ERROR_LOCK_VIOLATION:
+    case ERROR_USER_MAPPED_FILE:
+    case ERROR_BUSY:
+      return EBUSY;
+    case ERROR_FILE_EXISTS:
+    case ERROR_ALREADY_EXISTS:
+      return EEXIST;
+    case ERROR_DIR_NOT_EMPTY:
+      return ENOTEMPTY;
+    case ERROR_DIRECTORY:
+      return ENOTDIR;
+    case ERROR_NOT_SAME_DEVICE:
+      return EXDEV;
+    case ERROR_DISK_FULL:
+    case ERROR_HANDLE_DISK_FULL:
+      return ENOSPC;
+    case ERROR_FILENAME_EXCED_RANGE:
+      return ENAMETOOLONG;
+    case ERROR_TOO_MANY_OPEN_FILES:
+      return EMFILE;
+    case ERROR_NOT_ENOUGH_MEMORY:
+    case ERROR_OUTOFMEMORY:
+    case ERROR_COMMITMENT_LIMIT:
+      return ENOMEM;
+    case ERROR_BROKEN_PIPE:
+    case ERROR_NO_DATA:
+      return EPIPE;
+    case ERROR_CANT_RESOLVE_FILENAME:
+      return ELOOP;
+    case ERROR_NOT_SUPPORTED:
+    case ERROR_INVALID_FUNCTION:
+      return ENOTSUP;
+    case ERROR_BAD_EXE_FORMAT:
+      return ENOEXEC;
+    default:
+      return EIO;
+  }
+}
+
+int outcome(BOOL succeeded) {
+  return succeeded ? 0 : errno_of(GetLastError());
+}
+
+std::wstring system_name(const std::filesystem::path& path) {
+  const std::wstring& plain = path.native();
+  if (plain.size() <= longest_plain_name || plain.starts_with(L"\\\\?\\") || plain.starts_with(L"\\\\.\\"))
+    return plain;
+  std::error_code error;
+  std::filesystem::path whole = std::filesystem::absolute(path, error).lexically_normal();
+  if (error) return plain;
+  const std::wstring& name = whole.make_preferred().native();
+  return name.starts_with(L"\\\\") ? L"\\\\?\\UNC" + name.substr(1) : L"\\\\?\\" + name;
+}
+
+std::wstring wide(std::string_view text) {
+  const int count = static_cast<int>(text.size());
+  std::wstring result(static_cast<std::size_t>(MultiByteToWideChar(CP_UTF8, 0, text.data(), count, nullptr, 0)), L'\0');
+  MultiByteToWideChar(CP_UTF8, 0, text.data(), count, result.data(), static_cast<int>(result.size()));
+  return result;
+}
+
+}  // namespace morula::platform

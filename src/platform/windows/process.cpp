@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/process.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <mutex>
+#include <system_error>
+
+#include "platform/windows/launch.hpp"
+
+namespace morula::platform {
+namespace {
+
+/// The program that a name means: one of PATH. Never one of the current folder, which may be another person's.
+std::wstring find_program(const std::string& name) {
+  const std::wstring plain = wide(name);
+  if (plain.find_first_of(L"/\\:") != plain.npos) return plain.ends_with(L".exe") ? plain : plain + L".exe";
+  std::wstring folders(GetEnvironmentVariableW(L"PATH", nullptr, 0), L'\0');
+  GetEnvironmentVariableW(L"PATH", folders.data(), static_cast<DWORD>(folders.size()));
+  std::wstring found(32768, L'\0');
+  const DWORD length =
+      SearchPathW(folders.c_str(), plain.c_str(), L".exe", static_cast<DWORD>(found.size()), found.data(), nullptr);
+  if (length == 0) throw std::system_error(ENOENT, std::generic_category(), "no process can be started");
+  found.resize(length);
+  return found;
+}
+
+// Bytes that wait in a pipe; none at its end.
+std::optional<DWORD> waiting_in(const Handle& pipe) {
+  DWORD count = 0;
+  if (!pipe || PeekNamedPipe(pipe.get(), nullptr, 0, nullptr, &count, nullptr) == 0) return std::nullopt;
+  return count;
+}
+
+bool read_part(Handle& pipe, std::string& text) {
+  constexpr DWORD most = 1 << 16;
+  const std::optional<DWORD> waiting = waiting_in(pipe);
+  if (!waiting) {
+    pipe.close();
+    return false;
+  }
+  if (*waiting == 0) return true;
+  const std::size_t before = text.size();
+  text.resize(before + std::min(*waiting, most));
+  DWORD count = 0;
+  const bool is_read =
+      ReadFile(pipe.get(), text.data() + before, static_cast<DWORD>(text.size() - before), &count, nullptr) != 0;
+  text.resize(before + count);
+  return is_read;
+}
+
+}  // namespace
+
+struct ChildProgram::State {
+  Launched launched;
+  std::optional<ProcessStatus> ended;
+  bool is_killed = false;
+  std::mutex mutex;  // of in
+  Handle in, out, err;
+
+  void start(const std::wstring& path, const std::vector<std::string>& words, const ProgramStreams& streams) {
+    LaunchPipe to, from = pipe_from_program(), errors;
+    if (streams.writes_input)
+      to = pipe_to_program();
+    else
+      to.theirs = null_device(GENERIC_READ);
+    if (streams.reads_errors)
+      errors = pipe_from_program();
+    else
+      errors.theirs = inherited_stream(STD_ERROR_HANDLE);
+    launched = launch(path, words, {to.theirs.get(), from.theirs.get(), errors.theirs.get()}, nullptr, {});
+    in = std::move(to.ours);
+    out = std::move(from.ours);
+    err = std::move(errors.ours);
+  }
+  ProcessStatus take_status() {
+    ended = is_killed ? ProcessStatus{9, true} : status_of(launched.process.get());
+    return *ended;
+  }
+};
+
+ChildProgram::ChildProgram(const std::vector<std::string>& words, const ProgramStreams& streams)
+    : state_(std::make_unique<State>()) {
+  state_->start(find_program(words.at(0)), words, streams);
+}
+
+ChildProgram::ChildProgram(const std::string& path, const std::vector<std::string>& words,
+                           const ProgramStreams& streams)
+    : state_(std::make_unique<State>()) {
+  state_->start(wide(path), words, streams);
+}
+
+ChildProgram::~ChildProgram() {
+  if (state_->ended) return;
+  kill();
+  wait();
+}
+
+bool ChildProgram::write(std::string_view bytes) {
+  const std::lock_guard lock(state_->mutex);
+  while (!bytes.empty()) {
+    DWORD count = 0;
+    const auto part = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), 1 << 16));
+    if (!state_->in || WriteFile(state_->in.get(), bytes.data(), part, &count, nullptr) == 0) return false;
+    bytes.remove_prefix(count);
+  }
+  return static_cast<bool>(state_->in);
+}
+
+void ChildProgram::close_streams() {
+  request_end();
+  state_->out.close();
+  state_->err.close();
+}
+
+bool ChildProgram::read_output(std::string& text) {
+  return read_part(state_->out, text);
+}
+
+bool ChildProgram::read_errors(std::string& text) {
+  return read_part(state_->err, text);
+}
+
+// Pipes cannot be waited for; they are asked in turn.
+void ChildProgram::wait_for_any(std::span<const ChildProgram* const> programs, int milliseconds) {
+  const ULONGLONG end = GetTickCount64() + static_cast<ULONGLONG>(std::max(milliseconds, 0));
+  for (DWORD pause = 1;; pause = std::min<DWORD>(pause + 1, 10)) {
+    for (const ChildProgram* program : programs) {
+      for (const Handle* pipe : {&program->state_->out, &program->state_->err}) {
+        if (!*pipe) continue;
+        const std::optional<DWORD> waiting = waiting_in(*pipe);
+        if (!waiting || *waiting > 0) return;
+      }
+    }
+    if (GetTickCount64() >= end) return;
+    Sleep(pause);
+  }
+}
+
+std::optional<ProcessStatus> ChildProgram::status() {
+  if (!state_->ended && WaitForSingleObject(state_->launched.process.get(), 0) == WAIT_OBJECT_0) state_->take_status();
+  return state_->ended;
+}
+
+ProcessStatus ChildProgram::wait() {
+  if (!state_->ended) {
+    WaitForSingleObject(state_->launched.process.get(), INFINITE);
+    state_->take_status();
+  }
+  return *state_->ended;
+}
+
+void ChildProgram::request_end() {
+  const std::lock_guard lock(state_->mutex);
+  state_->in.close();
+}
+
+void ChildProgram::kill() noexcept {
+  if (state_->ended) return;
+  state_->is_killed = TerminateProcess(state_->launched.process.get(), 1) != 0;
+}
+
+std::string own_program() {
+  std::wstring path(32768, L'\0');
+  path.resize(GetModuleFileNameW(nullptr, path.data(), static_cast<DWORD>(path.size())));
+  std::string text(4 * path.size(), '\0');
+  text.resize(
+      static_cast<std::size_t>(WideCharToMultiByte(CP_UTF8, 0, path.data(), static_cast<int>(path.size()), text.data(),
+                                                   static_cast<int>(text.size()), nullptr, nullptr)));
+  return text;
+}
+
+}  // namespace morula::platform
