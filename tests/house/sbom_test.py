@@ -82,6 +82,7 @@ write(system / "other/other.h", "")
 for path, old, new, fault in (
         (build / "deps.txt", "morula_io.dir/a.cpp.o: #deps 3, deps mtime 1 (VALID)\n", f"morula_io.dir/a.cpp.o: #deps 4, deps mtime 1 (VALID)\n    {system}/other/other.h\n",
          f"{system}/other/other.h was compiled into morula_io, but belongs to no component"),
+        (build / "deps.txt", f"    {project}/src/a.cpp\n", f"    {project}/third_party/new/new.h\n", "third_party/new/new.h was compiled into morula_io, but"),
         (build / "deps.txt", deps, "", "ninja -t deps lists no headers"),
         (build / "deps.txt", "tests/io/CMakeFiles", "src/CMakeFiles", "gtest.h was compiled into io_test, but"),
         (folder / "needed.txt", "libfmt.so.9", "libother.so.1", "morula loads libother.so.1, which belongs to no component"),
