@@ -185,8 +185,8 @@ class SkinBounds {
   /// The same with morph targets. morphs: target_count() for each character, in the order of the transforms; none means
   /// that all are 0. Also rejects: wrong_coordinate_count for another number of morphs; bad_coordinate for one that is
   /// not finite or above 2^127, or for morphs that move a character beyond SkinBoundsData::largest_size, with the index
-  /// in `morphs` of the lowest one not finite or of the one that moves this character most. The first call with morphs may allocate. Cost: also linear in the
-  /// targets of all clusters.
+  /// in `morphs` of the lowest one not finite or of the one that moves this character most. The first call with morphs
+  /// may allocate. Cost: also linear in the targets of all clusters.
   Status bounds(std::span<const AffineTransform> transforms, std::span<const double> morphs,
                 const SkinBoundsOutput& output, Workers& workers = serial_workers());
 
