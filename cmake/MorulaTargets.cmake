@@ -9,6 +9,10 @@ set(MORULA_NOT_OPTIMIZED "")
 if(CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang|AppleClang)$" AND NOT MSVC)
   set(MORULA_GNU_LIKE ON)
   set(MORULA_LESS_OPTIMIZED -O1)
+  if(SKBUILD)
+    # As long to compile, and half the code of the command: wheels are small.
+    set(MORULA_LESS_OPTIMIZED -Os)
+  endif()
   set(MORULA_NOT_OPTIMIZED -O0)
 endif()
 
@@ -42,6 +46,10 @@ function(morula_configure_gnu_like target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 warns of overlapping copies inside std::string's own operator+ (GCC bug 105651).
     target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
+  if(SKBUILD)
+    # The linker leaves out what the extension does not call.
+    target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections)
   endif()
   if(MORULA_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
