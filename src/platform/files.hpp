@@ -60,6 +60,8 @@ void copy_folder_permissions(const Path& from, const Path& to);
 int rename_over(const Path& from, const Path& to);
 /// Exchanges the names of two folders in one step; false if the system or the file system cannot.
 bool exchange(const Path& a, const Path& b);
+/// False if the system has no such call, for any file system.
+bool has_exchange();
 /// Gives a file a second name.
 int link_file(const Path& file, const Path& name);
 /// True for a folder that cannot be renamed: the root of a file system.

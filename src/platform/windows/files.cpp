@@ -176,6 +176,10 @@ bool exchange(const Path&, const Path&) {
   return false;
 }
 
+bool has_exchange() {
+  return false;
+}
+
 int link_file(const Path& file, const Path& name) {
   return outcome(CreateHardLinkW(system_name(name).c_str(), system_name(file).c_str(), nullptr));
 }
