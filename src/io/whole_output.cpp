@@ -346,9 +346,8 @@ void WholeFolder::commit_by_exchange() {
   fs::path replaced = stage_;
   if (!platform::exchange(stage_, target_)) {
     replaced = folder_of(target_) / hidden_name();
-    if (!linked.empty() || !later.empty() || platform::rename_over(target_, replaced) != 0) {
-      // Files of other programs stay where they are. On Windows, a folder cannot be renamed while another program has
-      // files of it open or works in it.
+    if (platform::rename_over(target_, replaced) != 0) {
+      // On Windows, a folder cannot be renamed while another program has files of it open or works in it.
       for (const fs::path& name : linked) platform::remove_file(stage_ / name);
       merges_ = true;
       return commit_by_merging();
