@@ -17,7 +17,7 @@ namespace morula::platform {
 
 using Path = std::filesystem::path;
 
-/// The kind of what a path leads to, through links.
+/// The kind of node to which a path leads, through links.
 enum class NodeKind { missing, file, folder, pipe, socket, device, other };
 NodeKind kind_of(const Path& path);
 /// The same; error: why it is missing, ENOENT in general; 0 if it is not.
