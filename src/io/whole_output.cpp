@@ -327,11 +327,17 @@ void WholeFolder::commit_by_exchange() {
   const auto reject = [&](const std::string& why) {
     throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
   };
-  // Files of other programs are in both folders for a moment, so that no crash can lose one.
-  std::vector<fs::path> linked, later;
   std::error_code error;
-  for (const fs::path& name : names_in(target_, error)) {
-    if (is_there(stage_ / name)) continue;
+  std::vector<fs::path> others, linked, later;
+  for (const fs::path& name : names_in(target_, error))
+    if (!is_there(stage_ / name)) others.push_back(name);
+  if (!error && !others.empty() && !platform::has_exchange()) {
+    // Other programs may have files open, which can then be neither linked nor moved.
+    merges_ = true;
+    return commit_by_merging();
+  }
+  // Files of other programs are in both folders for a moment, so that no crash can lose one.
+  for (const fs::path& name : others) {
     (platform::link_file(target_ / name, stage_ / name) == 0 ? linked : later).push_back(name);
   }
   if (error) reject(error.message());
@@ -340,9 +346,8 @@ void WholeFolder::commit_by_exchange() {
   fs::path replaced = stage_;
   if (!platform::exchange(stage_, target_)) {
     replaced = folder_of(target_) / hidden_name();
-    if (!linked.empty() || !later.empty() || platform::rename_over(target_, replaced) != 0) {
-      // Files of other programs stay where they are. On Windows, a folder cannot be renamed while another program has
-      // files of it open or works in it.
+    if (platform::rename_over(target_, replaced) != 0) {
+      // On Windows, a folder cannot be renamed while another program has files of it open or works in it.
       for (const fs::path& name : linked) platform::remove_file(stage_ / name);
       merges_ = true;
       return commit_by_merging();

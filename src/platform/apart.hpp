@@ -20,7 +20,8 @@ namespace morula::platform {
 /// Makes this process a worker: Ctrl-C is for the program that started it; a closed pipe is an error of the write; a
 /// request to end (SIGTERM) ends read_input().
 void become_worker();
-/// Appends what arrives on standard input, for which it waits. False at its end, or when this process was asked to end.
+/// Appends what arrives on standard input, for which it waits. False at its end, or when the end of this process was
+/// requested.
 bool read_input(std::string& text);
 /// Writes all bytes to standard output.
 bool write_output(std::string_view bytes);
@@ -48,7 +49,7 @@ class ScratchFile {
 /// Writes to a scratch file of the process that started this one.
 bool write_scratch(std::uint64_t number, std::string_view bytes);
 
-/// What is done, in two forms. POSIX forks and calls `run`, which returns the exit code. Windows starts `program` with
+/// The work, in two forms. POSIX forks and calls `run`, which returns the exit code. Windows starts `program` with
 /// `words` and writes `input` to its standard input; the program then calls `leave_with_input()`, and does the same.
 struct ApartWork {
   std::function<int()> run;
@@ -56,7 +57,7 @@ struct ApartWork {
   std::vector<std::string> words;
   std::string input;
 };
-/// Where the standard streams of the work go, and a third file that it may write to.
+/// The files for the standard streams of the work, and a third one that it may write to.
 struct ApartFiles {
   const ScratchFile &out, &errors, &extra;
 };
@@ -69,7 +70,7 @@ struct ApartEnd {
   enum class How {
     exited,       // status
     out_of_time,  // ended for its limit of time
-    abandoned,    // ended because this process was asked to end, or nobody waits for its answers
+    abandoned,    // ended since the end of this process was requested, or its answers are not awaited
   };
   How how = How::exited;
   ProcessStatus status;

@@ -17,7 +17,7 @@ namespace morula::platform {
 
 using Path = std::filesystem::path;
 
-/// The kind of what a path leads to, through links.
+/// The kind of node to which a path leads, through links.
 enum class NodeKind { missing, file, folder, pipe, socket, device, other };
 NodeKind kind_of(const Path& path);
 /// The same; error: why it is missing, ENOENT in general; 0 if it is not.
@@ -60,6 +60,8 @@ void copy_folder_permissions(const Path& from, const Path& to);
 int rename_over(const Path& from, const Path& to);
 /// Exchanges the names of two folders in one step; false if the system or the file system cannot.
 bool exchange(const Path& a, const Path& b);
+/// False if the system has no such call, for any file system.
+bool has_exchange();
 /// Gives a file a second name.
 int link_file(const Path& file, const Path& name);
 /// True for a folder that cannot be renamed: the root of a file system.

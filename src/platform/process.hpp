@@ -20,7 +20,7 @@ struct ProcessStatus {
   bool by_signal = false;  // it crashed, or another process ended it
 };
 
-/// Where the streams of a program lead.
+/// Destinations of the streams of a program.
 struct ProgramStreams {
   bool writes_input = false;  // write() goes to its standard input; otherwise that is empty
   bool reads_errors = false;  // read_errors() returns its standard error; otherwise that is the one of this program

@@ -53,7 +53,7 @@ class WholeFolder {
   /// The way in which commit() replaces a folder that exists.
   enum class Mode {
     /// The new folder replaces the old one, in one step if the system can exchange two names, otherwise in two steps.
-    /// Files that the new one lacks are kept; with them, works like `merge` if names cannot be exchanged. The same if
+    /// Files that the new one lacks are kept; with them, works like `merge` on Windows. It does so everywhere if
     /// the folder cannot be renamed: if it is a mount point or a current folder, or if its parent is not writable.
     exchange,
     /// New files move into the existing folder one by one; if one fails, all move back. For folders that other programs

@@ -164,6 +164,10 @@ bool exchange(const Path& a, const Path& b) {
 #endif
 }
 
+bool has_exchange() {
+  return true;
+}
+
 int link_file(const Path& file, const Path& name) {
   return result(linkat(AT_FDCWD, file.c_str(), AT_FDCWD, name.c_str(), 0));
 }

@@ -40,7 +40,7 @@ ProcessStatus status_of(int status) {
   return {WEXITSTATUS(status), false};
 }
 
-/// What posix_spawn() is to do, which frees itself.
+/// Parameters of posix_spawn(), which free themselves.
 struct SpawnPlan {
   SpawnPlan() {
     posix_spawn_file_actions_init(&files);

@@ -97,7 +97,7 @@ struct ScratchFile::State {
 ScratchFile::ScratchFile() : state_(std::make_unique<State>()) {
   std::array<wchar_t, MAX_PATH + 1> folder{};
   std::array<wchar_t, MAX_PATH + 1> name{};
-  if (GetTempPathW(MAX_PATH, folder.data()) == 0 || GetTempFileNameW(folder.data(), L"mor", 0, name.data()) == 0)
+  if (GetTempPathW(MAX_PATH, folder.data()) == 0 || GetTempFileNameW(folder.data(), L"tmp", 0, name.data()) == 0)
     fail("no temporary file can be made");
   SECURITY_ATTRIBUTES inheritable{sizeof(SECURITY_ATTRIBUTES), nullptr, TRUE};
   state_->file =

@@ -8,7 +8,7 @@
 namespace morula::platform {
 namespace {
 
-// Names up to here, and the hidden names beside them, are within the limit of the system's calls.
+// Names up to here, and the hidden names next to them, are within the limit of the system's calls.
 constexpr std::size_t longest_plain_name = 200;
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the Windows sources of the platform share: the system's header, errors as values of errno, names of files.
+// Common parts of the Windows sources: the system's header, errors as values of errno, names of files.
 #pragma once
 
 #ifndef NOMINMAX

@@ -18,13 +18,13 @@ namespace {
 constexpr DWORD shared_by_all = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE;
 constexpr std::size_t largest_write = std::size_t{1} << 24;  // bytes
 
-// A file or folder, opened to ask what it is.
+// A file or folder, opened to find its kind.
 Handle open_to_look(const Path& path) {
   return Handle(CreateFileW(system_name(path).c_str(), 0, shared_by_all, nullptr, OPEN_EXISTING,
                             FILE_FLAG_BACKUP_SEMANTICS, nullptr));
 }
 
-// Whether another program has a file open that it lets nobody remove.
+// Whether another program has a file open and prevents its removal.
 bool is_open(const std::wstring& name) {
   const Handle opened(
       CreateFileW(name.c_str(), DELETE, shared_by_all, nullptr, OPEN_EXISTING, FILE_FLAG_BACKUP_SEMANTICS, nullptr));
@@ -173,6 +173,10 @@ int rename_over(const Path& from, const Path& to) {
 
 // Windows has no such call.
 bool exchange(const Path&, const Path&) {
+  return false;
+}
+
+bool has_exchange() {
   return false;
 }
 

@@ -63,7 +63,6 @@ std::wstring quoted_word(const std::string& word) {
     backslashes = c == L'\\' ? backslashes + 1 : 0;
     quoted += c;
   }
-  // mutant windows-closing-quote: `backslashes, L'` -> `0, L'`
   quoted.append(backslashes, L'\\');
   return quoted + L'"';
 }

@@ -122,7 +122,7 @@ bool ChildProgram::read_errors(std::string& text) {
   return read_part(state_->err, text);
 }
 
-// Pipes cannot be waited for; they are asked in turn.
+// Pipes cannot be waited for; each is read in turn.
 void ChildProgram::wait_for_any(std::span<const ChildProgram* const> programs, int milliseconds) {
   const ULONGLONG end = GetTickCount64() + static_cast<ULONGLONG>(std::max(milliseconds, 0));
   for (DWORD pause = 1;; pause = std::min<DWORD>(pause + 1, 10)) {
