@@ -209,7 +209,8 @@ BuildReport read_report(const JsonFile& file, const nlohmann::json& json) {
   const nlohmann::json& notes = file.member(json, "notes", owner);
   if (!growth.is_array() || !notes.is_array()) file.fail("\"growth\" or \"notes\" of the report is not a list");
   for (const nlohmann::json& level : growth)
-    report.growth.push_back({file.unsigned_member(level, "grown", owner), number_member(file, level, "largest_factor"),
+    report.growth.push_back({static_cast<std::size_t>(file.unsigned_member(level, "grown", owner)),
+                             number_member(file, level, "largest_factor"),
                              number_member(file, level, "largest_growth")});
   for (const nlohmann::json& note : notes) report.notes.push_back(text_member(file, note, "a note"));
   return report;

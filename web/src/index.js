@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// Morula for browsers, workers and node: sphere trees that cover meshes while they deform.
+import {MorulaError} from './errors.js';
+import {hasVectors, loadFrom} from './load.js';
+
+export {MorulaError};
+
+// Written out, so that bundlers find the files.
+const places = {
+  full: {
+    simd: () => new URL('../dist/morula-full-simd.wasm', import.meta.url),
+    plain: () => new URL('../dist/morula-full-plain.wasm', import.meta.url),
+  },
+  runtime: {
+    simd: () => new URL('../dist/morula-runtime-simd.wasm', import.meta.url),
+    plain: () => new URL('../dist/morula-runtime-plain.wasm', import.meta.url),
+  },
+};
+
+export async function load({variant = 'full', simd = hasVectors(), source} = {}) {
+  if (!(variant in places)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
+  return loadFrom(source ?? places[variant][simd ? 'simd' : 'plain']());
+}

@@ -1,0 +1,326 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The package as its users call it. Queries are judged by brute force over all facets, spheres by the points that they
+// have to contain.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import {packageFile, packageModule} from './package.js';
+import {readFile} from 'node:fs/promises';
+
+const {load, MorulaError} = await packageModule();
+const morula = await load();
+const {Mesh, Tree, Skin, Body, ContactQuery, build} = morula;
+
+const octahedron = () => new Mesh(
+  [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1],
+  [0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5]);
+
+function sample(name, resolution, options = {method: 'octree'}) {
+  const mesh = Mesh.sample(name, resolution);
+  const tree = build(mesh, options);
+  return {mesh, tree, body: new Body(mesh, tree)};
+}
+function bend({mesh, body}, amount) {
+  const rest = mesh.positions;
+  const now = body.positions;
+  for (let v = 0; v < rest.length; v += 3) {
+    now[v] = rest[v];
+    now[v + 1] = rest[v + 1] + 0.3 * amount * rest[v];
+    now[v + 2] = rest[v + 2] + amount * rest[v] * rest[v];
+  }
+}
+const add = (a, b) => a.map((x, i) => x + b[i]);
+const sub = (a, b) => a.map((x, i) => x - b[i]);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** The corners of all facets at the present positions. */
+function triangles({mesh, body}, offset = [0, 0, 0]) {
+  const result = [];
+  const facets = mesh.facets;
+  const corner = (v) => add([...body.positions.subarray(3 * v, 3 * v + 3)], offset);
+  for (let f = 0; f < facets.length; f += 3) result.push([corner(facets[f]), corner(facets[f + 1]), corner(facets[f + 2])]);
+  return result;
+}
+/** The parameter at which origin + t direction crosses a triangle; null: it does not. */
+function crossing([a, b, c], origin, direction) {
+  const u = sub(b, a), v = sub(c, a), p = cross(direction, v), det = dot(u, p);
+  if (det === 0) return null;
+  const s = sub(origin, a), x = dot(s, p) / det, q = cross(s, u), y = dot(direction, q) / det;
+  return x >= 0 && y >= 0 && x + y <= 1 ? dot(v, q) / det : null;
+}
+const thrown = (code, text) => (error) => {
+  assert.ok(error instanceof MorulaError, String(error));
+  assert.equal(error.code, code, error.message);
+  assert.match(error.message, text);
+  return true;
+};
+
+test('every level covers the surface of a moved body', () => {
+  const scene = sample('limb', 16, {quality: 'draft'});
+  bend(scene, 0.4);
+  scene.body.update();
+  assert.equal(scene.body.certify(), true);
+  const spheres = scene.body.spheres();
+  const all = triangles(scene);
+  for (let level = 0; level < scene.tree.levelCount; ++level) {
+    const set = [...scene.tree.levelSet(level)];
+    for (const [a, b, c] of all)
+      for (const [u, v] of [[1, 0], [0, 1], [0, 0], [0.3, 0.3], [0.1, 0.6]]) {
+        const p = [0, 1, 2].map((k) => u * a[k] + v * b[k] + (1 - u - v) * c[k]);
+        assert.ok(set.some((n) => {
+          const d = sub(p, [...spheres.subarray(4 * n, 4 * n + 3)]);
+          return Math.sqrt(dot(d, d)) <= spheres[4 * n + 3] * (1 + 1e-9);
+        }), `level ${level} leaves ${p} uncovered`);
+      }
+  }
+});
+
+test('rays hit the nearest facet of all', () => {
+  const scene = sample('torus', 14);
+  bend(scene, 0.2);
+  scene.body.update();
+  const all = triangles(scene);
+  let hits = 0;
+  for (let i = 0; i < 80; ++i) {
+    const origin = [Math.sin(3 * i), Math.cos(5 * i), 3];
+    const direction = [0.2 * Math.cos(7 * i), 0.2 * Math.sin(i), -1];
+    const ts = all.map((t) => crossing(t, origin, direction)).filter((t) => t !== null && t >= 0);
+    const hit = morula.firstHit(scene.body, origin, direction);
+    assert.equal(hit !== null, ts.length > 0);
+    if (hit) {
+      ++hits;
+      assert.ok(Math.abs(hit.t - Math.min(...ts)) < 1e-9);
+      assert.ok(Math.abs(crossing(all[hit.facet], origin, direction) - hit.t) < 1e-9);
+    }
+  }
+  assert.ok(hits > 10 && hits < 80);
+  assert.equal(morula.firstHit(scene.body, [0, 0, 9], [0, 0, 1]), null);
+});
+
+test('points are inside by the solid angle of all facets', () => {
+  const scene = sample('limb', 12);
+  bend(scene, 0.3);
+  scene.body.update();
+  const all = triangles(scene);
+  const points = Array.from({length: 120}, (_, i) => [1.5 * Math.sin(i), 0.3 * Math.cos(3 * i), 0.3 * Math.sin(7 * i) + 0.2]);
+  const places = morula.locate(scene.body, points.flat());
+  let inside = 0;
+  points.forEach((p, i) => {
+    let angle = 0;
+    for (const triangle of all) {
+      const [a, b, c] = triangle.map((corner) => sub(corner, p));
+      const [x, y, z] = [a, b, c].map((v) => Math.sqrt(dot(v, v)));
+      angle += 2 * Math.atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    }
+    const winding = Math.round(angle / (4 * Math.PI)) || 0; // no -0
+    assert.equal(places[i].winding, winding, `${p}`);
+    assert.equal(places[i].inside, winding !== 0);
+    inside += places[i].inside;
+  });
+  assert.ok(inside > 5 && inside < 115);
+});
+
+test('crossings, overlap, contacts and distance of two bodies agree with all pairs of facets', () => {
+  const a = sample('blob', 8);
+  const b = sample('capsule', 8);
+  const query = new ContactQuery();
+  let touching = 0;
+  let apart = 0;
+  for (let step = 0; step < 10; ++step) {
+    bend(a, 0.05 * step);
+    a.body.update();
+    bend(b, -0.03 * step);
+    b.body.update();
+    const offset = [0.011, 0.173, 0.37 * step];
+    b.body.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], offset);
+    const first = triangles(a);
+    const second = triangles(b, offset);
+    const expected = [];
+    let nearest = Infinity;
+    first.forEach((s, i) => second.forEach((t, j) => {
+      const edges = (x) => [[x[0], x[1]], [x[1], x[2]], [x[2], x[0]]];
+      const meets = ([p, q], triangle) => {
+        const at = crossing(triangle, p, sub(q, p));
+        return at !== null && at >= 0 && at <= 1;
+      };
+      if (edges(s).some((e) => meets(e, t)) || edges(t).some((e) => meets(e, s))) expected.push([i, j]);
+      for (const p of s) for (const q of t) nearest = Math.min(nearest, Math.hypot(...sub(p, q)));
+    }));
+    const pairs = morula.crossings(a.body, b.body);
+    assert.deepEqual(Array.from({length: pairs.length / 2}, (_, i) => [pairs[2 * i], pairs[2 * i + 1]]), expected);
+    const distance = morula.distance(a.body, b.body);
+    const contacts = query.run(a.body, b.body);
+    assert.equal(distance.crossing, expected.length > 0);
+    assert.equal(query.finished, true);
+    assert.equal(contacts.length > 0, morula.overlap(a.body, b.body));
+    if (expected.length > 0) {
+      ++touching;
+      assert.ok(contacts.length > 0);
+    } else {
+      ++apart;
+      assert.ok(distance.lower > 0 && distance.upper <= nearest + 1e-12);
+      assert.ok(Math.abs(Math.hypot(...sub(distance.pointA, distance.pointB)) - distance.upper) < 1e-9);
+    }
+    assert.equal(query.run(a.body, b.body, {pairTests: 0}).length > 0 || contacts.length === 0, true);
+  }
+  assert.ok(touching > 1 && apart > 1);
+});
+
+test('a body of bones covers its vertices without being given them', () => {
+  const {mesh, tree} = sample('limb', 12);
+  const rest = mesh.positions.slice();
+  const weights = [];
+  for (let v = 0; v < rest.length; v += 3) weights.push(1 + rest[v] * rest[v], 1);
+  using_(new Skin(2, weights.map((_, i) => i % 2), weights, 2), (skin) => {
+    const body = new Body(mesh, tree, {rules: 'skinned', skin});
+    assert.deepEqual([...body.transforms.slice(0, 12)], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
+    body.transforms[3] = 0.5; // bone 0 moves along x
+    body.transforms[15] = -0.25;
+    body.updateSkinned();
+    const moved = rest.slice();
+    for (let v = 0; v < rest.length; v += 3) {
+      const [w, x] = weights.slice((2 * v) / 3, (2 * v) / 3 + 2);
+      moved[v] += (0.5 * w - 0.25 * x) / (w + x);
+    }
+    assert.equal(body.certify(moved), true);
+    assert.equal(body.certify(rest.map((x) => x + 1)), false);
+    body.free();
+  });
+});
+function using_(object, use) {
+  try {
+    return use(object);
+  } finally {
+    object[Symbol.dispose ?? Symbol.for('Symbol.dispose')]();
+    assert.throws(() => object.handle, thrown('bad_argument', /freed/));
+  }
+}
+
+test('trees and meshes are read from bytes', async () => {
+  const {mesh, tree} = sample('torus', 10);
+  const bytes = tree.toBytes();
+  const again = Tree.fromBytes(bytes, mesh);
+  assert.deepEqual(again.spheres.slice(), tree.spheres.slice());
+  assert.deepEqual(again.toBytes(), bytes);
+  const bad = bytes.slice();
+  bad[bad.length >> 1] ^= 1;
+  assert.throws(() => Tree.fromBytes(bad, mesh), thrown('bad_file', /checksum/));
+  assert.throws(() => Tree.fromBytes(bytes.subarray(0, 100), mesh), thrown('bad_file', /bytes/));
+  assert.throws(() => Tree.fromBytes(bytes, octahedron()), thrown('bad_file', /another mesh/));
+  const text = new TextEncoder().encode('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n');
+  assert.equal(Mesh.fromBytes('a.obj', text).facetCount, 4);
+  assert.throws(() => Mesh.fromBytes('a.obj', new Uint8Array(0)), thrown('bad_file', /a\.obj/));
+  assert.throws(() => Mesh.fromBytes('a.txt', text), thrown('bad_file', /known mesh format/));
+
+  // The small module reads what the large one wrote.
+  const runtime = await load({variant: 'runtime'});
+  const same = new runtime.Mesh(mesh.positions.slice(), mesh.facets.slice());
+  const tree2 = runtime.Tree.fromBytes(bytes, same);
+  const body = new runtime.Body(same, tree2);
+  body.update();
+  assert.deepEqual(tree2.spheres.slice(), tree.spheres.slice());
+  assert.throws(() => runtime.build(same), thrown('bad_argument', /variant "full"/));
+  assert.throws(() => new morula.Body(same, tree), thrown('bad_argument', /no Mesh of this module/));
+});
+
+test('bad input throws the text of the library, and changes nothing', () => {
+  const {mesh, tree, body} = sample('limb', 8);
+  body.update();
+  const before = body.spheres().slice();
+  assert.throws(() => body.update([1, 2, 3]), thrown('rejected', /3 numbers/));
+  const bad = body.positions.slice();
+  bad[4] = NaN;
+  assert.throws(() => body.update(bad), thrown('rejected', /not finite/));
+  assert.deepEqual(body.spheres().slice(), before);
+  assert.throws(() => body.updateSkinned(), thrown('bad_argument', /no skin/));
+  assert.throws(() => new Body(mesh, tree, {rules: 'none'}), thrown('bad_argument', /"none"/));
+  assert.throws(() => new Body(mesh, tree, {rules: 'skinned'}), thrown('bad_argument', /rule/));
+  assert.throws(() => new Mesh([0, 0, 0], [0, 1, 2]), thrown('bad_argument', /./));
+  assert.throws(() => new Mesh([0, 0], []), thrown('bad_argument', /multiple of 3/));
+  assert.throws(() => new Mesh([0, 0, 0], [0, 0, -1]), thrown('bad_argument', /no index/));
+  assert.throws(() => build(mesh, {method: 'magic'}), thrown('bad_argument', /magic/));
+  assert.throws(() => build(mesh, {depth: 99}), thrown('bad_argument', /depth/));
+  assert.throws(() => new ContactQuery().run(body, body, {pairTests: 1, budgetMs: 1}), thrown('bad_argument', /budget/));
+  assert.throws(() => morula.firstHit(body, [0, 0, NaN], [0, 0, 1]), thrown('rejected', /./));
+  const open = new Mesh([0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2]);
+  assert.throws(() => morula.locate(new Body(open, build(open)), [0, 0, 0]), thrown('bad_argument', /edge/));
+  body.free();
+  body.free();
+  assert.throws(() => body.update(), thrown('bad_argument', /freed/));
+});
+
+test('progress is told, stops a build, and may throw', () => {
+  const mesh = Mesh.sample('limb', 16);
+  const shares = [];
+  build(mesh, {quality: 'draft', progress: (share) => void shares.push(share)});
+  assert.ok(shares.length > 1 && shares.every((x, i) => x >= (shares[i - 1] ?? 0) && x <= 1));
+  assert.throws(() => build(mesh, {quality: 'draft', progress: () => false}), thrown('stopped', /./));
+  const own = new TypeError('of the page');
+  assert.throws(() => build(mesh, {quality: 'draft', progress: () => { throw own; }}), (error) => error === own);
+  assert.ok(build(mesh, {quality: 'draft'}).nodeCount > 1);
+});
+
+test('views follow the memory when it grows', async () => {
+  const own = await load();
+  const mesh = own.Mesh.sample('limb', 12);
+  const body = new own.Body(mesh, own.build(mesh, {method: 'octree'}));
+  body.update();
+  const old = body.positions;
+  const values = old.slice();
+  const size = own.memory().byteLength;
+  const large = own.Mesh.sample('limb', 150);
+  assert.ok(own.memory().byteLength > size);
+  assert.equal(old.length, 0);
+  assert.deepEqual(body.positions, values);
+  // A view of the module's memory as the argument of calls that allocate.
+  assert.equal(body.certify(body.positions), true);
+  assert.equal(new own.Mesh(large.positions, large.facets).vertexCount, large.vertexCount);
+});
+
+test('the memory is flat: builds and frees, failures, and what the garbage collector finds', async () => {
+  const own = await load();
+  const round = () => {
+    const mesh = own.Mesh.sample('bar', 3);
+    const tree = own.build(mesh, {method: 'octree', depth: 1});
+    const body = new own.Body(mesh, tree);
+    body.update();
+    for (const object of [mesh, tree, body]) object.free();
+    assert.throws(() => own.build(octa, {depth: 99}), MorulaError);
+  };
+  const octa = new own.Mesh([1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0], [0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0]);
+  for (let i = 0; i < 20; ++i) round();
+  const size = own.memory().byteLength;
+  for (let i = 0; i < 1000; ++i) round();
+  assert.equal(own.memory().byteLength, size);
+
+  const {setFlagsFromString} = await import('node:v8');
+  const {runInNewContext} = await import('node:vm');
+  setFlagsFromString('--expose-gc');
+  const gc = runInNewContext('gc');
+  const many = new Float64Array(300000);
+  many[3] = many[7] = 1;
+  const forget = () => {
+    for (let i = 0; i < 20; ++i) new own.Mesh(many, [0, 1, 2]);
+  };
+  const settle = async () => {
+    gc();
+    await new Promise((done) => setTimeout(done, 20));
+  };
+  forget();
+  await settle();
+  const kept = own.memory().byteLength;
+  for (let i = 0; i < 20; ++i) {
+    forget();
+    await settle();
+  }
+  assert.ok(own.memory().byteLength <= 2 * kept, `${kept} became ${own.memory().byteLength}`);
+});
+
+test('modules come as bytes, as a compiled module, and as text in JavaScript', async () => {
+  const bytes = await readFile(packageFile('dist/morula-runtime-plain.wasm'));
+  for (const source of [bytes, await WebAssembly.compile(bytes), packageFile('dist/morula-runtime-simd.wasm')])
+    assert.equal((await load({source})).version, morula.version);
+  const inline = await packageModule('src/inline.js');
+  assert.equal((await inline.load({variant: 'runtime'})).version, morula.version);
+  await assert.rejects(load({variant: 'tiny'}), thrown('bad_argument', /tiny/));
+});

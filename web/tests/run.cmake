@@ -1,0 +1,15 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+# Runs the tests of the npm package by node, if scripts/web could make it.
+# Run as: cmake -D NODE= -D ORACLE=program -D ROOT=folder -P run.cmake
+cmake_minimum_required(VERSION 3.24)
+if(NOT EXISTS "${ROOT}/build/web/package/dist/morula-full-simd.wasm")
+  message("web: skipped: there is no package; scripts/web says why")
+  return()
+endif()
+set(ENV{MORULA_WEB_ORACLE} "${ORACLE}")
+foreach(test bits api)
+  execute_process(COMMAND "${NODE}" --test "${ROOT}/web/tests/${test}.test.js" COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+execute_process(COMMAND "${NODE}" "${ROOT}/build/web/npm/node_modules/typescript/bin/tsc" -p "${ROOT}/web/tests/tsconfig.json"
+  COMMAND_ERROR_IS_FATAL ANY)
