@@ -4,7 +4,7 @@
 #include <batch/serve.hpp>
 #include <batch/worker.hpp>
 #include <command_line.hpp>
-#include <shared/console.hpp>
+#include <platform/console.hpp>
 #include <shared/interrupt.hpp>
 
 #include "holders.hpp"
@@ -22,7 +22,7 @@ void bind_command(nb::module_& m) {
         argv.push_back(nullptr);
         return without_gil([&] {
           if (cli::is_worker(static_cast<int>(arguments.size()), argv.data())) return cli::serve_batch();
-          const bool has_stdout = cli::open_standard_streams();
+          const bool has_stdout = platform::open_standard_streams();
           cli::watch_signals();
           return cli::command_line(static_cast<int>(arguments.size()), argv.data(), has_stdout);
         });
