@@ -69,6 +69,7 @@ LEFT_OUT_NAMES = {
     "add_marks": "CollidePage.add does it", "PagePatchFacet": "CollidePage.add makes them of ContactPatches", "PagePatches": "CollidePage.add makes them of ContactPatches", "askable": "collide() asks it", "refused": "an exception", "narrow_spheres": "PosedSpheres.set() does it",
     "farthest_reach": "a line of NumPy", "farthest_distance": "a line of NumPy", "area_vector": "a line of NumPy",
     "at_barycentric": "a line of NumPy", "largest_coordinate": "a line of NumPy", "is_finite": "numpy.isfinite",
+    "StopToken": "KeyboardInterrupt and progress functions", "StopSource": "KeyboardInterrupt and progress functions",
 }
 
 
