@@ -116,7 +116,7 @@ MORULA_API morula_status morula_build(const morula_mesh* mesh, const morula_buil
 MORULA_API morula_status morula_model_read(const char* path, const morula_mesh* mesh, morula_model** model);
 /* Writes .morula, .sph, .json or .npz by extension. The write is atomic. */
 MORULA_API morula_status morula_model_write(const morula_model* model, const char* path);
-/* The same for the bytes of a .morula, which must be those of a tree that was built for exactly this mesh. */
+/* Reads a model from the bytes of a .morula that was built for exactly this mesh. */
 MORULA_API morula_status morula_model_from_bytes(const void* bytes, size_t size, const morula_mesh* mesh,
                                                  morula_model** model);
 /* Writes the bytes of a .morula if `capacity` suffices, and their number to *size. bytes may be NULL with capacity 0.

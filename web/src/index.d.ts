@@ -22,15 +22,15 @@ export interface LoadOptions {
   variant?: 'full' | 'runtime';
   /** Whether to load the module with vector instructions; by default, if the engine has them. Results are the same. */
   simd?: boolean;
-  /** The module itself, for hosts without fetch or with a place of their own for it; by default the package's file. */
+  /** Where the module is: an address, a response, bytes or a compiled module; by default the package's file. */
   source?: URL | string | Response | BufferSource | WebAssembly.Module;
 }
 
 /** Compiles and starts a module. Each call makes a module of its own, with its own memory. */
 export function load(options?: LoadOptions): Promise<Morula>;
 
-/** An object in the module's memory. It lives until free(), the end of its `using` block, or the garbage collector. An
- * object that was made from another keeps its content alive: a mesh may be freed before its tree. */
+/** An object in the module's memory. free(), the end of its `using` block or the garbage collector frees it. An object keeps
+ * the data of the objects from which it was made: a mesh may be freed before its tree. */
 export interface Handle {
   /** Frees the object. Later calls of its methods throw; a second free() does nothing. */
   free(): void;
@@ -96,8 +96,8 @@ export interface BuildOptions {
   seed?: number | bigint;
   /** Whether every sphere contains its children's. */
   nested?: boolean;
-  /** Called at intervals with the completed share, 0 to 1. `false` stops the build, which then throws with the code
-   * stopped; an exception stops it, too, and build() throws it. It must not call the module. */
+  /** Called at intervals with the completed share, 0 to 1. If it returns false, the build stops and throws a MorulaError with
+   * the code stopped. If it throws, the build stops and throws that exception. It must not call the module. */
   progress?: (share: number) => boolean | void;
 }
 
@@ -223,15 +223,15 @@ export interface Morula {
   readonly version: string;
   /** Stands for a missing node. */
   readonly noNode: number;
-  /** The module's memory at present: its size tells how much it uses. Memory grows, and never shrinks. */
+  /** The memory of the module; its byteLength is the memory in use. It grows, and never shrinks. */
   memory(): ArrayBuffer;
   readonly Mesh: MeshConstructor;
   readonly Tree: TreeStatic;
   readonly Skin: SkinConstructor;
   readonly Body: BodyConstructor;
   readonly ContactQuery: new () => ContactQuery;
-  /** Builds a tree in which every level covers the surface, with the bits of a native build. It takes its time on this
-   * thread: build in a worker to keep a page alive, and send Tree.toBytes() from there. */
+  /** Builds a tree in which every level covers the surface, with the bits of a native build. It blocks this thread: to keep
+   * a page responsive, build in a worker and post Tree.toBytes(). */
   build(mesh: Mesh, options?: BuildOptions): Tree;
   /** Whether leaf spheres overlap; if the rules cover, false proves that the surfaces have no common point. */
   overlap(a: Body, b: Body): boolean;
