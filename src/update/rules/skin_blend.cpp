@@ -203,7 +203,7 @@ BoneBall ball_of(std::span<const Share> shares) {
   return {shares.front().bone, row.shift, row.stray};
 }
 
-// A sphere about the node's center, or about the middle of its corners if that one is less than a quarter as large.
+// The smaller of a sphere about the node's center and one about the middle of its corners.
 Sphere rest_sphere(std::span<const Vec3> corners, const Vec3& center) {
   const ModeRow own = mode_row(corners);
   double farthest = 0, largest = max_norm(center);
@@ -212,7 +212,7 @@ Sphere rest_sphere(std::span<const Vec3> corners, const Vec3& center) {
     largest = std::max(largest, max_norm(p) + max_norm(center));
   }
   const double radius = rounded_up_radius(farthest, largest);
-  return own.stray < radius / 4 ? Sphere{own.shift, own.stray} : Sphere{center, radius};
+  return own.stray < radius ? Sphere{own.shift, own.stray} : Sphere{center, radius};
 }
 
 }  // namespace
