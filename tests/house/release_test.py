@@ -59,6 +59,8 @@ begin = text.index("project(morula VERSION ") + len("project(morula VERSION ")
 write(clone / "CMakeLists.txt", text[:begin] + "0.1.0" + text[text.index(" ", begin):])
 write(clone / "CHANGELOG.md", changelog)
 write(clone / ".gitignore", "build\n__pycache__\n")
+write(clone / "web/package.json", '{"version": "0.1.0"}')
+write(clone / "web/package-lock.json", '{"version": "0.1.0", "packages": {"": {"version": "0.1.0"}}}')
 passes, fails, skips = "import sys\nsys.exit(0)\n", "import sys\nsys.exit('vcpkg: has version 7')\n", "import sys\nsys.exit(77)\n"
 for name in ("scripts/packaging", "scripts/abi", "tests/house/report_test.py"):
     write(clone / name, passes)
@@ -96,6 +98,8 @@ for name, old, new, faults in (
         ("CHANGELOG.md", "- unreleased", "- 2020-02-02", ["says '2020-02-02', not unreleased or"]),
         ("CHANGELOG.md", "- [Sp", "- A line.\n" * 80 + "- [Sp", ["has 83 lines: a summary has 1 to 80"]),
         ("CHANGELOG.md", "The first release.\n\n- [Spheres](docs/tree.md#a).\n", "", ["has 0 lines"]),
+        ("web/package.json", "0.1.0", "0.2.0", ["web: package.json or package-lock.json has version 0.2.0, not 0.1.0"]),
+        ("web/package-lock.json", '{"": {"version": "0.1.0"', '{"": {"version": "0.3.0"', ["has version 0.3.0, not 0.1.0"]),
         ("scripts/packaging", passes, fails, ["recipes: scripts/packaging fails: vcpkg: has version 7"]),
         ("scripts/abi", passes, fails, ["public names and binary interface: scripts/abi fails"]),
         ("scripts/abi", passes, skips, ["public names and binary interface: scripts/abi cannot run"]),
