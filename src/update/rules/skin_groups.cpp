@@ -103,6 +103,7 @@ class LaneWriter {
     group.radius[lane] = above(radius);
     // mutant skinned-float-turn: `above(share_ * place)` -> `above(0 * place)`
     group.turn_stray[lane] = above(share_ * place);
+    // mutant skinned-float-size: `above(share_ * 1.75 * radius)` -> `above(0 * radius)`
     group.size_stray[lane] = above(share_ * 1.75 * radius);
     put(blend.shape.center / unit_, group.shape_center, lane);
     double squares = squared_length(blend.shape.center / unit_);
@@ -164,11 +165,23 @@ Vec3 pivot_of(std::span<const NodeBlend> from) {
   return centers.empty() ? Vec3{} : mode_row(centers).shift;
 }
 
-// A power of two above all places about the pivot and all radii.
+// The largest coordinate or radius of moments and balls. Those of a corner that cuts a facet can be far larger than the
+// node: beyond the range of float, a comparison with NaN would leave a ball out of the hull.
+double reach_of(const NodeBlend& blend) {
+  double largest = 0;
+  for (const BlendTerm& term : blend.terms) largest = std::max({largest, max_norm(term.moment), term.moment_stray});
+  for (const BoneBall& ball : blend.balls) largest = std::max({largest, max_norm(ball.center), ball.radius});
+  return largest;
+}
+
+// A power of two above all lengths at rest: places about the pivot, radii, moments and balls.
 double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
   double largest = 0x1p-900;
-  for (const NodeBlend& blend : from)
-    largest = std::max({largest, max_norm(blend.node.rest.center - pivot), blend.node.rest.radius});
+  for (const NodeBlend& blend : from) {
+    const Sphere& rest = blend.node.rest;
+    // mutant skinned-unit: `reach_of(blend)` -> `0 * reach_of(blend)`
+    largest = std::max({largest, max_norm(rest.center - pivot), rest.radius, reach_of(blend)});
+  }
   return std::ldexp(1, std::ilogb(largest) + 1);
 }
 
