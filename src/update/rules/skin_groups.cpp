@@ -112,6 +112,7 @@ class LaneWriter {
       for (int row = column; row < 3; ++row) group.shape_axes[k++][lane] = static_cast<float>(axis[row]);
       squares += squared_length(axis);
     }
+    // mutant skinned-float-shape: `0x1p-20 * std::sqrt(squares)` -> `0 * std::sqrt(squares)`
     group.shape_stray[lane] = above(0x1p-20 * std::sqrt(squares));
     put_ball(blend, group.bone, group.ball, group.ball_radius, lane);
   }
