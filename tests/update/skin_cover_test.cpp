@@ -310,31 +310,35 @@ TEST(SkinnedCover, tiny_bodies_are_covered_and_get_no_huge_spheres) {
   }
 }
 
-// Flat, so small that the squares of its places are the least numbers, and enlarged to a size of 1.
+// Facets that are so small that the squares of their places are the least numbers of double, or, in the least unit, of
+// float beside a bone that moves one of them much farther than the others.
 TEST(SkinnedCover, flat_bodies_are_covered_though_squares_underflow) {
   Random random(15);
   for (int round = 0; round < 600; ++round) {
-    const double size = std::ldexp(1, -528 - round % 12);
+    const bool is_smaller = round % 2 == 1;
+    const double size = std::ldexp(1, is_smaller ? -980 - round % 30 : -528 - round % 12);
+    const double factor = std::min(1 / size, 0x1p1000);
     Mesh mesh;
-    Skin skin{.bone_count = 3, .begin = {0}};
+    Skin skin{.bone_count = 4, .begin = {0}};
     for (std::uint32_t v = 0; v < 12; ++v) {
-      const double x = random.uniform(-1, 1);
-      mesh.positions.push_back({x * size, random.uniform(-1, 1) * size, 0});
+      mesh.positions.push_back({random.uniform(-1, 1) * size, random.uniform(-1, 1) * size, 0});
       if (v % 3 == 0) mesh.facets.push_back({v, v + 1, v + 2});
-      skin.bones.insert(skin.bones.end(), {0, 1, 2});
-      skin.weights.insert(skin.weights.end(), {0.5 - 0.2 * x, 0.3 + 0.2 * x, 0.2});
+      const double second = random.uniform(0.1, 0.4);
+      skin.bones.insert(skin.bones.end(), {v < 9 ? 0u : 3u, 1, 2});
+      skin.weights.insert(skin.weights.end(), {0.8 - second, second, 0.2});
       skin.begin.push_back(3 * (v + 1));
     }
     const Sphere ball{{}, 2 * size};
-    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}), {.rules = {Rule::skinned}, .skin = skin});
-    Transforms transforms(3);
+    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector(4, ball)), {.rules = {Rule::skinned}, .skin = skin});
+    Transforms transforms(4);
     for (AffineTransform& t : transforms) {
-      for (Vec3& column : t.columns) column = any_vector(random, 1 / size);
-      t.translation = any_vector(random);
+      const double most = is_smaller && &t != &transforms[3] ? 0x1p-40 * factor : factor;
+      for (Vec3& column : t.columns) column = any_vector(random, most);
+      t.translation = any_vector(random, most * size);
     }
     ASSERT_TRUE(body.update_skinned(transforms));
     EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0) << round;
-    EXPECT_LE(body.spheres()[0].radius, 20) << round;
+    EXPECT_LE(body.spheres()[0].radius, 20 * factor * size + 0x1p-17) << round;
   }
 }
 

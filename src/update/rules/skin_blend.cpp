@@ -13,6 +13,8 @@ namespace {
 
 // Limits of slope × radius and of scale: the rounding of what they multiply is then small (skinned.cpp).
 constexpr double steepest = 4, largest_scale = 2;
+// Limit of slopes: their lengths, and products with what is at rest, stay finite.
+constexpr double most_slope = 0x1p1000;
 // A bone in less than one of so many corners gets a slope and a scale of 0.
 constexpr std::size_t few = 16;
 
@@ -162,7 +164,7 @@ class TermFit {
     for (std::size_t k = 0; k < places_.size(); ++k)
       product += (places_[k] - mean_) * (weights[k] / static_cast<double>(places_.size()));
     const Vec3 scaled = solution(covariance_, product), slope = scaled / radius_;
-    return length(scaled) <= steepest && is_finite(slope) ? slope : Vec3{};
+    return length(scaled) <= steepest && max_norm(slope) <= most_slope ? slope : Vec3{};
   }
   double scale(std::span<const Vec3> moments) const {
     double product = 0;

@@ -177,7 +177,7 @@ double reach_of(const NodeBlend& blend) {
 
 // A power of two above all lengths at rest: places about the pivot, radii, moments and balls.
 double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
-  double largest = 0x1p-900;
+  double largest = 0x1p-961;  // displacements in units are then below 2^1017
   for (const NodeBlend& blend : from) {
     const Sphere& rest = blend.node.rest;
     // mutant skinned-unit: `reach_of(blend)` -> `0 * reach_of(blend)`
