@@ -123,7 +123,7 @@ class LaneWriter {
     if (term == nullptr) return;
     const double radius = blend.node.rest.radius / unit_, place = length((blend.node.rest.center - pivot_) / unit_);
     const double weight = std::abs(term->weight), scale = std::abs(term->scale);
-    const double slope = length(term->slope * unit_), moment = length(term->moment / unit_);
+    const double slope = safe_length(term->slope * unit_), moment = length(term->moment / unit_);
     to.weight[lane] = static_cast<float>(term->weight), to.scale[lane] = static_cast<float>(term->scale);
     put(term->moment / unit_, to.moment, lane);
     double stray = term->weight_stray;
@@ -176,8 +176,8 @@ double reach_of(const NodeBlend& blend) {
 }
 
 // A power of two above all lengths at rest: places about the pivot, radii, moments and balls.
-double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
-  double largest = 0x1p-961;  // displacements in units are then below 2^1017
+double unit_of(std::span<const NodeBlend> from, const Vec3& pivot, double least) {
+  double largest = std::max(least, 0x1p-961);  // displacements in units are then below 2^1017
   for (const NodeBlend& blend : from) {
     const Sphere& rest = blend.node.rest;
     // mutant skinned-unit: `reach_of(blend)` -> `0 * reach_of(blend)`
@@ -188,7 +188,8 @@ double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
 
 }  // namespace
 
-SkinBlend::SkinBlend(std::span<const NodeBlend> from) : pivot(pivot_of(from)), unit(unit_of(from, pivot)) {
+SkinBlend::SkinBlend(std::span<const NodeBlend> from, double least_unit)
+    : pivot(pivot_of(from)), unit(unit_of(from, pivot, least_unit)) {
   std::vector<Bones> bones;
   for (const NodeBlend& blend : from) {
     nodes.push_back(blend.node);

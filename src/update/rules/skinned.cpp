@@ -126,9 +126,11 @@ class SkinnedRule final : public RuleEngine {
       blends[k].node.node = node;
       if (!morphs.empty()) morphs[k] = morphs_of_node(binding.options.skin, modes, model.cover, corners);
     });
-    blend_ = SkinBlend(blends);
-    binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
     morphs_ = SkinMorphs(morphs, modes.mode_count, binding.options.skin.bone_count);
+    // Targets can move a body by far more than its size at rest, but not out of the range of float.
+    // mutant skinned-morph-unit: `std::min(morphs_.reach(), 0x1p57)` -> `0.0`
+    blend_ = SkinBlend(blends, 0x1p-64 * std::min(morphs_.reach(), 0x1p57));
+    binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
     binding.posers.skin->add_morphs(morphs_.factor_sum(), morphs_.most_terms());
     bones_.resize(binding.options.skin.bone_count);
     shifts_.resize(bones_.size());
