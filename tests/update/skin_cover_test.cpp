@@ -310,6 +310,100 @@ TEST(SkinnedCover, tiny_bodies_are_covered_and_get_no_huge_spheres) {
   }
 }
 
+// Facets that are so small that the squares of their places are the least numbers of double, or, in the least unit, of
+// float beside a bone that moves one of them much farther than the others.
+TEST(SkinnedCover, flat_bodies_are_covered_though_squares_underflow) {
+  Random random(15);
+  for (int round = 0; round < 600; ++round) {
+    const bool is_smaller = round % 2 == 1;
+    const double size = std::ldexp(1, is_smaller ? -980 - round % 30 : -528 - round % 12);
+    const double factor = std::min(1 / size, 0x1p1000);
+    Mesh mesh;
+    Skin skin{.bone_count = 4, .begin = {0}};
+    for (std::uint32_t v = 0; v < 12; ++v) {
+      mesh.positions.push_back({random.uniform(-1, 1) * size, random.uniform(-1, 1) * size, 0});
+      if (v % 3 == 0) mesh.facets.push_back({v, v + 1, v + 2});
+      const double second = random.uniform(0.1, 0.4);
+      skin.bones.insert(skin.bones.end(), {v < 9 ? 0u : 3u, 1, 2});
+      skin.weights.insert(skin.weights.end(), {0.8 - second, second, 0.2});
+      skin.begin.push_back(3 * (v + 1));
+    }
+    const Sphere ball{{}, 2 * size};
+    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector(4, ball)), {.rules = {Rule::skinned}, .skin = skin});
+    Transforms transforms(4);
+    for (AffineTransform& t : transforms) {
+      const double most = is_smaller && &t != &transforms[3] ? 0x1p-40 * factor : factor;
+      for (Vec3& column : t.columns) column = any_vector(random, most);
+      t.translation = any_vector(random, most * size);
+    }
+    ASSERT_TRUE(body.update_skinned(transforms));
+    EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0) << round;
+    EXPECT_LE(body.spheres()[0].radius, 20 * factor * size + 0x1p-17) << round;
+  }
+}
+
+// The only node of the rule is around the middle of an edge of a large facet. Its corners stay where they are by the
+// main bone; both others move them alike, from places that are very far away for the node.
+TEST(SkinnedCover, small_parts_of_large_facets_are_covered) {
+  for (int exponent = -40; exponent >= -160; exponent -= 4) {
+    const double size = std::ldexp(1, exponent);
+    Mesh mesh;
+    mesh.positions = {{1, 1, 0}, {-1, -1, 0}, {0, 0, 1}};
+    mesh.facets = {{0, 1, 2}};
+    const Skin skin{3, {0, 2, 4, 5}, {0, 1, 0, 2, 0}, {0.5, 0.5, 0.5, 0.5, 1}};
+    CoveredTree model;
+    model.tree.branching = 2;
+    const Sphere whole{{}, 4}, part{{}, 2 * size};
+    model.tree.append_level({}, std::vector{whole});
+    model.tree.append_level(std::vector{2u}, std::vector{part, whole});
+    model.tree.append_level(std::vector{1u, 0u}, std::vector{part});
+    model.cover = {.vertex_count = 3,
+                   .facet_count = 1,
+                   .cut_points = {{{0, 1, 2}, {0.5 - size, 0.5, size}},
+                                  {{0, 1, 2}, {0.5 - size / 2, 0.5, size / 2}},
+                                  {{0, 1, 2}, {0.5, 0.5, 0}}},
+                   .patch_facet = {0, 0, 0, 0},
+                   .corner_begin = {0, 3, 6, 9, 12},
+                   .corners = {3, 4, 5, 0, 3, 2, 1, 2, 3, 0, 1, 5},
+                   .region_begin = {0, 0, 1, 0},
+                   .region_end = {4, 1, 4, 1}};
+    Body body(mesh, model, {.rules = {Rule::exact, Rule::exact, Rule::skinned}, .skin = skin});
+    Transforms transforms(3);
+    transforms[1].columns = {Vec3{1, 1, 1}, Vec3{-1, -1, -1.5}, Vec3{0, 0, 1}};
+    transforms[2].columns = {Vec3{-1, -1, -1}, Vec3{1, 1, 1.5}, Vec3{0, 0, -1}};
+    ASSERT_TRUE(body.update_skinned(transforms));
+    EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0) << exponent;
+    EXPECT_LE(body.spheres()[3].radius, 1e-5) << exponent;
+  }
+}
+
+// Each bone adds less than half a unit in the last place to every entry of a matrix, which sums in float lose. The
+// farthest corner is where all these entries add up.
+TEST(SkinnedCover, pays_for_terms_that_sums_in_float_lose) {
+  constexpr std::uint32_t bones = 4096;
+  constexpr double weight = 0.5 / bones, lost = 0.49 * 0x1p-24 / weight;
+  Mesh mesh;
+  mesh.positions = {normalized(Vec3{1, 1, 1}), {-0.6, 0.8, 0}, {0, -0.6, 0.8}};
+  mesh.facets = {{0, 1, 2}};
+  Skin skin{.bone_count = bones + 1, .begin = {0}};
+  for (std::uint32_t v = 0; v < 3; ++v) {
+    skin.bones.push_back(0), skin.weights.push_back(0.5);
+    for (std::uint32_t k = 1; k <= bones; ++k) skin.bones.push_back(k), skin.weights.push_back(weight);
+    skin.begin.push_back(static_cast<std::uint32_t>(skin.bones.size()));
+  }
+  const Sphere ball{{}, 1};
+  Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}), {.rules = {Rule::skinned}, .skin = skin});
+  AffineTransform main, other;
+  main.columns = {Vec3{-0.25, 0.5, 0.5}, Vec3{0.5, -0.25, 0.5}, Vec3{0.5, 0.5, -0.25}};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      other.columns[k][axis] = main.columns[k][axis] + (static_cast<std::size_t>(axis) == k ? lost / 4 : lost);
+  Transforms transforms(bones + 1, other);
+  transforms[0] = main;
+  ASSERT_TRUE(body.update_skinned(transforms));
+  EXPECT_LE(skin_excess(body, mesh, skin, transforms), 0);
+}
+
 // A bone for each vertex, and all of them move alike: the hull of many bones is the body itself.
 TEST(SkinnedCover, nodes_with_many_bones_have_a_hull) {
   const Specimen& b = specimens()[0];

@@ -276,6 +276,28 @@ TEST(SkinMorphCover, pays_for_motions_much_larger_than_the_body) {
   }
 }
 
+// The body is a point at rest, or nearly one, and its targets unfold it.
+TEST(SkinMorphCover, bodies_that_targets_unfold_get_no_huge_spheres) {
+  for (const double size : {0.0, 1e-300, 1e-60, 1e-39, 1e-3}) {
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}};
+    mesh.facets = {{0, 1, 2}};
+    const Skin skin{2, {0, 1, 2, 4}, {0, 0, 0, 1}, {1, 1, 0.25, 0.75}};
+    const Modes modes{3, 1, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const Sphere ball{{}, 2 * size};
+    Body body(mesh, test::root_with_leaves(mesh, ball, std::vector{ball}),
+              {.rules = {Rule::skinned}, .modes = modes, .skin = skin});
+    for (const double coordinate : {-1.0, 1e-9, 1.0, 1e9}) {
+      MorphTransforms transforms(2);
+      transforms[1].columns = {Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, 0, 1}};
+      const std::vector<double> morphs{coordinate};
+      ASSERT_TRUE(body.update_skinned(transforms, morphs));
+      EXPECT_LE(morph_excess(body, mesh, transforms, morphs), 0) << size << ' ' << coordinate;
+      EXPECT_LE(body.spheres()[0].radius, 3 * std::abs(coordinate) + 3 * size) << size << ' ' << coordinate;
+    }
+  }
+}
+
 // The parts that a body moves all at once: no larger than the sphere at rest.
 TEST(SkinMorphCover, a_target_that_moves_a_node_as_a_whole_does_not_enlarge_it) {
   const test::Specimen& b = test::specimens()[2];

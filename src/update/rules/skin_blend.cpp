@@ -3,6 +3,7 @@
 #include "update/rules/skin_blend.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <morula/geometry/sphere.hpp>
 
 #include "update/rules/mode_rows.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 // Limits of slope × radius and of scale: the rounding of what they multiply is then small (skinned.cpp).
 constexpr double steepest = 4, largest_scale = 2;
+// Limit of slopes: their lengths, and products with what is at rest, stay finite.
+constexpr double most_slope = 0x1p1000;
 // A bone in less than one of so many corners gets a slope and a scale of 0.
 constexpr std::size_t few = 16;
 
@@ -161,7 +164,7 @@ class TermFit {
     for (std::size_t k = 0; k < places_.size(); ++k)
       product += (places_[k] - mean_) * (weights[k] / static_cast<double>(places_.size()));
     const Vec3 scaled = solution(covariance_, product), slope = scaled / radius_;
-    return length(scaled) <= steepest && is_finite(slope) ? slope : Vec3{};
+    return length(scaled) <= steepest && max_norm(slope) <= most_slope ? slope : Vec3{};
   }
   double scale(std::span<const Vec3> moments) const {
     double product = 0;
@@ -177,21 +180,28 @@ class TermFit {
   double spread_ = 0;
 };
 
-// Axes: the Cholesky factor of the covariance, scaled until the ellipsoid contains every place.
+// Axes: the Cholesky factor of the covariance, scaled until the ellipsoid contains every place. Places are first scaled
+// by a power of two: if squares vanished, a flat patch could get an axis of 0, and the quotient 0 / 0 would hide how
+// far its places are out. If all places are equal, the axes are NaN, and the kernels do not take the shape.
 PatchShape shape_of(std::span<const Vec3> places) {
   const Vec3 middle = mode_row(places).shift;
-  const std::array<Vec3, 3> c = covariance_of(places, middle);
+  double largest = 0;
+  for (const Vec3& y : places) largest = std::max(largest, max_norm(y - middle));
+  // mutant skinned-shape-size: `std::ldexp(1, std::ilogb(largest))` -> `1`
+  const double size = std::ldexp(1, std::ilogb(largest));
+  std::vector<Vec3> scaled;
+  for (const Vec3& y : places) scaled.push_back((y - middle) / size);
+  const std::array<Vec3, 3> c = covariance_of(scaled, {});
   const double xx = std::sqrt(c[0].x), xy = c[0].y / xx, xz = c[0].z / xx;
   const double yy = std::sqrt(c[1].y - xy * xy), yz = (c[1].z - xy * xz) / yy;
   const double zz = std::sqrt(c[2].z - xz * xz - yz * yz);
   double farthest = 0;
-  for (const Vec3& y : places) {
-    const Vec3 z = y - middle;
+  for (const Vec3& z : scaled) {
     const double u = z.x / xx, v = (z.y - xy * u) / yy, w = (z.z - xz * u - yz * v) / zz;
     farthest = std::max(farthest, length(Vec3{u, v, w}));
   }
   // The share is far above the rounding of the three quotients, since the ridge bounds the ratio of the axes.
-  const double scale = farthest * (1 + 0x1p-30);
+  const double scale = farthest * size * (1 + 0x1p-30);
   return {middle, {Vec3{xx, xy, xz} * scale, Vec3{0, yy, yz} * scale, Vec3{0, 0, zz} * scale}};
 }
 

@@ -83,7 +83,8 @@ NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const C
 /// The rest data of all nodes of the rule. Cost of making it: linear in terms.
 struct SkinBlend {
   SkinBlend() = default;
-  explicit SkinBlend(std::span<const NodeBlend> from);
+  /// least_unit: a length in mesh units; a moved center has to be below 2^127 of it.
+  explicit SkinBlend(std::span<const NodeBlend> from, double least_unit = 0);
 
   std::vector<BlendNode> nodes{};
   std::vector<NodeGroup> groups{};  ///< every node is in one of them

@@ -103,6 +103,7 @@ class LaneWriter {
     group.radius[lane] = above(radius);
     // mutant skinned-float-turn: `above(share_ * place)` -> `above(0 * place)`
     group.turn_stray[lane] = above(share_ * place);
+    // mutant skinned-float-size: `above(share_ * 1.75 * radius)` -> `above(0 * radius)`
     group.size_stray[lane] = above(share_ * 1.75 * radius);
     put(blend.shape.center / unit_, group.shape_center, lane);
     double squares = squared_length(blend.shape.center / unit_);
@@ -111,6 +112,7 @@ class LaneWriter {
       for (int row = column; row < 3; ++row) group.shape_axes[k++][lane] = static_cast<float>(axis[row]);
       squares += squared_length(axis);
     }
+    // mutant skinned-float-shape: `0x1p-20 * std::sqrt(squares)` -> `0 * std::sqrt(squares)`
     group.shape_stray[lane] = above(0x1p-20 * std::sqrt(squares));
     put_ball(blend, group.bone, group.ball, group.ball_radius, lane);
   }
@@ -121,7 +123,7 @@ class LaneWriter {
     if (term == nullptr) return;
     const double radius = blend.node.rest.radius / unit_, place = length((blend.node.rest.center - pivot_) / unit_);
     const double weight = std::abs(term->weight), scale = std::abs(term->scale);
-    const double slope = length(term->slope * unit_), moment = length(term->moment / unit_);
+    const double slope = safe_length(term->slope * unit_), moment = length(term->moment / unit_);
     to.weight[lane] = static_cast<float>(term->weight), to.scale[lane] = static_cast<float>(term->scale);
     put(term->moment / unit_, to.moment, lane);
     double stray = term->weight_stray;
@@ -164,17 +166,30 @@ Vec3 pivot_of(std::span<const NodeBlend> from) {
   return centers.empty() ? Vec3{} : mode_row(centers).shift;
 }
 
-// A power of two above all places about the pivot and all radii.
-double unit_of(std::span<const NodeBlend> from, const Vec3& pivot) {
-  double largest = 0x1p-900;
-  for (const NodeBlend& blend : from)
-    largest = std::max({largest, max_norm(blend.node.rest.center - pivot), blend.node.rest.radius});
+// The largest coordinate or radius of moments and balls. Those of a corner that cuts a facet can be far larger than the
+// node: beyond the range of float, a comparison with NaN would leave a ball out of the hull.
+double reach_of(const NodeBlend& blend) {
+  double largest = 0;
+  for (const BlendTerm& term : blend.terms) largest = std::max({largest, max_norm(term.moment), term.moment_stray});
+  for (const BoneBall& ball : blend.balls) largest = std::max({largest, max_norm(ball.center), ball.radius});
+  return largest;
+}
+
+// A power of two above all lengths at rest: places about the pivot, radii, moments and balls.
+double unit_of(std::span<const NodeBlend> from, const Vec3& pivot, double least) {
+  double largest = std::max(least, 0x1p-961);  // displacements in units are then below 2^1017
+  for (const NodeBlend& blend : from) {
+    const Sphere& rest = blend.node.rest;
+    // mutant skinned-unit: `reach_of(blend)` -> `0 * reach_of(blend)`
+    largest = std::max({largest, max_norm(rest.center - pivot), rest.radius, reach_of(blend)});
+  }
   return std::ldexp(1, std::ilogb(largest) + 1);
 }
 
 }  // namespace
 
-SkinBlend::SkinBlend(std::span<const NodeBlend> from) : pivot(pivot_of(from)), unit(unit_of(from, pivot)) {
+SkinBlend::SkinBlend(std::span<const NodeBlend> from, double least_unit)
+    : pivot(pivot_of(from)), unit(unit_of(from, pivot, least_unit)) {
   std::vector<Bones> bones;
   for (const NodeBlend& blend : from) {
     nodes.push_back(blend.node);

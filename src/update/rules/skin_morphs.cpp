@@ -160,6 +160,12 @@ SkinMorphs::SkinMorphs(std::span<const NodeMorphs> nodes, std::size_t mode_count
     for (const NodeMorphs::Row& row : nodes[k].rows) rows_[next[row.mode]++] = {k, row.shift, row.stray};
 }
 
+double SkinMorphs::reach() const {
+  double largest = 0;
+  for (const Row& row : rows_) largest = std::max({largest, max_norm(row.shift), row.stray});
+  return largest;
+}
+
 void SkinMorphs::begin(const BonePose& pose, Workers& workers) noexcept {
   is_moved_ = !pose.morphs.empty();
   if (!is_moved_) return;

@@ -60,6 +60,8 @@ class SkinMorphs {
   /// For the pads of the poser.
   double factor_sum() const { return factor_sum_; }
   std::size_t most_terms() const { return most_terms_; }
+  /// The largest coordinate of a shift, or stray, of a row.
+  double reach() const;
 
   /// Begins a frame. Allocates nothing. Cost: bones, plus the rows of the modes whose coordinates are not 0.
   void begin(const BonePose& pose, Workers& workers) noexcept;

@@ -48,8 +48,10 @@
 //            largest eigenvalue grows with p and with the determinant, and the bound of f has a slope of at most 4, so
 //            the error is below 4 (59 u 2 p + 2 |t|) + 11 u m + |t| / 3 + 100 u p, and p <= m.
 // That is less than 800 u m; allowed: 2^-14 = 1024 u, hence 2^-15 of its root. Numbers below 2^-126, and squares that
-// vanish below them, are less than 2^-60 of the largest moved length, far below the pad. A power of two scales
-// transforms beyond 2^40, so that nothing overflows.
+// vanish below them, cost less than 2^-60 (1 + Q) moved units, Q as below; the pad of a frame has them, since a body
+// can be far smaller than the least unit. A power of two scales transforms beyond 2^40, so that products of matrices
+// and lengths at rest stay in the range of float. Where large weights of both signs still leave it, the node gets the
+// largest sphere.
 //
 // Rounding in double, e = 2^-53. X bounds |coordinates| at rest, S those of displacements (T_b - 1) x, L the sum
 // of |weights| of a vertex, Q the sum of the factors of a node (factor_sum), n the number of summands. Lengths:
@@ -124,9 +126,11 @@ class SkinnedRule final : public RuleEngine {
       blends[k].node.node = node;
       if (!morphs.empty()) morphs[k] = morphs_of_node(binding.options.skin, modes, model.cover, corners);
     });
-    blend_ = SkinBlend(blends);
-    binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
     morphs_ = SkinMorphs(morphs, modes.mode_count, binding.options.skin.bone_count);
+    // Targets can move a body by far more than its size at rest, but not out of the range of float.
+    // mutant skinned-morph-unit: `std::min(morphs_.reach(), 0x1p57)` -> `0.0`
+    blend_ = SkinBlend(blends, 0x1p-64 * std::min(morphs_.reach(), 0x1p57));
+    binding.posers.skin->add_blend(blend_.factor_sum, blend_.most_terms);
     binding.posers.skin->add_morphs(morphs_.factor_sum(), morphs_.most_terms());
     bones_.resize(binding.options.skin.bone_count);
     shifts_.resize(bones_.size());
@@ -148,12 +152,14 @@ class SkinnedRule final : public RuleEngine {
     const SkinFrame bones{
         bones_.data(),       pairs_.data(), blend_.terms.data(), shifts_.data(), static_cast<float>(scale_),
         blend_.unit / scale_};
+    // mutant skinned-underflow: `0x1p-60 *` -> `0 *`
+    const double pad = frame.bones->pad + 0x1p-60 * (1 + blend_.factor_sum) * bones.unit;
     parallel_for(workers, blend_.groups.size(), groups_per_chunk, [&](std::size_t begin, std::size_t end) {
       GroupSpheres bounds;
       for (const NodeGroup& group : std::span(blend_.groups).subspan(begin, end - begin)) {
         kernels.bound(group, bones, bounds);
         if (!frame.bones->morphs.empty()) add_morphs(group, bones.unit, bounds);
-        kernels.narrow(group, bones, frame.origin, frame.bones->pad, bounds);
+        kernels.narrow(group, bones, frame.origin, pad, bounds);
         for (std::size_t lane = 0; lane < group.count; ++lane)
           if (const std::uint32_t node = blend_.nodes[group.slot[lane]].node; node < node_end)
             spheres[node] = {{bounds.center.x[lane], bounds.center.y[lane], bounds.center.z[lane]},

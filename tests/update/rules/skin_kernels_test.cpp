@@ -240,6 +240,24 @@ TEST(SkinKernels, balls_pay_for_rounding_to_float) {
   }
 }
 
+// An ellipsoid that is far longer than the ball of the corners: the sums of its axes lose what moves the corner.
+TEST(SkinKernels, shapes_pay_for_rounding_to_float) {
+  constexpr double lost = 0.99 * 0x1p-14;
+  TwoNodes n;
+  n.node.node = {.node = 0, .bone = 0, .rest = {{}, 0.75}};
+  n.other.node = {.node = 1, .bone = 0, .rest = {{}, 0.75}};
+  AffineTransform shrunk, other;
+  shrunk.columns = {};
+  other.columns = {Vec3{lost, 0, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}};
+  n.bones = {shrunk, other};
+  BlendTerm term;
+  term.bone = 1, term.scale = 1;
+  n.node.terms = {term};
+  // The corner is 0.7 times the first axis less 0.7 times the second.
+  n.node.shape = {{}, {Vec3{1, 1024, 1024}, Vec3{0, 1024, 1024}, Vec3{}}};
+  for (const SkinKernels& kernels : all_skin_kernels()) EXPECT_LE(excess_of(n, {0.7L, 0, 0}, kernels), 0);
+}
+
 // Facets apart from each other, one per leaf. All have one main bone, and others in turn; one in three, and the first
 // of nine, follows it alone.
 struct Facets {
