@@ -73,10 +73,9 @@ struct NodeBlend {
   double factor_sum = 0;  ///< sum of the factors that multiply transforms of points or, over `reach`, linear parts
 };
 
-/// corners: those that the node has to contain, each once. center: of the node's sphere; the result's differs from it
-/// if the corners fit into a ball of less than a quarter of the size. reach: the largest |coordinate| of vertices and
-/// centers. Cost: linear in the
-/// influences of the corners, which are sorted by bone.
+/// corners: those that the node has to contain, each once. center: of the node's sphere; the result has it, or the
+/// middle of the corners if the sphere about that one is smaller. reach: the largest |coordinate| of vertices and
+/// centers. Cost: linear in the influences of the corners, which are sorted by bone.
 NodeBlend blend_of_node(const Skin& skin, const PositionView& positions, const Cover& cover,
                         std::span<const std::uint32_t> corners, const Vec3& center, double reach);
 

@@ -20,7 +20,7 @@
 //   hull   with q_b = m_b / w_b, p - T_r c is a convex combination of the points D_b (c + q_b) + A_r q_b, which are
 //          T_b (c + q_b) - T_r c, so it lies in any ball around the moved balls of the bones [kavan2005]. It needs
 //          weights of at least 0.
-// The smallest is taken. The first has the tree's center at rest, where spheres stick out of the body the least.
+// The smallest is taken. The first has the smallest sphere at rest.
 //
 // Nodes with one main bone, and nearly the same others, are bounded in groups, one in each lane (skin_groups.cpp). A
 // bone that moves only some of them has factors and strays of 0 in the others and adds exactly 0; its ball there has
