@@ -162,6 +162,14 @@ TEST(PlatformProcess, the_type_of_a_program_need_not_be_given) {
     EXPECT_EQ(ChildProgram({program, "exit", "7"}, {}).wait().code, 7) << program;
 }
 #else
+// Those of a terminal reach all its programs. A worker that they ended would take its build with it, and leave a file.
+TEST(PlatformProcess, a_worker_leaves_signals_of_the_terminal_to_the_program_that_started_it) {
+  ChildProgram program(call({"signals"}), {});
+  const platform::ProcessStatus status = program.wait();
+  EXPECT_FALSE(status.by_signal);
+  EXPECT_EQ(status.code, 0);
+}
+
 // A host program may ignore the ends of its children; their statuses are then lost, but their ends are seen.
 TEST(PlatformProcess, ends_are_seen_where_sigchld_is_ignored) {
   struct Ignored {
