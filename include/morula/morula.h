@@ -61,7 +61,8 @@ MORULA_API morula_status morula_mesh_create(const double* positions, size_t vert
                                             size_t facet_count, morula_mesh** mesh);
 /* Reads a mesh by extension: OBJ, OFF, PLY, STL, VTK (.vtk, .vtp, .vtu), Gmsh (.msh), and glTF if the build has it. */
 MORULA_API morula_status morula_mesh_read(const char* path, morula_mesh** mesh);
-/* Reads a mesh from the bytes of a file. name: a file name; its extension is the format, and messages quote it. */
+/* Reads a mesh from the bytes of a file. name: a file name; its extension is the format, and messages quote it. A .gltf
+ * may name further files, which are read from the folder of `name`: use .glb for bytes of others. */
 MORULA_API morula_status morula_mesh_from_bytes(const char* name, const void* bytes, size_t size, morula_mesh** mesh);
 /* Writes a mesh by extension: OBJ, OFF, PLY, STL or .vtp. The write is atomic. */
 MORULA_API morula_status morula_mesh_write(const morula_mesh* mesh, const char* path);

@@ -26,11 +26,11 @@ morula_status morula_mesh_from_bytes(const char* name, const void* bytes, size_t
     *mesh = nullptr;
     require_pointer(name, "name");
     const StandardFloats standard;
-    if (mesh_format(lower_extension(name)) == nullptr)
+    if (mesh_format(lower_extension(path_of(name))) == nullptr)
       throw FileError(std::string(name) + ": its extension says no known mesh format; use one of " +
                       readable_mesh_extensions());
     MeshReading reading;
-    *mesh = new morula_mesh{std::make_shared<const Mesh>(mesh_of_bytes(name, text_of(bytes, size), reading))};
+    *mesh = new morula_mesh{std::make_shared<const Mesh>(mesh_of_bytes(path_of(name), text_of(bytes, size), reading))};
     return MORULA_OK;
   });
 }

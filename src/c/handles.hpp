@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <morula/collide/collider.hpp>
 #include <morula/collide/contact_query.hpp>
@@ -112,6 +113,11 @@ morula_status guarded(const Call& call) noexcept;
 /// Throws std::invalid_argument, naming it, for a pointer that must not be NULL.
 inline void require_pointer(const void* pointer, const char* name) {
   if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " is NULL");
+}
+
+/// A path from UTF-8, which on Windows need not be the encoding of narrow paths.
+inline std::filesystem::path path_of(const char* text) {
+  return reinterpret_cast<const char8_t*>(text);
 }
 
 /// Writes defaults into a struct of the caller's header. It may have fewer fields than ours, or more, which become 0.

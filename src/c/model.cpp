@@ -57,7 +57,7 @@ morula_status morula_mesh_read(const char* path, morula_mesh** mesh) {
     require_pointer(mesh, "mesh");
     *mesh = nullptr;
     require_pointer(path, "path");
-    *mesh = handle_of(read_mesh(path));
+    *mesh = handle_of(read_mesh(path_of(path)));
     return MORULA_OK;
   });
 }
@@ -66,7 +66,7 @@ morula_status morula_mesh_write(const morula_mesh* mesh, const char* path) {
   return guarded([&] {
     require_pointer(mesh, "mesh");
     require_pointer(path, "path");
-    write_mesh(path, *mesh->mesh);
+    write_mesh(path_of(path), *mesh->mesh);
     return MORULA_OK;
   });
 }
@@ -141,7 +141,7 @@ morula_status morula_model_read(const char* path, const morula_mesh* mesh, morul
     *model = nullptr;
     require_pointer(path, "path");
     require_pointer(mesh, "mesh");
-    *model = handle_of(read_covered_tree(path, *mesh->mesh));
+    *model = handle_of(read_covered_tree(path_of(path), *mesh->mesh));
     return MORULA_OK;
   });
 }
@@ -150,7 +150,7 @@ morula_status morula_model_write(const morula_model* model, const char* path) {
   return guarded([&] {
     require_pointer(model, "model");
     require_pointer(path, "path");
-    write_tree(path, *model->model);
+    write_tree(path_of(path), *model->model);
     return MORULA_OK;
   });
 }

@@ -70,7 +70,7 @@ morula_status morula_skin_read(const char* path, const morula_mesh* mesh, morula
     *skin = nullptr;
     require_pointer(path, "path");
     require_pointer(mesh, "mesh");
-    *skin = new morula_skin{read_skin(path, *mesh->mesh)};
+    *skin = new morula_skin{read_skin(path_of(path), *mesh->mesh)};
     return MORULA_OK;
   });
 }
@@ -150,6 +150,8 @@ morula_status morula_skin_bounds_compute_morphed(morula_skin_bounds* bounds, con
     if (character_count == 0) return MORULA_OK;
     require_pointer(transforms, "transforms");
     SkinBounds& of = bounds->bounds;
+    if (character_count > bounds->transforms.max_size() / std::max<std::size_t>(of.bone_count(), 1))
+      throw std::length_error("the number of characters");
     bounds->transforms.resize(character_count * of.bone_count());
     read_transforms(transforms, bounds->transforms);
     const std::size_t count = character_count * of.cluster_count();

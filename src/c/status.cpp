@@ -5,6 +5,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <morula/version.hpp>
 #include <new>
+#include <stdexcept>
 
 #include "c/handles.hpp"
 
@@ -36,6 +37,8 @@ morula_status of_current_exception() noexcept {
     return fails(MORULA_BAD_ARGUMENT, e.what());
   } catch (const std::bad_alloc&) {
     return fails(MORULA_OUT_OF_MEMORY, "out of memory");
+  } catch (const std::length_error&) {
+    return fails(MORULA_OUT_OF_MEMORY, "out of memory: a count is too large for any machine");
   } catch (const std::exception& e) {
     return fails(MORULA_INTERNAL, e.what());
   } catch (...) {

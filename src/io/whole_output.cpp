@@ -162,13 +162,13 @@ void write_whole(const fs::path& path, std::string_view bytes) {
 }
 
 WholeFile::WholeFile(const fs::path& target) : named_(target) {
-  const std::string name = target.string();
   if (!target.has_filename()) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
   target_ = through_links(target);
   const NodeKind kind = platform::kind_of(target_);
   const bool exists = kind != NodeKind::missing;
   if (kind == NodeKind::folder) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
-  if (exists && kind != NodeKind::file) throw FileError(name + ": is a device or a pipe, not a file; name a file");
+  if (exists && kind != NodeKind::file)
+    throw FileError(target.string() + ": is a device or a pipe, not a file; name a file");
 
   const std::unique_lock lock = lock_unfinished();
   int error = 0;
@@ -239,7 +239,6 @@ void WholeFile::commit() {
 }
 
 WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
-  const std::string name = target.string();
   target_ = through_links(without_slash(target));
   const NodeKind kind = platform::kind_of(target_);
   exists_ = kind != NodeKind::missing;

@@ -17,8 +17,8 @@
 
 namespace morula::platform {
 
-/// Makes this process a worker: Ctrl-C is for the program that started it; a closed pipe is an error of the write; a
-/// request to end (SIGTERM) ends read_input().
+/// Makes this process a worker: Ctrl-C and the end of the terminal are for the program that started it; a closed pipe
+/// is an error of the write; a request to end (SIGTERM) ends read_input().
 void become_worker();
 /// Appends what arrives on standard input, for which it waits. False at its end, or when the end of this process was
 /// requested.

@@ -30,7 +30,9 @@ struct ProgramStreams {
 class ChildProgram {
  public:
   /// words: the first one is the program, a path or a name that is searched as a shell does. Words arrive unchanged,
-  /// blanks, quotation marks and backslashes included. Throws std::system_error if it cannot be started.
+  /// blanks, quotation marks and backslashes included. Windows: the program is an .exe, which the name need not say,
+  /// and a name without a folder is one of PATH. Throws std::system_error if it cannot be started; a .bat or .cmd never
+  /// is, because the system's shell would read its words.
   ChildProgram(const std::vector<std::string>& words, const ProgramStreams& streams);
   /// The same for a program by its path, with words that need not begin with its name.
   ChildProgram(const std::string& path, const std::vector<std::string>& words, const ProgramStreams& streams);

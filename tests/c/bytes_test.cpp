@@ -156,6 +156,11 @@ TEST(CPoints, bad_input_writes_nothing) {
   EXPECT_EQ(places[0].inside, 7);
   EXPECT_EQ(morula_locate(limb.body, nullptr, 0, nullptr), MORULA_OK);
 
+  // No machine has room for these.
+  const std::size_t most = std::numeric_limits<std::size_t>::max();
+  EXPECT_EQ(morula_first_hits(limb.body, rays.data(), most, hits), MORULA_OUT_OF_MEMORY);
+  EXPECT_EQ(morula_locate(limb.body, points, most, places), MORULA_OUT_OF_MEMORY);
+
   morula_mesh* open = nullptr;
   morula_model* model = nullptr;
   morula_body* body = nullptr;

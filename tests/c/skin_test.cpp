@@ -153,6 +153,9 @@ TEST(CSkin, bounds_of_clusters_are_those_of_the_library) {
   std::vector<double> bad = rows;
   bad[7] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(morula_skin_bounds_compute(bounds, bad.data(), 5, spheres.data(), nullptr), MORULA_REFUSED);
+  // Times the number of bones, this count would wrap around.
+  const std::size_t huge = std::numeric_limits<std::size_t>::max() / limb.bones + 2;
+  EXPECT_EQ(morula_skin_bounds_compute(bounds, rows.data(), huge, nullptr, nullptr), MORULA_OUT_OF_MEMORY);
   morula_skin_bounds_destroy(bounds);
 }
 

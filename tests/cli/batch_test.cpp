@@ -68,7 +68,7 @@ TEST(Batch, makes_a_row_of_every_mesh) {
   EXPECT_EQ(csv.rfind("name,key,status,message,", 0), 0u);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
   for (const std::string& line : bench.listing())
-    EXPECT_EQ(line.find("morula-batch"), std::string::npos) << "left behind: " << line;
+    EXPECT_EQ(line.find(".morula-"), std::string::npos) << "left behind: " << line;
 }
 
 TEST(Batch, reads_lists_and_tables) {
@@ -170,6 +170,19 @@ TEST(Batch, names_the_folder_for_temporary_files_that_is_missing) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("set TMPDIR to one that is"), std::string::npos) << result.err;
 }
+
+#ifndef _WIN32
+TEST(Batch, leaves_no_temporary_folder_where_a_signal_ends_it) {
+  const Workbench bench;
+  bench.require("sample bar -o bar.obj --resolution 3");
+  bench.write("list.txt", "bar.obj\n");
+  const CommandResult result = bench.shell(
+      "mkdir temporary; TMPDIR=$PWD/temporary $MORULA batch list.txt -o out & batch=$!; "
+      "while [ -z \"$(ls -A temporary)\" ] && kill -0 $batch; do :; done; kill -TERM $batch; wait $batch; echo $?; "
+      "ls -A temporary");
+  EXPECT_EQ(result.out, "143\n") << result.err;
+}
+#endif
 
 TEST(Batch, of_a_shard_without_meshes_is_done) {
   const Workbench bench;

@@ -12,6 +12,7 @@
 #include <morula/parallel/threads.hpp>
 #include <random>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace morula {
@@ -32,6 +33,17 @@ TEST(StopRequests, reach_every_copy_once) {
   EXPECT_FALSE(other.request_stop());
   EXPECT_TRUE(early.stop_requested() && copy.stop_requested() && other.stop_requested());
   EXPECT_TRUE(other.get_token().stop_requested());
+}
+
+TEST(StopRequests, sources_that_were_moved_from_may_be_asked) {
+  StopSource source;
+  const StopToken token = source.get_token();
+  StopSource moved = std::move(source);
+  StopSource assigned;
+  assigned = std::move(moved);
+  for (const StopSource& empty : {source, moved}) EXPECT_FALSE(empty.stop_requested());
+  EXPECT_TRUE(assigned.request_stop());
+  EXPECT_TRUE(token.stop_requested());
 }
 
 #ifdef MORULA_TEST_HAS_STANDARD

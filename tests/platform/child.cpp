@@ -6,6 +6,8 @@
 //   exit CODE        ends with this code
 //   crash            ends by an access to no memory
 //   hold FILE        writes half a file and half a folder beside it, prints "ready", and waits to be ended
+//   signals          becomes a worker, and gets the signals that are for the program that started it
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -59,5 +61,12 @@ int main(int argc, char** argv) {
     *nowhere = 1;
   }
   if (order == "hold" && argc > 2) return hold(argv[2]);
+#ifndef _WIN32
+  if (order == "signals") {
+    morula::platform::become_worker();
+    for (const int signal : {SIGINT, SIGHUP, SIGPIPE}) std::raise(signal);
+    return 0;
+  }
+#endif
   return 99;
 }

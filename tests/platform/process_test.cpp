@@ -8,10 +8,14 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
 #include <morula/io/whole_output.hpp>
 #include <string>
 #include <support/scratch_folder.hpp>
 #include <system_error>
+#include <thread>
 
 #include "platform/interrupt.hpp"
 
@@ -120,6 +124,65 @@ TEST(PlatformProcess, exit_codes_crashes_and_missing_programs_are_told_apart) {
     }
   }
 }
+
+#ifdef _WIN32
+// A shell that reads them would take the second word as a command of its own.
+TEST(PlatformProcess, scripts_of_the_shell_are_not_started) {
+  const ScratchFolder folder;
+  const std::string made = (folder.path() / "made").string();
+  for (const char* name : {"a.bat", "B.Cmd"}) {
+    const std::string script = folder.file(name, "@echo %1\r\n").string();
+    for (const char* end : {"", ".", " ", ". ."}) {
+      for (const bool is_path : {false, true}) {
+        const std::vector<std::string> words{script + end, "\" & echo made >" + made};
+        try {
+          if (is_path)
+            ChildProgram(script + end, words, {}).wait();
+          else
+            ChildProgram(words, {}).wait();
+          ADD_FAILURE() << script << end << " is started";
+        } catch (const std::system_error& error) {
+          EXPECT_EQ(error.code().value(), ENOEXEC) << script << end;
+        }
+      }
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(made));
+}
+
+TEST(PlatformProcess, the_type_of_a_program_need_not_be_given) {
+  std::string name = MORULA_CHILD;
+  ASSERT_TRUE(name.ends_with(".exe"));
+  std::vector<std::string> names{name, name.substr(0, name.size() - 4), name.substr(0, name.size() - 4) + ".EXE"};
+  const std::filesystem::path folder = std::filesystem::path(name).parent_path();
+  names.push_back(std::filesystem::path(name).stem().string());
+  const std::string path = "PATH=;\"" + folder.string() + "\";" + std::getenv("PATH");
+  ASSERT_EQ(_putenv(path.c_str()), 0);
+  for (const std::string& program : names)
+    EXPECT_EQ(ChildProgram({program, "exit", "7"}, {}).wait().code, 7) << program;
+}
+#else
+// Those of a terminal reach all its programs. A worker that they ended would take its build with it, and leave a file.
+TEST(PlatformProcess, a_worker_leaves_signals_of_the_terminal_to_the_program_that_started_it) {
+  ChildProgram program(call({"signals"}), {});
+  const platform::ProcessStatus status = program.wait();
+  EXPECT_FALSE(status.by_signal);
+  EXPECT_EQ(status.code, 0);
+}
+
+// A host program may ignore the ends of its children; their statuses are then lost, but their ends are seen.
+TEST(PlatformProcess, ends_are_seen_where_sigchld_is_ignored) {
+  struct Ignored {
+    void (*before)(int) = std::signal(SIGCHLD, SIG_IGN);
+    ~Ignored() { std::signal(SIGCHLD, before); }
+  } const ignored;
+  ChildProgram program(call({"exit", "0"}), {});
+  EXPECT_TRUE(all_output(program).empty());
+  for (int tries = 0; tries < 1000 && !program.status(); ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(program.status().has_value());
+}
+#endif
 
 TEST(PlatformProcess, a_program_ends_with_its_object) {
   const auto begun = std::chrono::steady_clock::now();

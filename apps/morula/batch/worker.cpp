@@ -81,13 +81,13 @@ void BatchSeat::stop() {
   if (worker_) worker_->request_end();
 }
 
-std::optional<Json> BatchSeat::build(const BatchTask& task) {
-  for (int tries = 0; tries < 2; ++tries) {
+std::optional<Json> BatchSeat::build(const BatchTask& task, const StopToken& stop) {
+  for (int tries = 0; tries < 2 && !stop.stop_requested(); ++tries) {
     if (!has_worker()) return std::nullopt;
     worker_->give(task);
-    while (!worker_->is_gone()) {
+    while (!worker_->is_gone() && !stop.stop_requested()) {
       const std::array<const platform::ChildProgram*, 1> waited{&worker_->program()};
-      platform::ChildProgram::wait_for_any(waited, 1000);
+      platform::ChildProgram::wait_for_any(waited, 100);
       const std::optional<std::string> answer = worker_->answer();
       if (!answer) continue;
       if (std::optional<Json> result = whole_result(*answer, task.key)) return result;
@@ -96,7 +96,7 @@ std::optional<Json> BatchSeat::build(const BatchTask& task) {
   }
   const std::lock_guard lock(mutex_);
   worker_.reset();
-  if (is_stopped_) return std::nullopt;
+  if (is_stopped_ || stop.stop_requested()) return std::nullopt;
   return lost_result(task);
 }
 

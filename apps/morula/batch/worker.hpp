@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <morula/parallel/threads.hpp>
 #include <mutex>
 #include <optional>
 #include <platform/process.hpp>
@@ -51,8 +52,8 @@ class BatchWorker {
 class BatchSeat {
  public:
   /// Gives one task and waits for its result. A task for which two workers in turn were lost is `crashed`. None if the
-  /// seat was stopped.
-  std::optional<Json> build(const BatchTask& task);
+  /// seat was stopped, or if a stop was requested: the worker has then ended.
+  std::optional<Json> build(const BatchTask& task, const StopToken& stop = {});
   /// From another thread: ends the build that is waited for, and all later ones at once.
   void stop();
 

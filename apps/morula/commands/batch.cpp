@@ -5,18 +5,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <morula/geometry/sample_bodies.hpp>
 #include <morula/io/file_reference.hpp>
+#include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <optional>
 #include <platform/console.hpp>
-#include <platform/files.hpp>
 #include <random>
 #include <set>
 #include <system_error>
@@ -111,35 +110,21 @@ BatchTask task_of(const BatchArguments& o, const BatchPlaces& places, const fs::
           .no_trees = o.no_trees};
 }
 
-// A folder of its own, gone in the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    const fs::path among = fs::temp_directory_path(error);
-    if (error)
-      throw UsageError("the folder for temporary files, which TMPDIR names, is not there: " + error.message() +
-                       "; set TMPDIR to one that is");
-    std::random_device random;
-    int reason = EEXIST;
-    for (int attempt = 0; attempt < 100 && reason == EEXIST; ++attempt) {
-      path_ = among / fmt::format("morula-batch-{:08x}", random());
-      reason = platform::create_folder(path_, true);
-    }
-    if (reason != 0)
-      throw UsageError(fmt::format("{}: no folder can be made: {}", path_.string(), platform::reason(reason)));
+// A folder of its own, gone in the end, also where a signal ends the program.
+WholeFolder temporary_folder() {
+  std::error_code error;
+  const fs::path among = fs::temp_directory_path(error);
+  if (error)
+    throw UsageError("the folder for temporary files, which TMPDIR names, is not there: " + error.message() +
+                     "; set TMPDIR to one that is");
+  try {
+    WholeFolder folder(among / fmt::format("morula-batch-{:08x}", std::random_device()()));
+    fs::permissions(folder.path(), fs::perms::owner_all, error);
+    return folder;
+  } catch (const FileError& failure) {
+    throw UsageError(failure.what());
   }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+}
 
 struct Work {
   std::vector<TableRow> rows;           // of this shard
@@ -281,14 +266,15 @@ void require_sense(const BatchArguments& o) {
 }
 
 // An option that no build takes is an error before any mesh is read: a small body is built with all of them.
-void try_options(const BatchArguments& o) {
-  const TemporaryFolder folder;
+void try_options(const BatchArguments& o, const StopToken& stop = {}) {
+  const WholeFolder folder = temporary_folder();
   const BatchPlaces places{folder.path()};
   write_mesh(folder.path() / "bar.obj", sample_body("bar", 3));
   BatchTask task = task_of(o, places, folder.path() / "bar.obj", "trial");
   task.time_limit = 60;
   task.megabytes.reset();
-  const std::optional<Json> result = BatchSeat().build(task);
+  const std::optional<Json> result = BatchSeat().build(task, stop);
+  if (!result) return;
   if (result->at("status") == "crashed")
     throw UsageError(fmt::format("a small build with these options {}; is there room for temporary files in {}?",
                                  result->at("message").get<std::string>(), fs::temp_directory_path().string()));
@@ -332,7 +318,11 @@ int run_batch(const BatchArguments& o) {
   const BatchPlaces places{fs::absolute(o.output)};
   require_no_results(o, places, shard);
   const std::vector<ManifestRow> rows = read_manifest(o.manifest);
-  try_options(o);
+  {
+    const Interrupt interrupt;
+    try_options(o, interrupt.token());
+    if (interrupt.requested()) return say_interrupted(interrupt.exit_code(), "; nothing was written");
+  }
   require_folder_place(o.output);
   fs::create_directories(places.folder);
   Work work = plan(rows, o, places, shard);

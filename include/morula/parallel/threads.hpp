@@ -48,6 +48,11 @@ class StopToken {
 /// Requests stops. Copies share their state. Any thread may call it.
 class StopSource {
  public:
+  StopSource() = default;
+  // No moves: a source that was moved from still has a state.
+  StopSource(const StopSource&) = default;
+  StopSource& operator=(const StopSource&) = default;
+  ~StopSource() = default;
   StopToken get_token() const { return StopToken(stopped_); }
   bool stop_requested() const noexcept { return stopped_->load(std::memory_order_acquire); }
   /// Returns whether this is the first request.

@@ -140,7 +140,9 @@ ApartEnd wait_for(pid_t process, int end_of_process, const ApartLimits& limits) 
 
 void become_worker() {
   signal(SIGINT, SIG_IGN);
+  signal(SIGHUP, SIG_IGN);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGCHLD, SIG_DFL);  // the program that started it may ignore it: then no status of a child can be read
   struct sigaction end {};
   end.sa_handler = note_request_to_end;
   sigaction(SIGTERM, &end, nullptr);

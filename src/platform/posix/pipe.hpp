@@ -17,7 +17,13 @@ namespace morula::platform {
 /// A pipe whose ends other programs do not inherit, and which closes itself. ends[0] is read, ends[1] is written.
 struct Pipe {
   Pipe() {
-    if (pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "no pipe can be made");
+#ifdef __linux__
+    // In one step: another thread may start a program between two.
+    const bool is_made = pipe2(ends.data(), O_CLOEXEC) == 0;
+#else
+    const bool is_made = pipe(ends.data()) == 0;
+#endif
+    if (!is_made) throw std::system_error(errno, std::generic_category(), "no pipe can be made");
     for (const int end : ends) fcntl(end, F_SETFD, FD_CLOEXEC);
   }
   Pipe(const Pipe&) = delete;

@@ -157,7 +157,10 @@ void ChildProgram::wait_for_any(std::span<const ChildProgram* const> programs, i
 
 std::optional<ProcessStatus> ChildProgram::status() {
   int status = 0;
-  if (!state_->ended && waitpid(state_->id, &status, WNOHANG) == state_->id) state_->ended = status_of(status);
+  if (state_->ended) return state_->ended;
+  const pid_t id = waitpid(state_->id, &status, WNOHANG);
+  // A program that ignores SIGCHLD has no child to wait for once it ended; its number may be another process then.
+  if (id == state_->id || (id < 0 && errno == ECHILD)) state_->ended = status_of(status);
   return state_->ended;
 }
 

@@ -155,7 +155,7 @@ ApartEnd run_apart(const ApartWork& work, const ApartFiles& files, const ApartLi
   ApartEnd end;
   const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begun).count(); };
   for (;;) {
-    const double rest = limits.seconds ? *limits.seconds - elapsed() : 1;
+    const double rest = limits.seconds ? std::min(*limits.seconds - elapsed(), 1.0) : 1;
     if (rest < 0) {
       end.how = ApartEnd::How::out_of_time;
       end_softly(process, input.ours);

@@ -56,6 +56,7 @@ NodeKind kind_of(const Path& path) {
 
 std::string reason(int error) {
   if (error == EBUSY) return "another program has it open";
+  if (error == ENOEXEC) return "it is no program; .bat and .cmd are not started, name an .exe";
   return std::generic_category().message(error);
 }
 
@@ -149,7 +150,7 @@ void remove_unfinished(const Path& path) {
       remove_file(is_moved ? outside : file);
     }
   }
-  std::filesystem::remove_all(path, error);
+  if (remove_file(path) != 0) std::filesystem::remove_all(path, error);
 }
 
 void copy_permissions(const Path&, int) {}

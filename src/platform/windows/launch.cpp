@@ -67,8 +67,21 @@ std::wstring quoted_word(const std::string& word) {
   return quoted + L'"';
 }
 
+bool has_type(std::wstring_view path, std::wstring_view type) {
+  while (!path.empty() && (path.back() == L' ' || path.back() == L'.')) path.remove_suffix(1);
+  if (path.size() < type.size()) return false;
+  path.remove_prefix(path.size() - type.size());
+  const auto is_same = [](wchar_t a, wchar_t b) { return (a >= L'A' && a <= L'Z' ? a - L'A' + L'a' : a) == b; };
+  return std::equal(path.begin(), path.end(), type.begin(), is_same);
+}
+
+bool is_script(std::wstring_view path) {
+  return has_type(path, L".bat") || has_type(path, L".cmd");
+}
+
 Launched launch(const std::wstring& path, const std::vector<std::string>& words, const std::array<HANDLE, 3>& streams,
                 HANDLE extra, const JOBOBJECT_EXTENDED_LIMIT_INFORMATION& limits) {
+  if (is_script(path)) fail(ERROR_BAD_EXE_FORMAT, "no process can be started");
   std::wstring line;
   for (const std::string& word : words) line += (line.empty() ? L"" : L" ") + quoted_word(word);
   Inheritance inheritance({streams[0], streams[1], streams[2], extra});

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "platform/process.hpp"
@@ -15,13 +16,19 @@ namespace morula::platform {
 /// A word of a command line that the C library of a program reads back unchanged.
 std::wstring quoted_word(const std::string& word);
 
+/// Whether a path ends in this type, ".exe" for instance. The system ignores case, and blanks and dots at the end.
+bool has_type(std::wstring_view path, std::wstring_view type);
+/// A script of the system's shell (.bat, .cmd), which would read quotation marks of words in its own way, and could run
+/// parts of them as commands.
+bool is_script(std::wstring_view path);
+
 /// A program that runs. It ends with this process, and with `job`.
 struct Launched {
   Handle process, job;
 };
 
 /// Starts a program. path: in full. streams: standard input, output and errors, inheritable. extra: another handle that
-/// it inherits, or null. Throws std::system_error.
+/// it inherits, or null. Throws std::system_error, ENOEXEC for a script.
 Launched launch(const std::wstring& path, const std::vector<std::string>& words, const std::array<HANDLE, 3>& streams,
                 HANDLE extra, const JOBOBJECT_EXTENDED_LIMIT_INFORMATION& limits);
 

@@ -7,23 +7,30 @@
 #include <mutex>
 #include <system_error>
 
+#include "platform/files.hpp"
 #include "platform/windows/launch.hpp"
 
 namespace morula::platform {
 namespace {
 
-/// The program that a name means: one of PATH. Never one of the current folder, which may be another person's.
+/// The program that a name means, a file of type .exe. A name without a folder means one of PATH, but none of the
+/// current folder, which may be another person's.
 std::wstring find_program(const std::string& name) {
-  const std::wstring plain = wide(name);
-  if (plain.find_first_of(L"/\\:") != plain.npos) return plain.ends_with(L".exe") ? plain : plain + L".exe";
+  std::wstring plain = wide(name);
+  if (!has_type(plain, L".exe") && !is_script(plain)) plain += L".exe";
+  if (plain.find_first_of(L"/\\:") != plain.npos) return plain;
   std::wstring folders(GetEnvironmentVariableW(L"PATH", nullptr, 0), L'\0');
-  GetEnvironmentVariableW(L"PATH", folders.data(), static_cast<DWORD>(folders.size()));
-  std::wstring found(32768, L'\0');
-  const DWORD length =
-      SearchPathW(folders.c_str(), plain.c_str(), L".exe", static_cast<DWORD>(found.size()), found.data(), nullptr);
-  if (length == 0) throw std::system_error(ENOENT, std::generic_category(), "no process can be started");
-  found.resize(length);
-  return found;
+  folders.resize(GetEnvironmentVariableW(L"PATH", folders.data(), static_cast<DWORD>(folders.size())));
+  for (std::size_t begin = 0; begin < folders.size();) {
+    const std::size_t end = std::min(folders.find(L';', begin), folders.size());
+    std::wstring folder = folders.substr(begin, end - begin);
+    std::erase(folder, L'"');
+    begin = end + 1;
+    if (!std::filesystem::path(folder).is_absolute()) continue;
+    const std::filesystem::path found = std::filesystem::path(folder) / plain;
+    if (kind_of(found) == NodeKind::file) return found.native();
+  }
+  throw std::system_error(ENOENT, std::generic_category(), "no process can be started");
 }
 
 // Bytes that wait in a pipe; none at its end.
