@@ -30,6 +30,11 @@ def blanked(text: str) -> str:
     return tokens.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
 
 
+def first_branches(text: str) -> str:
+    """The text, of the same length, with spaces for what #else and #elif have instead of a first branch. No nesting."""
+    return re.sub(r"^#(?:else|elif)\b.*?(?=^#endif)", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.M | re.S)
+
+
 def skeleton(code: str) -> str:
     """The code without initializers and without the contents of brackets; parentheses stay, empty."""
     kept, open_brackets, in_initializer = "", [], False
@@ -68,7 +73,8 @@ class Reader:
     """Reads the scopes of one text."""
 
     def __init__(self, text: str):
-        self.text, self.bare = text, blanked(text)
+        self.text = first_branches(text)
+        self.bare = blanked(self.text)
 
     def closing(self, opening: int) -> int:
         """The place of the bracket that closes the one at `opening`."""
