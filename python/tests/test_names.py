@@ -140,7 +140,7 @@ def test_what_is_left_out_is_there_in_cpp():
 
 
 def test_public_names_are_on_record():
-    """tests/golden/python_names.txt has all names of a package with all its parts; scripts/abi --refresh writes it anew."""
+    """tests/golden/python_names.txt has all names of a package with all its parts; scripts/abi --refresh writes it."""
     package = pathlib.Path(morula.__file__).parent
     if not (package / "_morula" / "robot.pyi").exists() or not (package / "studies.py").exists():
         pytest.skip("the package was built without robots or the study, or without stubs")

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Skinned bodies that compute vertices when queries read them, each beside a collider that is given all vertices.
+// Skinned bodies that compute vertices when queries read them. Each has a second collider, which is given all vertices.
 #pragma once
 
 #include <cstddef>

@@ -38,8 +38,8 @@ struct [[nodiscard]] SweepHit {
 /// touch, up to rounding. When it ends, the shape is within 2^-38 of the largest |coordinate| of shape, body and motion
 /// of the surface. A shape that passes the surface nearer than that may be reported.
 ///
-/// Allocates nothing, except as Collider says. Several threads may call it at once. Cost: some 100 ns per sphere, and 1
-/// to 5 us per facet, along the way up to the touch; for a convex hull times its facets.
+/// Allocates nothing, except as Collider says. Several threads may call it at once. Cost: about 100 ns per sphere, and
+/// 1 to 5 us per facet, along the way up to the touch; for a convex hull times its facets.
 class SweepQuery {
  public:
   /// t_end: end of the search, 0 to 1. Rejects a body that queries reject, a collider without facets, positions of
