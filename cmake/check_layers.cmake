@@ -10,7 +10,7 @@
 #   toolbox        itself alone
 #   everyone else  public headers of the library and their own: apps, bench, examples, scenes and the consumer test; apps and bench
 #                  also those of platform
-#   systems        headers of POSIX and Windows in src/platform/posix and src/platform/windows alone
+#   systems        headers of POSIX and Windows in src/platform/posix and src/platform/windows alone; of tests, in folders of these names
 cmake_minimum_required(VERSION 3.24)
 
 # ground
@@ -59,7 +59,7 @@ set(common_update fitted_body)
 set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates wide_integers)
-set(common_platform apart console files interrupt process)
+set(common_platform apart console files interrupt path_text process)
 set(common_io interruptible_text first_bytes byte_reader byte_source json_checks number_text text_scanner whole_file)
 
 if(NOT DEFINED ROOT)
@@ -228,15 +228,15 @@ endforeach()
 set(system_headers "<(sys/.*|unistd|signal|fcntl|termios|poll|dlfcn|spawn|dirent|windows|io|direct|process|psapi|shellapi)[.]h>")
 file(GLOB_RECURSE all_files RELATIVE "${ROOT}" "${ROOT}/src/*.[ch]pp" "${ROOT}/include/*.hpp" "${ROOT}/apps/*.[ch]pp"
   "${ROOT}/toolbox/*.[ch]pp" "${ROOT}/scenes/*.[ch]pp" "${ROOT}/extras/*/src/*.[ch]pp"
-  "${ROOT}/extras/*/include/*.hpp" "${ROOT}/extras/*/command/*.[ch]pp")
+  "${ROOT}/extras/*/include/*.hpp" "${ROOT}/extras/*/command/*.[ch]pp" "${ROOT}/extras/*/tests/*.[ch]pp" "${ROOT}/tests/*.[ch]pp")
 foreach(file IN LISTS all_files)
-  if(file MATCHES "^src/platform/(posix|windows)/")
+  if(file MATCHES "^src/platform/(posix|windows)/" OR file MATCHES "^tests/.*/(posix|windows)/")
     continue()
   endif()
   includes_of("${file}")
   foreach(include IN LISTS includes)
     if(include MATCHES "^${system_headers}$")
-      fault("${file}" "${include}" "headers of an operating system belong to src/platform/posix and src/platform/windows")
+      fault("${file}" "${include}" "headers of an operating system belong to src/platform/posix and src/platform/windows, or to folders posix and windows of tests")
     endif()
   endforeach()
 endforeach()

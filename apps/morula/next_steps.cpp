@@ -28,16 +28,25 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// A word as a shell reads it back: in quotes where it holds more than letters, digits and harmless signs.
+/// A word as a shell reads it back: in quotes where it holds more than letters, digits and harmless signs. Windows: as
+/// PowerShell reads it, and cmd as well unless it holds signs that one of them replaces even in quotes.
 std::string shell_word(const std::string& word) {
+#ifdef _WIN32
+  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:\\";
+  constexpr const char* apostrophe = "''";
+  const char quote = word.find_first_of("$`%'\"") == std::string::npos ? '"' : '\'';
+#else
   constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:,@%";
+  constexpr const char* apostrophe = "'\\''";
+  constexpr char quote = '\'';
+#endif
   const auto is_harmless = [&](char c) {
     return harmless.find(c) != std::string_view::npos || static_cast<unsigned char>(c) >= 0x80;
   };
   if (!word.empty() && std::all_of(word.begin(), word.end(), is_harmless)) return word;
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+  std::string text(1, quote);
+  for (const char c : word) text += c == '\'' && quote == c ? std::string(apostrophe) : std::string(1, c);
+  return text + quote;
 }
 
 std::string shell_word(fs::path path, const char* extension) {

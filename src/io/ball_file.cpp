@@ -15,12 +15,13 @@
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
 
 void write_balls(const std::filesystem::path& path, std::span<const Sphere> balls) {
-  if (lower_extension(path) != ".ply") throw FileError(path.string() + ": balls are written as .ply");
+  if (lower_extension(path) != ".ply") throw FileError(platform::text_of(path) + ": balls are written as .ply");
   std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(balls.size()) +
                       "\nproperty double x\nproperty double y\nproperty double z\nproperty double radius\nend_header\n";
   bytes.reserve(bytes.size() + balls.size() * sizeof(Sphere));
@@ -38,7 +39,7 @@ void write_balls(const std::filesystem::path& path, std::span<const Sphere> ball
 
 std::vector<Sphere> read_balls(const std::filesystem::path& path) {
   const StandardFloats standard;
-  if (lower_extension(path) != ".ply") throw FileError(path.string() + ": balls are read from .ply");
+  if (lower_extension(path) != ".ply") throw FileError(platform::text_of(path) + ": balls are read from .ply");
   return read_ply_balls(path, read_whole(path));
 }
 

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "platform/path_text.hpp"
+
 namespace morula::detail {
 
 static_assert(std::endian::native == std::endian::little || std::endian::native == std::endian::big);
@@ -54,7 +56,7 @@ class ByteReader {
   }
   std::size_t bytes_left() const { return bytes_.size() - at_; }
   [[noreturn]] void fail(const std::string& problem) const {
-    throw FileError(path_.string() + ": byte " + std::to_string(base_ + at_) + ": " + problem);
+    throw FileError(platform::text_of(path_) + ": byte " + std::to_string(base_ + at_) + ": " + problem);
   }
 
  private:

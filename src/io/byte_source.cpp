@@ -5,6 +5,7 @@
 #include <morula/io/mesh_file.hpp>
 
 #include "io/whole_file.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 
@@ -29,8 +30,8 @@ std::string ByteSource::read(std::uintmax_t offset, std::uintmax_t count) const 
   if (!bytes_ && !count_) return read_part(file_, offset, count);
   const std::uintmax_t size = count_ ? *count_ : bytes_->size();
   if (offset > size || count > size - offset)
-    throw FileError(name_.string() + ": has fewer than " + std::to_string(offset) + " + " + std::to_string(count) +
-                    " bytes");
+    throw FileError(platform::text_of(name_) + ": has fewer than " + std::to_string(offset) + " + " +
+                    std::to_string(count) + " bytes");
   if (count_) return read_part(file_, begin_ + offset, count);
   return std::string(bytes_->substr(offset, count));
 }

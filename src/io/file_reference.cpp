@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <morula/io/file_reference.hpp>
 
+#include "platform/path_text.hpp"
+
 namespace morula {
 
 namespace fs = std::filesystem;
@@ -105,12 +107,13 @@ FileReference parse_file_reference(std::string_view text) {
 
 fs::path referenced_file(std::string_view text, const fs::path& folder) {
   const FileReference reference = parse_file_reference(text);
-  if (!reference.scheme.empty()) return folder / fs::path(text);
+  if (!reference.scheme.empty()) return folder / platform::path_of(text);
   for (const std::string& path : reference.paths) {
     std::error_code error;
-    if (fs::exists(folder / path, error)) return folder / path;
+    fs::path file = folder / platform::path_of(path);
+    if (fs::exists(file, error)) return file;
   }
-  return folder / reference.paths[0];
+  return folder / platform::path_of(reference.paths[0]);
 }
 
 FileRoots::FileRoots(const std::vector<fs::path>& folders) {
@@ -136,13 +139,13 @@ std::optional<std::string> FileRoots::refusal(const fs::path& file, std::string_
   if (hold(file) || !fs::exists(file, error)) return std::nullopt;
   std::string folders;
   for (std::size_t i = 0; i < folders_.size(); ++i) {
-    folders += (i == 0 ? "" : i + 1 == folders_.size() ? " and " : ", ") + folders_[i].string();
+    folders += (i == 0 ? "" : i + 1 == folders_.size() ? " and " : ", ") + platform::text_of(folders_[i]);
   }
   const fs::path plain = resolved(file);
   const bool is_link = plain != fs::absolute(file, error).lexically_normal();
-  return (is_link ? "leads to " + plain.string() + ", which lies outside " : "lies outside ") +
+  return (is_link ? "leads to " + platform::text_of(plain) + ", which lies outside " : "lies outside ") +
          (folders.empty() ? "all folders that are there" : folders) + "; allow its folder with " + std::string(option) +
-         " " + (fs::is_directory(plain, error) ? plain : plain.parent_path()).string();
+         " " + platform::text_of(fs::is_directory(plain, error) ? plain : plain.parent_path());
 }
 
 }  // namespace morula

@@ -12,6 +12,7 @@
 
 #include "io/mesh/formats.hpp"
 #include "io/whole_file.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -72,8 +73,8 @@ struct NumberedName {
 };
 
 std::optional<NumberedName> numbered(const fs::path& file) {
-  const std::string name = file.filename().string();
-  const std::size_t stem = file.stem().string().size();
+  const std::string name = platform::text_of(file.filename());
+  const std::size_t stem = platform::text_of(file.stem()).size();
   std::size_t end = stem;
   while (end > 0 && !is_digit(name[end - 1])) --end;
   std::size_t begin = end;
@@ -106,12 +107,18 @@ void require_no_gap(const fs::path& folder, std::string_view pattern, const std:
     if (names[i - 1].digits.front() == '0' && digits.size() < width) digits.insert(0, width - digits.size(), '0');
     const std::string missing = names[i].before + digits + names[i].after;
     if (!matches(pattern, missing)) continue;  // the pattern excludes it on purpose
-    throw FileError(folder.string() + ": " + missing + " is missing between " + files[i - 1].filename().string() +
-                    " and " + files[i].filename().string() + "; add it, or number the frames without a gap");
+    throw FileError(platform::text_of(folder) + ": " + missing + " is missing between " +
+                    platform::text_of(files[i - 1].filename()) + " and " + platform::text_of(files[i].filename()) +
+                    "; add it, or number the frames without a gap");
   }
 }
 
 }  // namespace
+
+SystemFileError::SystemFileError(const fs::path& file, const std::string& problem, int error)
+    : FileError(platform::text_of(file) + ": " + problem),
+      file_(std::make_shared<const fs::path>(file)),
+      error_(error) {}
 
 std::vector<fs::path> frame_files(const fs::path& folder, std::string_view pattern,
                                   const std::set<std::string>& extensions) {
@@ -121,7 +128,7 @@ std::vector<fs::path> frame_files(const fs::path& folder, std::string_view patte
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
     const fs::path& file = entries->path();
     std::error_code ignored;
-    const std::string name = file.filename().string();
+    const std::string name = platform::text_of(file.filename());
     if (name[0] != '.' && matches(pattern, name) && extensions.count(lower_extension(file)) != 0 &&
         entries->is_regular_file(ignored))
       files.push_back(file);
@@ -130,7 +137,7 @@ std::vector<fs::path> frame_files(const fs::path& folder, std::string_view patte
     throw SystemFileError(folder, "there is no such folder; check the name, or where you are", ENOENT);
   if (error) throw SystemFileError(folder, "the folder cannot be read (" + error.message() + ")", error.value());
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
+    return natural_less(platform::text_of(a.filename()), platform::text_of(b.filename()));
   });
   if (!files.empty()) require_no_gap(folder, pattern, files);
   return files;

@@ -7,10 +7,11 @@
 
 #include "io/interruptible_text.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 
-JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(path.string()) {
+JsonFile::JsonFile(const std::filesystem::path& path, std::string_view text) : name_(platform::text_of(path)) {
   try {
     const InterruptibleText interruptible(text);
     root_ = nlohmann::json::parse(interruptible.begin(), interruptible.end());

@@ -8,6 +8,7 @@
 #include <morula/io/mesh_file.hpp>
 
 #include "io/whole_file.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 
@@ -144,7 +145,7 @@ std::string_view TextScanner::after_line() const {
 }
 
 void TextScanner::fail_at(std::size_t line, const std::string& problem) const {
-  throw FileError(path_.string() + ":" + std::to_string(line) + ": " + problem);
+  throw FileError(platform::text_of(path_) + ":" + std::to_string(line) + ": " + problem);
 }
 
 }  // namespace morula::detail

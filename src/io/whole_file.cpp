@@ -12,6 +12,7 @@
 #include "io/first_bytes.hpp"
 #include "parallel/interruption.hpp"
 #include "platform/files.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace fs = std::filesystem;
@@ -21,15 +22,16 @@ std::string reason(int error) {
 }
 
 std::uintmax_t size_of_file(const fs::path& path) {
-  const std::string name = path.string();
+  const std::string name = platform::text_of(path);
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
+  const fs::path opened = platform::openable(path);
+  const fs::file_status status = fs::status(opened, error);
   if (status.type() == fs::file_type::not_found)
     throw SystemFileError(path, "there is no such file; check the name and the folder", ENOENT);
   if (error) throw SystemFileError(path, "cannot be read (" + error.message() + ")", error.value());
   if (fs::is_directory(status)) throw SystemFileError(path, "is a folder, not a file; name a file in it", EISDIR);
   if (!fs::is_regular_file(status)) throw FileError(name + ": is not a regular file; copy its contents to one");
-  const std::uintmax_t size = fs::file_size(path, error);
+  const std::uintmax_t size = fs::file_size(opened, error);
   if (error) throw SystemFileError(path, "cannot be read (" + error.message() + ")", error.value());
   return size;
 }
@@ -39,9 +41,9 @@ std::string read_whole(const fs::path& path) {
 }
 
 std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_t count) {
-  const std::string name = path.string();
+  const std::string name = platform::text_of(path);
   errno = 0;
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in(platform::openable(path), std::ios::binary);
   if (!in) throw SystemFileError(path, "cannot be opened (" + reason(errno) + ")", errno);
   std::string bytes;
   try {
@@ -65,7 +67,7 @@ std::string read_part(const fs::path& path, std::uintmax_t offset, std::uintmax_
 }
 
 std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = platform::text_of(path.extension());
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return extension;

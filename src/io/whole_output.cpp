@@ -21,6 +21,7 @@
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
 #include "platform/files.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -84,7 +85,7 @@ fs::path through_links(const fs::path& path) {
     if (not_a_link) return at;
     at = to.is_absolute() ? to : at.parent_path() / to;
   }
-  throw FileError(path.string() + ": links lead in a circle; name a file");
+  throw FileError(platform::text_of(path) + ": links lead in a circle; name a file");
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -144,8 +145,8 @@ void require_room(const fs::path& path, std::uint64_t bytes) {
     const double value = 1e-9 * static_cast<double>(count);
     return std::string(text.data(), std::to_chars(text.data(), end, value, std::chars_format::general, 3).ptr) + " GB";
   };
-  throw FileError(path.string() + ": takes " + gigabytes(bytes) + ", but its disk has " + gigabytes(room.available) +
-                  " left; make room, or write less");
+  throw FileError(platform::text_of(path) + ": takes " + gigabytes(bytes) + ", but its disk has " +
+                  gigabytes(room.available) + " left; make room, or write less");
 }
 
 bool is_same_file(const fs::path& a, const fs::path& b) {
@@ -168,7 +169,7 @@ WholeFile::WholeFile(const fs::path& target) : named_(target) {
   const bool exists = kind != NodeKind::missing;
   if (kind == NodeKind::folder) throw SystemFileError(target, "is a folder, not a file; name a file in it", EISDIR);
   if (exists && kind != NodeKind::file)
-    throw FileError(target.string() + ": is a device or a pipe, not a file; name a file");
+    throw FileError(platform::text_of(target) + ": is a device or a pipe, not a file; name a file");
 
   const std::unique_lock lock = lock_unfinished();
   int error = 0;
@@ -239,14 +240,15 @@ void WholeFile::commit() {
 }
 
 WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
-  target_ = through_links(without_slash(target));
+  // Names in it make paths longer.
+  target_ = platform::openable(through_links(without_slash(target)), 100);
   const NodeKind kind = platform::kind_of(target_);
   exists_ = kind != NodeKind::missing;
   if (exists_ && kind != NodeKind::folder) throw SystemFileError(target, "is a file; name a folder", ENOTDIR);
   const fs::path parent = folder_of(target_);
   std::error_code error;
   if (!exists_ && !fs::is_directory(parent, error))
-    throw SystemFileError(target, "there is no folder " + parent.string() + "; make it first", ENOENT);
+    throw SystemFileError(target, "there is no folder " + platform::text_of(parent) + "; make it first", ENOENT);
 
   merges_ = exists_ && (mode == Mode::merge || stays_where_it_is(target_));
   const std::unique_lock lock = lock_unfinished();
@@ -264,8 +266,8 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   if (!made) {
     stage_.clear();
     throw SystemFileError(target,
-                          "cannot make a folder in " + (merges_ ? target_ : parent).string() + " (" + reason(why) +
-                              "); choose one that you may write to",
+                          "cannot make a folder in " + platform::text_of(merges_ ? target_ : parent) + " (" +
+                              reason(why) + "); choose one that you may write to",
                           why);
   }
   try {
@@ -318,13 +320,13 @@ void WholeFolder::commit() {
 void WholeFolder::commit_new() {
   const int error = platform::rename_over(stage_, target_);
   if (error == 0) return;
-  throw FileError(named_.string() + ": the finished folder cannot take its name (" + reason(error) +
+  throw FileError(platform::text_of(named_) + ": the finished folder cannot take its name (" + reason(error) +
                   "); nothing was changed");
 }
 
 void WholeFolder::commit_by_exchange() {
   const auto reject = [&](const std::string& why) {
-    throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
+    throw FileError(platform::text_of(named_) + ": cannot be replaced (" + why + "); nothing was changed");
   };
   std::error_code error;
   std::vector<fs::path> others, linked, later;
@@ -361,8 +363,8 @@ void WholeFolder::commit_by_exchange() {
     if (why == 0) continue;
     forget_unfinished(stage_);
     stage_.clear();
-    throw FileError(named_.string() + ": " + name.string() + " could not be carried over (" + reason(why) +
-                    "); it is in " + replaced.string() + ", everything else is in place");
+    throw FileError(platform::text_of(named_) + ": " + platform::text_of(name) + " could not be carried over (" +
+                    reason(why) + "); it is in " + platform::text_of(replaced) + ", everything else is in place");
   }
   fs::remove_all(replaced, error);
 }
@@ -388,7 +390,7 @@ void WholeFolder::commit_by_merging() {
       fs::rename(target_ / names[done], stage_ / names[done], error);
       if (is_there(aside / names[done])) fs::rename(aside / names[done], target_ / names[done], error);
     }
-    throw FileError(named_.string() + ": cannot be replaced (" + why + "); nothing was changed");
+    throw FileError(platform::text_of(named_) + ": cannot be replaced (" + why + "); nothing was changed");
   }
   fs::remove_all(stage_, error);
 }

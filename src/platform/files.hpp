@@ -12,10 +12,15 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace morula::platform {
 
 using Path = std::filesystem::path;
+
+/// The path by which functions of the standard library find the file or folder, however long it is. Windows: absolute,
+/// with the mark that lifts the limit of 260 characters, if it is long or would be with `more` characters behind it.
+Path openable(const Path& path, std::size_t more = 0);
 
 /// The kind of node to which a path leads, through links.
 enum class NodeKind { missing, file, folder, pipe, socket, device, other };
@@ -70,6 +75,12 @@ bool is_mount_point(const Path& folder);
 /// Reads a file in parts; waits for no other program. Returns an error, or 0 at the end. is_file: false if the path
 /// leads to something else, of which nothing is read.
 int read_file(const Path& path, const std::function<void(std::string_view)>& take, bool& is_file);
+
+/// The user's home folder: HOME, on Windows USERPROFILE; empty if there is none.
+Path home_folder();
+/// Folders that a variable of the environment lists between colons, on Windows between semicolons. Empty names count
+/// for nothing.
+std::vector<Path> listed_folders(const char* variable);
 
 /// The number of this process.
 std::uint64_t process_number();

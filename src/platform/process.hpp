@@ -54,7 +54,8 @@ class ChildProgram {
   std::optional<ProcessStatus> status();
   /// Waits for its end.
   ProcessStatus wait();
-  /// Requests its end; any thread may call it. POSIX: SIGTERM. Windows: its input ends.
+  /// Requests its end; any thread may call it, also while another one waits in write(), which then returns false.
+  /// POSIX: SIGTERM. Windows: its input ends.
   void request_end();
   /// Ends it at once.
   void kill() noexcept;

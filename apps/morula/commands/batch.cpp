@@ -110,13 +110,20 @@ BatchTask task_of(const BatchArguments& o, const BatchPlaces& places, const fs::
           .no_trees = o.no_trees};
 }
 
+#ifdef _WIN32
+constexpr const char* temporary_variable = "TMP";
+#else
+constexpr const char* temporary_variable = "TMPDIR";
+#endif
+
 // A folder of its own, gone in the end, also where a signal ends the program.
 WholeFolder temporary_folder() {
   std::error_code error;
   const fs::path among = fs::temp_directory_path(error);
   if (error)
-    throw UsageError("the folder for temporary files, which TMPDIR names, is not there: " + error.message() +
-                     "; set TMPDIR to one that is");
+    throw UsageError(
+        fmt::format("the folder for temporary files, which {0} names, is not there: {1}; set {0} to one that is",
+                    temporary_variable, error.message()));
   try {
     WholeFolder folder(among / fmt::format("morula-batch-{:08x}", std::random_device()()));
     fs::permissions(folder.path(), fs::perms::owner_all, error);

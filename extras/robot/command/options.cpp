@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <morula/io/mesh_file.hpp>
+#include <platform/files.hpp>
 
 #include "page.hpp"
 #include "shared/command.hpp"
@@ -183,13 +183,7 @@ std::vector<fs::path> package_paths(const RobotArguments& o) {
       throw UsageError(fmt::format("--package-path {}: there is no such folder", path.string()));
   }
   const auto add = [&](const char* variable, const char* below) {
-    const char* value = std::getenv(variable);
-    std::string_view rest = value == nullptr ? "" : value;
-    while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find(':'), rest.size());
-      if (end > 0) paths.push_back(fs::path(rest.substr(0, end)) / below);
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
+    for (const fs::path& folder : platform::listed_folders(variable)) paths.push_back(folder / below);
   };
   add("ROS_PACKAGE_PATH", "");
   add("AMENT_PREFIX_PATH", "share");

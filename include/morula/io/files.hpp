@@ -25,10 +25,7 @@ class FileError : public std::runtime_error {
 class SystemFileError : public FileError {
  public:
   /// what() is the file's path, a colon and the problem. error: a value of errno, such as ENOENT for a missing file.
-  SystemFileError(const std::filesystem::path& file, const std::string& problem, int error)
-      : FileError(file.string() + ": " + problem),
-        file_(std::make_shared<const std::filesystem::path>(file)),
-        error_(error) {}
+  SystemFileError(const std::filesystem::path& file, const std::string& problem, int error);
 
   const std::filesystem::path& file() const noexcept { return *file_; }
   /// The value of errno.

@@ -14,6 +14,7 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -204,7 +205,7 @@ struct Header {
 };
 
 Header read_header(const ByteSource& source) {
-  const std::string file = source.name().string();
+  const std::string file = platform::text_of(source.name());
   const std::uintmax_t size = source.size();
   constexpr std::size_t longest_start =
       12 + 65536;  // the limit of version 1; longer headers belong to tables with many columns
@@ -231,7 +232,7 @@ std::size_t npy_dimensions(const ByteSource& source) {
 }
 
 NpyArray read_npy_header(const ByteSource& source, const NpyShape& needed) {
-  const std::string file = source.name().string();
+  const std::string file = platform::text_of(source.name());
   const auto [dictionary, data_offset] = read_header(source);
   NpyArray array;
   const std::optional<NpyType> type = type_of(dictionary.descr, needed.integers);
@@ -288,7 +289,7 @@ std::vector<std::uint32_t> read_npy_indices(const ByteSource& source, const NpyA
     if (value == -1 && minus_one_is_none) {
       values[i] = none;
     } else if (value < 0 || value >= none) {
-      throw FileError(source.name().string() + ": number " + std::to_string(i) + " of " + what + " is " +
+      throw FileError(platform::text_of(source.name()) + ": number " + std::to_string(i) + " of " + what + " is " +
                       std::to_string(value) + ", which is no index");
     } else {
       values[i] = static_cast<std::uint32_t>(value);

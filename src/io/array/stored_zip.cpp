@@ -9,6 +9,7 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -118,7 +119,7 @@ constexpr std::size_t end_size = 22, locator_size = 20, end_size_64 = 56, local_
 constexpr std::uint32_t elsewhere = 0xffffffffu;  // marks a number that is in a 64-bit field
 
 [[noreturn]] void fail(const ByteSource& archive, const std::string& problem) {
-  throw FileError(archive.name().string() + ": " + problem);
+  throw FileError(platform::text_of(archive.name()) + ": " + problem);
 }
 
 /// The place and the size of the directory, bytes.
@@ -219,7 +220,8 @@ std::vector<ZipEntry> zip_entries(const ByteSource& archive) {
 
 ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry) {
   const std::string quoted = in_quotes(entry.name);
-  return archive.part(archive.name().string() + ": " + quoted.substr(1, quoted.size() - 2), entry.offset, entry.size);
+  return archive.part(platform::text_of(archive.name()) + ": " + quoted.substr(1, quoted.size() - 2), entry.offset,
+                      entry.size);
 }
 
 void require_sound(const ByteSource& archive, const ZipEntry& entry) {

@@ -14,6 +14,7 @@
 #include "io/gltf/model.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::gltf {
 using namespace detail;
@@ -31,7 +32,7 @@ class Reader {
   // bytes: number of bytes of the text and of all buffers.
   Reader(const fs::path& path, const morula_tinygltf::Model& model, std::size_t bytes)
       : model_(model), bytes_(bytes), accessors_(document_, model, bytes) {
-    document_.name = path.string();
+    document_.name = platform::text_of(path);
     document_.bytes = bytes;
   }
 

@@ -11,6 +11,7 @@
 #include "io/json_checks.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -115,17 +116,19 @@ bool refers_to_files(const Json& root) {
 
 void require_target(const fs::path& from, const fs::path& to, const Json& root) {
   if (lower_extension(from) != lower_extension(to))
-    throw FileError(to.string() + ": the copy of a " + lower_extension(from) + " is one, too; give it that extension");
+    throw FileError(platform::text_of(to) + ": the copy of a " + lower_extension(from) +
+                    " is one, too; give it that extension");
   std::error_code error;
   if (refers_to_files(root) &&
       fs::weakly_canonical(from, error).parent_path() != fs::weakly_canonical(to, error).parent_path())
-    throw FileError(to.string() + ": " + from.string() + " refers to other files; write the copy into its folder");
+    throw FileError(platform::text_of(to) + ": " + platform::text_of(from) +
+                    " refers to other files; write the copy into its folder");
 }
 
 std::string glb(const fs::path& to, std::string json, std::string_view after) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const std::uint64_t size = 12 + 8 + std::uint64_t{json.size()} + after.size();
-  if (size > 0xffffffff) throw FileError(to.string() + ": would be larger than 4 GiB, the most of a .glb");
+  if (size > 0xffffffff) throw FileError(platform::text_of(to) + ": would be larger than 4 GiB, the most of a .glb");
   std::string file = "glTF";
   store(file, std::uint32_t{2});
   store(file, static_cast<std::uint32_t>(size));

@@ -18,6 +18,7 @@
 #include "io/interruptible_text.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::gltf {
 using namespace detail;
@@ -38,7 +39,7 @@ struct Container {
 Container opened(const fs::path& path, std::string_view bytes) {
   Container file{.path = path, .json = bytes, .binary = {}};
   // tinygltf takes 32-bit counts.
-  if (bytes.size() > 0x7fffffff) throw FileError(path.string() + ": is larger than 2 GiB, which is not read");
+  if (bytes.size() > 0x7fffffff) throw FileError(platform::text_of(path) + ": is larger than 2 GiB, which is not read");
   if (bytes.substr(0, 4) != "glTF") return file;
   file.is_binary = true;
   ByteReader in(path, bytes, std::endian::little);
@@ -210,7 +211,7 @@ int depth_of(std::string_view text) {
 }
 
 Json parsed(const Container& file) {
-  const std::string name = file.path.string();
+  const std::string name = platform::text_of(file.path);
   // glTF is at most 8 deep; with this limit, functions that recurse, here and in tinygltf, cannot run out of stack.
   constexpr int deepest = 32;
   if (depth_of(file.json) > deepest) throw FileError(name + ": its JSON is nested more than 32 deep; that is no glTF");
@@ -226,7 +227,7 @@ Json parsed(const Container& file) {
 }
 
 Json cut_down(const Container& file, std::vector<std::string>& notes) {
-  const auto fail = [&](const std::string& problem) { throw FileError(file.path.string() + ": " + problem); };
+  const auto fail = [&](const std::string& problem) { throw FileError(platform::text_of(file.path) + ": " + problem); };
   Json all = parsed(file), kept;
   if (!all.is_object()) fail("is JSON, but no glTF: that is an object");
   if (const auto required = all.find("extensionsRequired"); required != all.end() && required->is_array())
@@ -283,19 +284,19 @@ Json cut_down(const Container& file, std::vector<std::string>& notes) {
 
 // The path of a file next to the glTF file; names that lead elsewhere are rejected.
 fs::path beside(const Container& file, const std::string& uri) {
-  const fs::path relative(uri);
+  const fs::path relative = platform::path_of(uri);
   const bool is_inside =
       !uri.empty() && relative.is_relative() && !relative.has_root_path() &&
       uri.find_first_of(std::string_view("\\:\0", 3)) == std::string::npos &&
       std::none_of(relative.begin(), relative.end(), [](const fs::path& part) { return part == ".."; });
   if (!is_inside)
-    throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
+    throw FileError(platform::text_of(file.path) + ": a buffer is " + in_quotes(uri) +
                     "; only files in its folder are read, by relative names without '..'");
   const fs::path path = file.path.parent_path() / relative;
   std::error_code error;
   // mutant gltf-buffer-through-link: `fs::exists(path, error)` -> `false`
   if (fs::exists(path, error) && !FileRoots({file.path.parent_path()}).hold(path))
-    throw FileError(file.path.string() + ": a buffer is " + in_quotes(uri) +
+    throw FileError(platform::text_of(file.path) + ": a buffer is " + in_quotes(uri) +
                     ", a link out of its folder; only files in its folder are read: copy it there");
   return path;
 }
@@ -307,7 +308,8 @@ bool read_buffer(std::vector<unsigned char>* out, std::string*, const std::strin
     try {
       return read_whole(path);
     } catch (const FileError& error) {
-      throw FileError(file.path.string() + ": its buffer " + in_quotes(uri) + " cannot be read: " + error.what());
+      throw FileError(platform::text_of(file.path) + ": its buffer " + in_quotes(uri) +
+                      " cannot be read: " + error.what());
     }
   };
   const std::string read = uri == binary_chunk ? std::string() : whole(beside(file, uri));
@@ -352,7 +354,8 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
       const auto length = buffer.find("byteLength");
       if (length == buffer.end() || !length->is_number_unsigned() ||
           length->get<std::uint64_t>() > file.binary.size() || file.binary.size() - length->get<std::uint64_t>() > 3)
-        throw FileError(file.path.string() + ": its first buffer has not the length of the file's binary chunk, " +
+        throw FileError(platform::text_of(file.path) +
+                        ": its first buffer has not the length of the file's binary chunk, " +
                         std::to_string(file.binary.size()) + " bytes; it was cut short, or its counts are wrong");
       file.binary = file.binary.substr(0, length->get<std::size_t>());
     }
@@ -379,7 +382,8 @@ morula_tinygltf::Model decoded(Container& file, std::vector<std::string>& notes)
     for (char& c : error)
       if (c < ' ' || c > '~') c = ' ';
     if (error.size() > 300) error.resize(300);
-    throw FileError(file.path.string() + ": is no glTF that can be read: " + (error.empty() ? "unknown fault" : error));
+    throw FileError(platform::text_of(file.path) +
+                    ": is no glTF that can be read: " + (error.empty() ? "unknown fault" : error));
   }
   return model;
 }

@@ -12,6 +12,7 @@
 
 #include "io/byte_reader.hpp"
 #include "io/number_text.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 namespace detail {
@@ -105,8 +106,8 @@ void require_writable(const std::filesystem::path& path, std::span<const std::ve
         throw std::invalid_argument("a sphere has a number that no float holds");
   }
   if (frames.size() > most_bytes / (24 * std::uint64_t{count} + 4))
-    throw FileError(path.string() + ": " + std::to_string(frames.size()) + " frames of " + std::to_string(count) +
-                    " spheres do not fit into 2 GiB; write fewer frames, or a coarser level");
+    throw FileError(platform::text_of(path) + ": " + std::to_string(frames.size()) + " frames of " +
+                    std::to_string(count) + " spheres do not fit into 2 GiB; write fewer frames, or a coarser level");
 }
 
 /// The nodes of all spheres, as JSON, and the animation of these nodes if there are several frames.
@@ -149,7 +150,7 @@ Nodes add_nodes(Chunk& chunk, std::span<const std::vector<Sphere>> frames, doubl
 /// A .glb of two chunks. Throws FileError if it would be too large.
 std::string glb(const std::filesystem::path& path, const std::string& json, const std::string& binary) {
   const std::uint64_t size = 12 + 8 + json.size() + 8 + binary.size();
-  if (size > most_bytes) throw FileError(path.string() + ": would be larger than 2 GiB; write fewer frames");
+  if (size > most_bytes) throw FileError(platform::text_of(path) + ": would be larger than 2 GiB; write fewer frames");
   std::string file = "glTF";
   store(file, std::uint32_t{2});
   store(file, static_cast<std::uint32_t>(size));

@@ -5,12 +5,13 @@
 
 #include "io/gltf/skin.hpp"
 #include "io/mesh/formats.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path) {
-  throw FileError(path.string() +
+  throw FileError(platform::text_of(path) +
                   ": this build reads no glTF; install tinygltf (on Debian libtinygltf-dev), configure with "
                   "-D MORULA_GLTF=ON and build again");
 }

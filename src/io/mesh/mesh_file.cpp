@@ -7,6 +7,7 @@
 #include "io/number_text.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -14,15 +15,17 @@ namespace {
 
 void require_sound(const std::filesystem::path& path, const Mesh& mesh, const MeshInfo& info) {
   if (mesh.facets.empty() && mesh.positions.empty())
-    throw FileError(path.string() + ": has neither vertices nor facets: it is empty, or not what its name says" +
+    throw FileError(platform::text_of(path) +
+                    ": has neither vertices nor facets: it is empty, or not what its name says" +
                     (info.notes.empty() ? "" : "; " + info.notes.front()));
   if (mesh.facets.empty())
-    throw FileError(path.string() + ": has " + std::to_string(mesh.vertex_count()) + " vertices but no facets; " +
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(mesh.vertex_count()) +
+                    " vertices but no facets; " +
                     (info.notes.empty() ? "points and lines alone have no surface" : info.notes.front()));
   try {
     require_usable(mesh);
   } catch (const std::invalid_argument& problem) {
-    throw FileError(path.string() + ": " + problem.what());
+    throw FileError(platform::text_of(path) + ": " + problem.what());
   }
 }
 
@@ -52,7 +55,8 @@ Mesh detail::read_mesh_as(const std::filesystem::path& path, MeshReading& readin
   const StandardFloats standard;
   const std::string extension = lower_extension(path);
   if (mesh_format(extension) == nullptr)
-    throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
+    throw FileError(platform::text_of(path) + ": " +
+                    (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no known mesh format; name a file with one of " + readable_mesh_extensions());
   return mesh_of_bytes(path, read_whole(path), reading);
 }
@@ -62,7 +66,7 @@ Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view b
   // A binary STL begins with eighty arbitrary bytes.
   if (extension != ".stl" || !is_exactly_binary_stl(bytes)) {
     if (const std::string foreign = foreign_content(bytes, extension); !foreign.empty())
-      throw FileError(path.string() + ": " + foreign);
+      throw FileError(platform::text_of(path) + ": " + foreign);
   }
   Mesh mesh = mesh_format(extension)->read(path, bytes, reading);
   require_sound(path, mesh, reading.info);
@@ -73,9 +77,11 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   const std::string extension = lower_extension(path);
   const MeshFormat* const format = mesh_format(extension);
   if (format != nullptr && format->write == nullptr)
-    throw FileError(path.string() + ": " + std::string(format->not_written) + "; use " + writable_mesh_list());
+    throw FileError(platform::text_of(path) + ": " + std::string(format->not_written) + "; use " +
+                    writable_mesh_list());
   if (format == nullptr)
-    throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
+    throw FileError(platform::text_of(path) + ": " +
+                    (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                     " says no mesh format that can be written; use " + writable_mesh_list());
   require_usable(mesh);
   // A written mesh must read back, unused vertices included.

@@ -9,6 +9,7 @@
 
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -110,10 +111,10 @@ void MixedReader::cut_short(std::string_view what) const {
 }
 
 void MixedReader::fail(const std::string& problem) const {
-  if (is_binary_) throw FileError(path_.string() + ": byte " + std::to_string(at_) + ": " + problem);
+  if (is_binary_) throw FileError(platform::text_of(path_) + ": byte " + std::to_string(at_) + ": " + problem);
   const std::string_view before = bytes_.substr(0, at_ > 0 ? at_ - 1 : 0);
   const auto line = 1 + std::count(before.begin(), before.end(), line_end_);
-  throw FileError(path_.string() + ":" + std::to_string(line) + ": " + problem);
+  throw FileError(platform::text_of(path_) + ":" + std::to_string(line) + ": " + problem);
 }
 
 }  // namespace morula::detail

@@ -12,6 +12,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -276,7 +277,8 @@ std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::strin
   TextScanner in = ply_scanner(path, bytes);
   const PlyHeader header = read_ply_header(in);
   if (!holds_balls(header))
-    throw FileError(path.string() + ": holds no balls: these are vertices with a property 'radius', without faces");
+    throw FileError(platform::text_of(path) +
+                    ": holds no balls: these are vertices with a property 'radius', without faces");
   std::vector<double> radii;
   Mesh centers;
   MeshReading reading;
@@ -292,7 +294,8 @@ std::vector<Sphere> read_ply_balls(const std::filesystem::path& path, std::strin
   for (std::size_t i = 0; i < balls.size(); ++i) {
     poll_interrupt();
     balls[i] = {centers.positions[i], radii[i]};
-    if (!(radii[i] >= 0)) throw FileError(path.string() + ": ball " + std::to_string(i) + " has a negative radius");
+    if (!(radii[i] >= 0))
+      throw FileError(platform::text_of(path) + ": ball " + std::to_string(i) + " has a negative radius");
   }
   return balls;
 }

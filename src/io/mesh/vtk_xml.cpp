@@ -17,6 +17,7 @@
 #include "io/paraview/vtp.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -43,8 +44,8 @@ class Tags {
   [[noreturn]] void fail(const std::string& problem) const { fail_at(at_, problem); }
   [[noreturn]] void fail_at(std::size_t place, const std::string& problem) const {
     const std::string_view before = bytes_.substr(0, place);
-    throw FileError(path_.string() + ":" + std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ": " +
-                    problem);
+    throw FileError(platform::text_of(path_) + ":" +
+                    std::to_string(1 + std::count(before.begin(), before.end(), '\n')) + ": " + problem);
   }
 
   /// Returns false at the end of the file.

@@ -7,6 +7,7 @@
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -43,12 +44,13 @@ std::vector<std::uint32_t> read_clusters(const std::filesystem::path& path, std:
   const std::vector<std::uint32_t> clusters =
       is_array ? clusters_of_array(path, facet_count) : clusters_of_text(path, facet_count);
   if (clusters.size() != facet_count)
-    throw FileError(path.string() + ": has " + std::to_string(clusters.size()) + " numbers for " +
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(clusters.size()) + " numbers for " +
                     std::to_string(facet_count) + " facets; one for each is needed");
   for (std::size_t f = 0; f < facet_count; ++f)
     if (clusters[f] >= facet_count)
-      throw FileError(path.string() + ": facet " + std::to_string(f) + " is in cluster " + std::to_string(clusters[f]) +
-                      ", which is not below the number of facets, " + std::to_string(facet_count));
+      throw FileError(platform::text_of(path) + ": facet " + std::to_string(f) + " is in cluster " +
+                      std::to_string(clusters[f]) + ", which is not below the number of facets, " +
+                      std::to_string(facet_count));
   return clusters;
 }
 

@@ -9,13 +9,14 @@
 #include "io/gltf/skin.hpp"
 #include "io/motion/array_motion.hpp"
 #include "parallel/float_environment.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
 
 [[noreturn]] void fail_shape(const ByteSource& source, const NpyArray& array, const std::string& needed) {
-  throw FileError(source.name().string() + ": the array's shape is " + array.shape_text + ", but " + needed +
+  throw FileError(platform::text_of(source.name()) + ": the array's shape is " + array.shape_text + ", but " + needed +
                   " is needed");
 }
 
@@ -33,8 +34,8 @@ Modes read_modes(const std::filesystem::path& path, const MeshView& mesh) {
   const StandardFloats standard;
   Modes targets = gltf_targets(path);
   if (targets.vertex_count != mesh.vertex_count())
-    throw FileError(path.string() + ": has " + std::to_string(targets.vertex_count) + " vertices, but the mesh has " +
-                    std::to_string(mesh.vertex_count()));
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(targets.vertex_count) +
+                    " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
   return targets;
 }
 
@@ -49,7 +50,7 @@ Modes read_modes(const std::filesystem::path& path, const MeshView& mesh, const 
     const std::span<const Vec3> mode = modes.mode(j);
     for (std::uint32_t v = 0; v < mode.size(); ++v)
       if (const std::uint32_t first = weld.old_vertex[weld.new_vertex[v]]; mode[v] != mode[first])
-        throw FileError(path.string() + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
+        throw FileError(platform::text_of(path) + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
                         " of the unwelded mesh are merged, but mode " + std::to_string(j) + " moves them apart");
     for (const std::uint32_t v : weld.old_vertex) welded.displacements.push_back(mode[v]);
   }
@@ -105,7 +106,7 @@ Modes detail::modes_of(const ByteSource& source, const MeshView& mesh) {
     for (std::size_t v = 0; v < modes.vertex_count; ++v) {
       modes.displacements.push_back({values[3 * v], values[3 * v + 1], values[3 * v + 2]});
       if (!is_finite(modes.displacements.back()))
-        throw FileError(source.name().string() + ": " + text_of_displacement(j, v) +
+        throw FileError(platform::text_of(source.name()) + ": " + text_of_displacement(j, v) +
                         " is not finite; repair it where the array was made");
     }
   }
@@ -121,7 +122,7 @@ ModalCoordinates detail::coordinates_of(const ByteSource& source, std::size_t mo
   ModalCoordinates result{mode_count, read_npy_values(source, array, 0, array.shape[0] * mode_count)};
   for (std::size_t i = 0; i < result.coordinates.size(); ++i)
     if (!std::isfinite(result.coordinates[i]))
-      throw FileError(source.name().string() + ": " + text_of_coordinate(i / mode_count, i % mode_count) +
+      throw FileError(platform::text_of(source.name()) + ": " + text_of_coordinate(i / mode_count, i % mode_count) +
                       " is not finite; repair it where the array was made");
   return result;
 }

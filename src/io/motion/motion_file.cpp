@@ -16,6 +16,7 @@
 #include "io/motion/point_cache.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -52,13 +53,14 @@ std::set<std::string> mesh_extensions() {
 std::vector<fs::path> frames_in(const fs::path& folder, std::string_view pattern, const fs::path& given) {
   std::vector<fs::path> files = frame_files(folder.empty() ? "." : folder, pattern, mesh_extensions());
   if (files.empty())
-    throw FileError(given.string() + ": no mesh file is there; a motion needs files ending in " +
+    throw FileError(platform::text_of(given) + ": no mesh file is there; a motion needs files ending in " +
                     readable_mesh_extensions());
   for (const fs::path& file : files)
     if (lower_extension(file) != lower_extension(files.front()))
-      throw FileError(given.string() + ": holds meshes of several kinds (" + files.front().filename().string() + ", " +
-                      file.filename().string() + "); name one kind, such as " +
-                      (folder / ("*" + files.front().extension().string())).string());
+      throw FileError(platform::text_of(given) + ": holds meshes of several kinds (" +
+                      platform::text_of(files.front().filename()) + ", " + platform::text_of(file.filename()) +
+                      "); name one kind, such as " +
+                      platform::text_of(folder / ("*" + platform::text_of(files.front().extension()))));
   return files;
 }
 
@@ -88,7 +90,7 @@ Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& 
   const std::vector<Vec3> of_file(weld_ ? vertex_count_ : 0);
   const MeshView in_file = weld_ ? MeshView{of_file, mesh.facets} : mesh;
   std::error_code ignored;
-  const std::string name = path.filename().string();
+  const std::string name = platform::text_of(path.filename());
   if (fs::is_directory(path, ignored)) {
     files_ = frames_in(path, "*", path);
   } else if (!fs::exists(path, ignored) && name.find_first_of("*?") != std::string::npos) {
@@ -101,7 +103,7 @@ Motion::Motion(const fs::path& path, const MeshView& mesh, const MotionOptions& 
       if (!fs::exists(path, ignored))
         throw SystemFileError(
             path, "there is no such folder, and no file of this name; check the name, or where you are", ENOENT);
-      throw FileError(path.string() +
+      throw FileError(platform::text_of(path) +
                       ": is not a motion; name a folder, a pattern such as 'out/frame*.obj', or a file " +
                       "ending in .npy .npz .pc2 .mdd " + readable_mesh_extensions());
     }
@@ -123,7 +125,7 @@ void Motion::require_frames_of(const fs::path& file, std::size_t vertex_count, s
   const auto differs = [&](const std::string& how) {
     const std::string_view own = mesh_format(lower_extension(file))->frame_remedy;
     const std::string_view usual = "all frames need the vertices and facets of the mesh at rest, in the same order";
-    throw FileError(file.string() + ": " + how + "; " + std::string(own.empty() ? usual : own));
+    throw FileError(platform::text_of(file) + ": " + how + "; " + std::string(own.empty() ? usual : own));
   };
   if (vertex_count != vertex_count_)
     differs("has " + std::to_string(vertex_count) + " vertices, but the mesh has " + std::to_string(vertex_count_));
@@ -145,8 +147,8 @@ std::vector<Vec3> Motion::frame(std::size_t i) const {
     const std::uint32_t first = weld_->old_vertex[weld_->new_vertex[v]];
     // mutant weld-moves-apart: `positions[v] != positions[first]` -> `false`
     if (positions[v] != positions[first])
-      throw FileError((source_ ? files_.front() : files_[i]).string() + ": frame " + std::to_string(i) + ": vertices " +
-                      std::to_string(first) + " and " + std::to_string(v) +
+      throw FileError(platform::text_of(source_ ? files_.front() : files_[i]) + ": frame " + std::to_string(i) +
+                      ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
                       " of the unwelded mesh are merged, but they are at different positions; read the mesh without "
                       "welding");
   }
@@ -177,7 +179,7 @@ ByteSource detail::motion_in_archive(const ByteSource& archive) {
     arrays.push_back(std::move(entry));
   }
   if (arrays.size() == 1) return zip_part(archive, arrays.front());
-  const std::string file = archive.name().string();
+  const std::string file = platform::text_of(archive.name());
   if (arrays.empty()) throw FileError(file + ": holds no arrays; write one with numpy.savez(FILE, positions=array)");
   for (const ZipEntry& entry : arrays)
     if (entry.name == "spheres.npy")
@@ -187,7 +189,7 @@ ByteSource detail::motion_in_archive(const ByteSource& archive) {
 
 NpyArray detail::motion_array(const ByteSource& source, std::size_t vertex_count) {
   NpyArray array = read_npy_header(source, {{0, vertex_count, 3}, "(frames, vertices, 3)"});
-  const std::string name = source.name().string();
+  const std::string name = platform::text_of(source.name());
   if (array.shape[0] == 0) throw FileError(name + ": the array has no frames");
   if (array.shape[1] != vertex_count)
     throw FileError(name + ": the array has " + std::to_string(array.shape[1]) +
@@ -205,16 +207,16 @@ std::vector<Vec3> detail::motion_frame(const ByteSource& source, const NpyArray&
     poll_interrupt();
     positions[v] = {values[3 * v], values[3 * v + 1], values[3 * v + 2]};
     if (!is_finite(positions[v]))
-      throw FileError(source.name().string() + ": frame " + std::to_string(frame) + ": vertex " + std::to_string(v) +
-                      " has a coordinate that is not finite; repair it where the array was made");
+      throw FileError(platform::text_of(source.name()) + ": frame " + std::to_string(frame) + ": vertex " +
+                      std::to_string(v) + " has a coordinate that is not finite; repair it where the array was made");
   }
   return positions;
 }
 
 std::string Motion::frame_name(std::size_t i) const {
   assert(i < frame_count_);
-  if (source_) return files_[0].filename().string() + " frame " + std::to_string(i);
-  return files_[i].filename().string();
+  if (source_) return platform::text_of(files_[0].filename()) + " frame " + std::to_string(i);
+  return platform::text_of(files_[i].filename());
 }
 
 MotionWriter::MotionWriter(const fs::path& path, const MeshView& mesh, std::size_t frame_count,
@@ -234,20 +236,21 @@ MotionWriter::MotionWriter(const fs::path& path, const MeshView& mesh, std::size
                                      : point_cache_start(own_extension, mesh.vertex_count(), frame_count);
     const std::uint64_t frame_bytes = (is_npy ? 24 : 12) * std::uint64_t{mesh.vertex_count()};
     if (frame_count > (std::uint64_t{1} << 62) / frame_bytes)
-      throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames are too many for any disk");
+      throw FileError(platform::text_of(path) + ": " + std::to_string(frame_count) +
+                      " frames are too many for any disk");
     require_room(path, start.size() + frame_bytes * frame_count);
     npy_.emplace(path);
     npy_->write(start);
     return;
   }
   if (fs::exists(path, error) ? !fs::is_directory(path, error) : mesh_format(own_extension) != nullptr)
-    throw FileError(path.string() +
+    throw FileError(platform::text_of(path) +
                     ": a motion is written into a folder or a .npy, .pc2 or .mdd file, not into one mesh file");
   // Frames of a longer motion that was in this folder would be read as part of this one.
   for (fs::directory_iterator entry(path, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
+    const std::string name = platform::text_of(entry->path().filename());
     if (name[0] != '.' && mesh_format(lower_extension(name)) != nullptr && !is_frame_of(name, frame_count, extension))
-      throw FileError(entry->path().string() + ": would be read as part of this motion of " +
+      throw FileError(platform::text_of(entry->path()) + ": would be read as part of this motion of " +
                       std::to_string(frame_count) + " frames; empty the folder, or choose another");
   }
   const fs::path parent = (path.has_filename() ? path : path.parent_path()).parent_path();
@@ -292,7 +295,7 @@ void MotionWriter::write(std::span<const Vec3> positions) {
 
 void MotionWriter::finish() {
   if (written_ < frame_count_)
-    throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
+    throw FileError(platform::text_of(path_) + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the motion is incomplete");
   if (npy_)
     npy_->commit();

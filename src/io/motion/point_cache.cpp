@@ -11,6 +11,7 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -75,7 +76,7 @@ class PointCache final : public FrameSource {
 
  private:
   [[noreturn]] void fail(const std::string& problem) const {
-    throw FileError(source_.name().string() + ": " + problem);
+    throw FileError(platform::text_of(source_.name()) + ": " + problem);
   }
   std::uint32_t count(const std::string& bytes, std::size_t at, const char* what) const {
     const auto value = load<std::int32_t>(bytes.data() + at, order_);

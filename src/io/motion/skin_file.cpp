@@ -14,6 +14,7 @@
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -52,15 +53,15 @@ void require_indices(const Skin& skin) {
 // Checks the frames of a glTF.
 BoneFrames checked(const fs::path& path, BoneFrames frames, std::size_t bone_count) {
   if (frames.bone_count != bone_count)
-    throw FileError(path.string() + ": has " + std::to_string(frames.bone_count) + " bones, but the skin has " +
-                    std::to_string(bone_count));
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(frames.bone_count) +
+                    " bones, but the skin has " + std::to_string(bone_count));
   for (std::size_t i = 0; i < frames.transforms.size(); ++i)
     if (!is_finite(frames.transforms[i]))
-      throw FileError(path.string() + ": " + text_of_transform(i / bone_count, i % bone_count));
+      throw FileError(platform::text_of(path) + ": " + text_of_transform(i / bone_count, i % bone_count));
   const std::vector<double>& coordinates = frames.morphs.coordinates;
   for (std::size_t i = 0; i < coordinates.size(); ++i)
     if (!std::isfinite(coordinates[i]))
-      throw FileError(path.string() + ": frame " + std::to_string(i / frames.morphs.mode_count) +
+      throw FileError(platform::text_of(path) + ": frame " + std::to_string(i / frames.morphs.mode_count) +
                       ": the weight of morph target " + std::to_string(i % frames.morphs.mode_count) +
                       " is not finite");
   return frames;
@@ -73,8 +74,8 @@ Skin read_skin(const fs::path& path, const MeshView& mesh) {
   if (!is_gltf(path)) return skin_of(path, mesh);
   Skin skin = gltf_skin(path);
   if (skin.vertex_count() != mesh.vertex_count())
-    throw FileError(path.string() + ": has " + std::to_string(skin.vertex_count()) + " vertices, but the mesh has " +
-                    std::to_string(mesh.vertex_count()));
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(skin.vertex_count()) +
+                    " vertices, but the mesh has " + std::to_string(mesh.vertex_count()));
   return skin;
 }
 
@@ -87,7 +88,7 @@ Skin read_skin(const fs::path& path, const MeshView& mesh, const MeshWeld& weld)
   const std::vector<std::uint32_t> labels = skin_labels(skin);
   for (std::uint32_t v = 0; v < labels.size(); ++v)
     if (const std::uint32_t first = weld.old_vertex[weld.new_vertex[v]]; labels[v] != labels[first])
-      throw FileError(path.string() + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
+      throw FileError(platform::text_of(path) + ": vertices " + std::to_string(first) + " and " + std::to_string(v) +
                       " of the unwelded mesh are merged, but they have different weights");
   return skin_of_vertices(skin, weld.old_vertex);
 }
@@ -104,8 +105,8 @@ BoneFrames detail::read_morphed_bone_frames(const fs::path& path, std::size_t bo
   BoneFrames frames = is_gltf(path) ? checked(path, gltf_bone_frames(path, true, options), bone_count)
                                     : bone_frames_of(path, bone_count);
   if (frames.morphs.mode_count != mode_count)
-    throw FileError(path.string() + ": has " + std::to_string(frames.morphs.mode_count) + " morph targets, but " +
-                    std::to_string(mode_count) + " are needed");
+    throw FileError(platform::text_of(path) + ": has " + std::to_string(frames.morphs.mode_count) +
+                    " morph targets, but " + std::to_string(mode_count) + " are needed");
   return frames;
 }
 
@@ -147,7 +148,7 @@ bool detail::is_gltf(const fs::path& path) {
 
 Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {
   const NpyArray array = read_npy_header(source, {{mesh.vertex_count(), 0}, "(vertices, bones)"});
-  const std::string name = source.name().string();
+  const std::string name = platform::text_of(source.name());
   const std::uint64_t bone_count = array.shape[1];
   if (array.shape[0] != mesh.vertex_count() || bone_count == 0 || bone_count > most_bones)
     throw FileError(name + ": the array's shape is " + array.shape_text + ", but (" +
@@ -176,7 +177,7 @@ Skin detail::skin_of(const ByteSource& source, const MeshView& mesh) {
 
 BoneFrames detail::bone_frames_of(const ByteSource& source, std::size_t bone_count) {
   const NpyArray array = read_npy_header(source, {{0, bone_count, 3, 4}, "(frames, bones, 3, 4)"});
-  const std::string name = source.name().string();
+  const std::string name = platform::text_of(source.name());
   if (array.shape[0] == 0 || array.shape[1] != bone_count || array.shape[2] != 3)
     throw FileError(name + ": the array's shape is " + array.shape_text + ", but (frames, " +
                     std::to_string(bone_count) + ", 3, 4) for the bones of the skin, one frame or more, is needed");

@@ -16,6 +16,7 @@
 #include "io/tree/formats.hpp"
 #include "io/tree/sphere_archive.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -374,7 +375,8 @@ TreeFile read_native(const std::filesystem::path& path, std::string_view bytes) 
     in.fail("the header claims " + std::to_string(header_size) + " bytes, more than there are; build the tree again");
   const std::string_view covered = bytes.substr(0, bytes.size() - checksum_size);
   if (checksum(covered) != load<std::uint64_t>(covered.data() + covered.size()))
-    throw FileError(path.string() + ": the checksum does not match, the file was damaged; build the tree again");
+    throw FileError(platform::text_of(path) +
+                    ": the checksum does not match, the file was damaged; build the tree again");
 
   const JsonFile file(path, bytes.substr(before_header, header_size));
   const ArrayReader arrays(file, file.member(file.root(), "arrays", "the header"),

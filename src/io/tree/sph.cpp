@@ -5,6 +5,7 @@
 #include "io/number_text.hpp"
 #include "io/text_scanner.hpp"
 #include "io/tree/formats.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
@@ -80,10 +81,10 @@ SphereTree read_sph(const std::filesystem::path& path, std::string_view text, co
 
 std::string sph_text(const std::filesystem::path& path, const SphereTree& tree) {
   if (slot_count(tree.level_count(), tree.branching) > most_slots)
-    throw FileError(path.string() + ": " + too_many_slots(tree.level_count(), tree.branching));
+    throw FileError(platform::text_of(path) + ": " + too_many_slots(tree.level_count(), tree.branching));
   for (std::size_t i = 0; i < tree.node_count(); ++i)
     if (!(tree.spheres[i].radius > 0))
-      throw FileError(path.string() + ": node " + std::to_string(i) +
+      throw FileError(platform::text_of(path) + ": node " + std::to_string(i) +
                       " has radius 0, which means an unused line in a .sph; use .morula or .json");
   std::string text;
   append_number(text, tree.level_count());

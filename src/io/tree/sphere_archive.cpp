@@ -8,12 +8,13 @@
 #include <optional>
 
 #include "io/tree/formats.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::detail {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
-  throw FileError(path.string() + ": " + problem);
+  throw FileError(platform::text_of(path) + ": " + problem);
 }
 
 std::optional<ZipEntry> entry_of(const std::vector<ZipEntry>& entries, const std::string& array) {

@@ -15,6 +15,7 @@
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -34,7 +35,7 @@ SphereFramesWriter::~SphereFramesWriter() = default;
 SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const SphereTree& tree,
                                        std::size_t frame_count)
     : path_(path), tree_(tree), frame_count_(frame_count) {
-  if (lower_extension(path) != ".npz") throw std::invalid_argument(path.string() + " does not end in .npz");
+  if (lower_extension(path) != ".npz") throw std::invalid_argument(platform::text_of(path) + " does not end in .npz");
   std::error_code error;
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, error))
@@ -43,7 +44,8 @@ SphereFramesWriter::SphereFramesWriter(const std::filesystem::path& path, const 
   const std::uint64_t nodes = tree.node_count();
   const std::uint64_t room = StoredZip::largest - (1u << 16) - 40 * nodes;
   if (frame_count > room / (32 * nodes))
-    throw FileError(path.string() + ": " + std::to_string(frame_count) + " frames of " + std::to_string(nodes) +
+    throw FileError(platform::text_of(path) + ": " + std::to_string(frame_count) + " frames of " +
+                    std::to_string(nodes) +
                     " spheres do not fit the 4 GiB of an archive; write fewer frames at a time, or a folder");
   const std::string start = npy_start("<f8", std::array<std::size_t, 3>{frame_count, tree.node_count(), 4});
   const std::uint64_t size = start.size() + 32 * nodes * frame_count;
@@ -72,7 +74,7 @@ void SphereFramesWriter::write(std::span<const Sphere> spheres) {
 void SphereFramesWriter::finish() {
   const Uninterrupted whole;  // the archive is written once, from here to its end
   if (written_ < frame_count_)
-    throw FileError(path_.string() + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
+    throw FileError(platform::text_of(path_) + ": " + std::to_string(written_) + " of " + std::to_string(frame_count_) +
                     " frames were written; the file is incomplete");
   archive_->end();
   add_structure(*archive_, tree_);
@@ -92,7 +94,7 @@ void add_structure(StoredZip& archive, const SphereTree& tree) {
 void write_tree_archive(const std::filesystem::path& path, const SphereTree& tree) {
   const std::uint64_t nodes = tree.node_count();
   if (nodes > (StoredZip::largest - (1u << 16)) / 72)
-    throw FileError(path.string() + ": " + std::to_string(nodes) +
+    throw FileError(platform::text_of(path) + ": " + std::to_string(nodes) +
                     " spheres do not fit the 4 GiB of an archive; write a .morula");
   std::vector<double> numbers;
   numbers.reserve(4 * tree.node_count());
@@ -116,7 +118,8 @@ SphereFrames& SphereFrames::operator=(SphereFrames&&) noexcept = default;
 
 SphereFrames::SphereFrames(const std::filesystem::path& path) {
   const StandardFloats standard;
-  if (lower_extension(path) != ".npz") throw FileError(path.string() + ": spheres of frames are read from .npz");
+  if (lower_extension(path) != ".npz")
+    throw FileError(platform::text_of(path) + ": spheres of frames are read from .npz");
   arrays_ = std::make_unique<const Arrays>(Arrays{SphereArchive(path)});
 }
 

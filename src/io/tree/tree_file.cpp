@@ -12,6 +12,7 @@
 #include "io/tree/sphere_archive.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/float_environment.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula {
 using namespace detail;
@@ -20,7 +21,8 @@ namespace {
 constexpr const char* known_extensions = ".morula .sph .json .npz";
 
 [[noreturn]] void fail_unknown(const std::filesystem::path& path, const std::string& extension) {
-  throw FileError(path.string() + ": " + (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
+  throw FileError(platform::text_of(path) + ": " +
+                  (extension.empty() ? "no extension" : "extension " + in_quotes(extension)) +
                   " says no known tree format; use one of " + known_extensions);
 }
 
@@ -33,7 +35,7 @@ SphereTree tree_of_ply(const std::filesystem::path& path, std::string_view bytes
   try {
     return tree_from_spheres(balls);
   } catch (const std::invalid_argument& problem) {
-    throw FileError(path.string() + ": " + problem.what());
+    throw FileError(platform::text_of(path) + ": " + problem.what());
   }
 }
 
@@ -49,7 +51,7 @@ void require_writable(const SphereTree& tree) {
 
 void detail::require_valid(const std::filesystem::path& path, const SphereTree& tree) {
   if (const auto faults = validate(tree); !faults.empty())
-    throw FileError(path.string() + ": the tree is broken: " + faults.front());
+    throw FileError(platform::text_of(path) + ": the tree is broken: " + faults.front());
 }
 
 TreeFile read_tree(const std::filesystem::path& path, const ReadTreeOptions& options) {
@@ -88,19 +90,19 @@ CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile fi
     try {
       return cover(mesh, file.tree, {}, workers);
     } catch (const std::invalid_argument& fault) {  // the mesh is usable, so the fault is in the tree
-      throw FileError(path.string() + ": " + fault.what());
+      throw FileError(platform::text_of(path) + ": " + fault.what());
     }
   }
   if (file.report.mesh_hash != mesh_hash(mesh) || file.cover->vertex_count != mesh.vertex_count() ||
       file.cover->facet_count != mesh.facet_count())
-    throw FileError(path.string() +
+    throw FileError(platform::text_of(path) +
                     ": was built for another mesh (mesh hash differs: " + std::to_string(file.cover->vertex_count) +
                     " vertices and " + std::to_string(file.cover->facet_count) + " facets there, " +
                     std::to_string(mesh.vertex_count()) + " and " + std::to_string(mesh.facet_count()) +
                     " here); give the mesh it was built for, or build it again");
   CoveredTree model{std::move(file.tree), std::move(*file.cover), std::move(file.report), std::move(file.poses)};
   if (const auto faults = validate(mesh, model); !faults.empty())
-    throw FileError(path.string() + ": " + faults.front() +
+    throw FileError(platform::text_of(path) + ": " + faults.front() +
                     "; the file was not written by this library, build it again");
   return model;
 }
@@ -121,7 +123,7 @@ void write_tree(const std::filesystem::path& path, const CoveredTree& model) {
 void write_tree(const std::filesystem::path& path, const SphereTree& tree) {
   const std::string extension = lower_extension(path);
   if (extension == ".morula")
-    throw FileError(path.string() +
+    throw FileError(platform::text_of(path) +
                     ": a .morula file holds a tree with its cover, but there are spheres alone; make a cover for a " +
                     "mesh first, or write .sph or .json");
   if (!is_tree_extension(extension)) fail_unknown(path, extension);

@@ -11,6 +11,8 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -40,6 +42,10 @@ void set_permissions(int file, const struct stat& old) {
 }
 
 }  // namespace
+
+Path openable(const Path& path, std::size_t) {
+  return path;
+}
 
 NodeKind kind_of(const Path& path, int& error) {
   struct stat status {};
@@ -200,6 +206,20 @@ int read_file(const Path& path, const std::function<void(std::string_view)>& tak
     take({part.data(), static_cast<std::size_t>(count)});
   }
   return 0;
+}
+
+Path home_folder() {
+  const char* const home = std::getenv("HOME");
+  return home == nullptr ? "" : home;
+}
+
+std::vector<Path> listed_folders(const char* variable) {
+  const char* const value = std::getenv(variable);
+  std::vector<Path> folders;
+  std::istringstream names(value == nullptr ? "" : value);
+  for (std::string name; std::getline(names, name, ':');)
+    if (!name.empty()) folders.emplace_back(name);
+  return folders;
 }
 
 std::uint64_t process_number() {

@@ -72,14 +72,14 @@ int outcome(BOOL succeeded) {
   return succeeded ? 0 : errno_of(GetLastError());
 }
 
-std::wstring system_name(const std::filesystem::path& path) {
+std::wstring system_name(const std::filesystem::path& path, std::size_t more) {
   const std::wstring& plain = path.native();
   if (plain.starts_with(L"\\\\?\\") || plain.starts_with(L"\\\\.\\")) return plain;
-  if (path.is_absolute() && plain.size() <= longest_plain_name) return plain;
+  if (path.empty() || (path.is_absolute() && plain.size() + more <= longest_plain_name)) return plain;
   // The limit is for the path with the current folder.
   std::error_code error;
   std::filesystem::path whole = std::filesystem::absolute(path, error).lexically_normal();
-  if (error || whole.native().size() <= longest_plain_name) return plain;
+  if (error || whole.native().size() + more <= longest_plain_name) return plain;
   const std::wstring& name = whole.make_preferred().native();
   return name.starts_with(L"\\\\") ? L"\\\\?\\UNC" + name.substr(1) : L"\\\\?\\" + name;
 }

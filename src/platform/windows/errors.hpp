@@ -26,8 +26,9 @@ int errno_of(DWORD error);
 /// 0 if a call succeeded, otherwise the errno of its error.
 int outcome(BOOL succeeded);
 
-/// A path as the system's calls take it: a long one is absolute, with the mark that lifts the limit of 260 characters.
-std::wstring system_name(const std::filesystem::path& path);
+/// A path as the system's calls take it: if it is long, or would be with `more` characters behind it, it is absolute,
+/// with the mark that lifts the limit of 260 characters.
+std::wstring system_name(const std::filesystem::path& path, std::size_t more = 0);
 
 /// Text in UTF-8 as UTF-16; wrong bytes become U+FFFD.
 std::wstring wide(std::string_view text);

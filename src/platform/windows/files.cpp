@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -31,11 +32,22 @@ bool is_open(const std::wstring& name) {
   return !opened && GetLastError() == ERROR_SHARING_VIOLATION;
 }
 
+// The value of a variable of the environment; empty if there is none.
+std::wstring value_of(const wchar_t* variable) {
+  std::wstring value(GetEnvironmentVariableW(variable, nullptr, 0), L'\0');
+  value.resize(GetEnvironmentVariableW(variable, value.data(), static_cast<DWORD>(value.size())));
+  return value;
+}
+
 HANDLE handle_of(int file) {
   return reinterpret_cast<HANDLE>(_get_osfhandle(file));
 }
 
 }  // namespace
+
+Path openable(const Path& path, std::size_t more) {
+  return system_name(path, more);
+}
 
 NodeKind kind_of(const Path& path, int& error) {
   const Handle opened = open_to_look(path);
@@ -211,6 +223,20 @@ int read_file(const Path& path, const std::function<void(std::string_view)>& tak
     if (count == 0) return 0;
     take({part.data(), count});
   }
+}
+
+Path home_folder() {
+  return value_of(L"USERPROFILE");
+}
+
+std::vector<Path> listed_folders(const char* variable) {
+  std::vector<Path> folders;
+  std::wistringstream names(value_of(wide(variable).c_str()));
+  for (std::wstring name; std::getline(names, name, L';');) {
+    std::erase(name, L'"');
+    if (!name.empty()) folders.emplace_back(name);
+  }
+  return folders;
 }
 
 std::uint64_t process_number() {

@@ -101,9 +101,15 @@ Launched launch(const std::wstring& path, const std::vector<std::string>& words,
   const Handle thread(made.hThread);
   JOBOBJECT_EXTENDED_LIMIT_INFORMATION all = limits;
   all.BasicLimitInformation.LimitFlags |= JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE;
-  SetInformationJobObject(launched.job.get(), JobObjectExtendedLimitInformation, &all, sizeof all);
-  AssignProcessToJobObject(launched.job.get(), launched.process.get());
-  ResumeThread(thread.get());
+  // Without its job, the program would have no limits, and could outlive this process.
+  if (!launched.job ||
+      SetInformationJobObject(launched.job.get(), JobObjectExtendedLimitInformation, &all, sizeof all) == 0 ||
+      AssignProcessToJobObject(launched.job.get(), launched.process.get()) == 0 ||
+      ResumeThread(thread.get()) == static_cast<DWORD>(-1)) {
+    const DWORD error = GetLastError();
+    TerminateProcess(launched.process.get(), 1);
+    fail(error, "no process can be started");
+  }
   return launched;
 }
 

@@ -3,6 +3,7 @@
 #include "platform/process.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <mutex>
 #include <system_error>
@@ -62,9 +63,12 @@ bool read_part(Handle& pipe, std::string& text) {
 struct ChildProgram::State {
   Launched launched;
   std::optional<ProcessStatus> ended;
-  bool is_killed = false;
-  std::mutex mutex;  // of in
-  Handle in, out, err;
+  std::atomic<bool> is_killed = false;
+  std::mutex mutex;  // of the next four
+  Handle in;
+  Handle writer;  // the thread that writes to it
+  bool is_writing = false, is_ending = false;
+  Handle out, err;
 
   void start(const std::wstring& path, const std::vector<std::string>& words, const ProgramStreams& streams) {
     LaunchPipe to, from = pipe_from_program(), errors;
@@ -80,6 +84,38 @@ struct ChildProgram::State {
     in = std::move(to.ours);
     out = std::move(from.ours);
     err = std::move(errors.ours);
+  }
+  // Without the mutex, a thread writes and waits as long as the program does not read.
+  bool begin_writing() {
+    const std::lock_guard lock(mutex);
+    if (!in || is_ending) return false;
+    HANDLE thread = nullptr;
+    const HANDLE self = GetCurrentProcess();
+    if (DuplicateHandle(self, GetCurrentThread(), self, &thread, 0, FALSE, DUPLICATE_SAME_ACCESS) == 0) return false;
+    writer = Handle(thread);
+    return is_writing = true;
+  }
+  void end_writing() {
+    const std::lock_guard lock(mutex);
+    is_writing = false;
+    writer.close();
+    if (is_ending) in.close();
+  }
+  /// Closes the input. A thread that waits in a call of the system is called back, if need be by the program's end.
+  void end_input() {
+    std::unique_lock lock(mutex);
+    is_ending = true;
+    if (!is_writing) in.close();
+    for (int tries = 0; is_writing; ++tries) {
+      constexpr int most_tries = 1000;
+      if (tries < most_tries)
+        CancelSynchronousIo(writer.get());  // none, if the thread is between two calls
+      else
+        is_killed = TerminateProcess(launched.process.get(), 1) != 0;
+      lock.unlock();
+      Sleep(1);
+      lock.lock();
+    }
   }
   ProcessStatus take_status() {
     ended = is_killed ? ProcessStatus{9, true} : status_of(launched.process.get());
@@ -105,14 +141,18 @@ ChildProgram::~ChildProgram() {
 }
 
 bool ChildProgram::write(std::string_view bytes) {
-  const std::lock_guard lock(state_->mutex);
-  while (!bytes.empty()) {
+  if (!state_->begin_writing()) return false;
+  bool is_written = true;
+  while (is_written && !bytes.empty()) {
     DWORD count = 0;
-    const auto part = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), 1 << 16));
-    if (!state_->in || WriteFile(state_->in.get(), bytes.data(), part, &count, nullptr) == 0) return false;
+    const auto part = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), 1 << 12));
+    is_written = WriteFile(state_->in.get(), bytes.data(), part, &count, nullptr) != 0;
     bytes.remove_prefix(count);
+    const std::lock_guard lock(state_->mutex);
+    is_written = is_written && !state_->is_ending;
   }
-  return static_cast<bool>(state_->in);
+  state_->end_writing();
+  return is_written;
 }
 
 void ChildProgram::close_streams() {
@@ -159,8 +199,7 @@ ProcessStatus ChildProgram::wait() {
 }
 
 void ChildProgram::request_end() {
-  const std::lock_guard lock(state_->mutex);
-  state_->in.close();
+  state_->end_input();
 }
 
 void ChildProgram::kill() noexcept {

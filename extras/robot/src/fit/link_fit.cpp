@@ -20,6 +20,7 @@
 #include "fit/measure.hpp"
 #include "fit/rounding.hpp"
 #include "fit/within.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::robot {
 
@@ -119,8 +120,8 @@ CoveredTree LinkFitter::build_link(const LinkSpheres& link, const BuildOptions& 
     require_usable(link.surface.mesh);
     require_usable_scale(link.surface.mesh);
   } catch (const std::invalid_argument& error) {
-    throw FileError(fmt::format("{}:{}: link {}: {}", robot_.file.string(), robot_.links[link.link].line, name_of(link),
-                                error.what()));
+    throw FileError(fmt::format("{}:{}: link {}: {}", platform::text_of(robot_.file), robot_.links[link.link].line,
+                                name_of(link), error.what()));
   }
   return build(link.surface.mesh, options, serial_workers());
 }

@@ -10,6 +10,7 @@
 
 #include "io/mesh/reading.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 #include "read/xml.hpp"
 
 namespace morula::robot {
@@ -319,8 +320,9 @@ Mesh read_collada(const std::filesystem::path& path, const std::string& part, Me
     }
   }
   if (reader.mesh.facets.empty()) {
-    throw FileError(all ? fmt::format("{}: the scene holds no facets", path.string())
-                        : fmt::format("{}: there is no node or geometry {} with facets", path.string(), part));
+    throw FileError(
+        all ? fmt::format("{}: the scene holds no facets", platform::text_of(path))
+            : fmt::format("{}: there is no node or geometry {} with facets", platform::text_of(path), part));
   }
   reader.cutter.finish("polygon");
   if (reader.holed > 0)

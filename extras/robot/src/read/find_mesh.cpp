@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <morula/robot/robot.hpp>
 
+#include "platform/path_text.hpp"
 #include "read/folders.hpp"
 #include "read/xml.hpp"
 
@@ -30,7 +31,7 @@ PackageFile split(std::string_view text) {
   PackageFile file{.package = std::string(text.substr(0, slash)), .path = {}};
   text.remove_prefix(slash);
   drop_slashes();
-  file.path = fs::path(text).lexically_normal();
+  file.path = platform::path_of(text).lexically_normal();
   return file;
 }
 
@@ -49,7 +50,7 @@ class Search {
     }
     // mutant robot-file-outside: `(plain, root_option)` -> `(plain, root_option); false`
     if (const std::optional<std::string> outside = roots.refusal(plain, root_option)) {
-      if (outside_.empty()) outside_ = fmt::format("is {}, which {}", plain.string(), *outside);
+      if (outside_.empty()) outside_ = fmt::format("is {}, which {}", platform::text_of(plain), *outside);
       return false;
     }
     found_ = plain;
@@ -63,7 +64,7 @@ class Search {
   [[noreturn]] void give_up() const {
     if (!outside_.empty()) reject(outside_);
     std::string text = "is missing; searched:";
-    for (const fs::path& path : searched_) text += fmt::format(" {}", path.string());
+    for (const fs::path& path : searched_) text += fmt::format(" {}", platform::text_of(path));
     reject(fmt::format("{}; give the folder that holds its package as a package path", text));
   }
 
@@ -83,12 +84,12 @@ bool find_in_package(Search& search, const PackageFile& file, const RobotFolders
   }
   const FileRoots roots = folders.roots_for_package(file.package);
   for (const fs::path& path : folders.package_paths()) {
-    if (search.finds(path / file.package / file.path, roots)) return true;
+    if (search.finds(path / platform::path_of(file.package) / file.path, roots)) return true;
     if (path.filename() == file.package && search.finds(path / file.path, roots)) return true;
   }
   // The robot's file lies in a package, and packages lie side by side.
   for (const fs::path& up : folders.levels()) {
-    if (search.finds(up / file.package / file.path, roots)) return true;
+    if (search.finds(up / platform::path_of(file.package) / file.path, roots)) return true;
     if (search.finds(up / file.path, roots)) return true;
   }
   return false;
@@ -108,11 +109,13 @@ bool find_end_of(Search& search, const fs::path& written, const RobotFolders& fo
 }
 
 bool find_by_path(Search& search, const std::string& path, const RobotFolders& folders) {
-  if (begins_with_drive(path)) return find_end_of(search, fs::path(path.substr(3)).lexically_normal(), folders);
-  const fs::path written = fs::path(path).lexically_normal();
-  if (written.is_absolute()) {
+  const fs::path written = platform::path_of(path).lexically_normal();
+  if (written.has_root_directory()) {
     return search.finds(written, folders.roots()) || find_end_of(search, written.relative_path(), folders);
   }
+  // A drive, where paths have none.
+  if (begins_with_drive(path))
+    return find_end_of(search, platform::path_of(path.substr(3)).lexically_normal(), folders);
   if (search.finds(folders.own() / written, folders.roots())) return true;
   const auto& given = folders.package_paths();
   return std::any_of(given.begin(), given.end(),

@@ -3,7 +3,8 @@
 #include "read/folders.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+
+#include "platform/files.hpp"
 
 namespace morula::robot {
 
@@ -26,8 +27,8 @@ fs::path plain(const fs::path& folder) {
 }
 
 bool holds_home(const fs::path& folder) {
-  const char* home = std::getenv("HOME");
-  return home != nullptr && *home != '\0' && FileRoots({folder}).hold(home);
+  const fs::path home = platform::home_folder();
+  return !home.empty() && FileRoots({folder}).hold(home);
 }
 
 /// Whether a folder is too wide: a file in it is no sign that the files next to it belong together.

@@ -14,11 +14,12 @@
 #include "io/byte_reader.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::robot {
 
 bool is_mujoco_mesh(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
+  std::string ending = platform::text_of(path.extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (ending != ".msh") return false;
@@ -33,7 +34,7 @@ bool is_mujoco_mesh(const std::filesystem::path& path) {
 Mesh read_mujoco_mesh(const std::filesystem::path& path) {
   const std::string bytes = detail::read_whole(path);
   const auto reject = [&](const std::string& text) {
-    return FileError(fmt::format("{}: {}; save the mesh as OBJ or STL", path.string(), text));
+    return FileError(fmt::format("{}: {}; save the mesh as OBJ or STL", platform::text_of(path), text));
   };
   constexpr std::size_t head = 16;
   if (bytes.size() < head) throw reject("is too short for a mesh of MuJoCo");

@@ -14,6 +14,7 @@
 #include <numbers>
 
 #include "parallel/interruption.hpp"
+#include "platform/path_text.hpp"
 #include "read/mujoco_mesh.hpp"
 #include "read/xml.hpp"
 
@@ -151,7 +152,7 @@ bool is_blank_stl(const std::filesystem::path& file, const std::string& ending) 
 
 Mesh mesh_of(const Shape& shape, MeshInfo& info) {
   const std::filesystem::path& file = shape.file;
-  std::string ending = file.extension().string();
+  std::string ending = platform::text_of(file.extension());
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
   if (is_blank_stl(file, ending)) return {};
@@ -159,13 +160,13 @@ Mesh mesh_of(const Shape& shape, MeshInfo& info) {
     throw FileError(
         fmt::format("{}: submesh {} is required, but only submeshes of COLLADA files are read: save it as a "
                     "file of its own",
-                    file.string(), shape.part));
+                    platform::text_of(file), shape.part));
   }
   const std::span<const MeshFileKind> kinds = mesh_file_kinds();
   const auto is_known = [&](const MeshFileKind& kind) { return kind.extension == ending; };
   if (ending != ".dae" && !is_mujoco_mesh(file) && std::none_of(kinds.begin(), kinds.end(), is_known)) {
     throw FileError(fmt::format("{}: no mesh format has the extension '{}'; name a file with one of .dae {}",
-                                file.string(), ending, readable_mesh_extensions()));
+                                platform::text_of(file), ending, readable_mesh_extensions()));
   }
   Mesh mesh = ending == ".dae"       ? read_collada(file, shape.part, info)
               : is_mujoco_mesh(file) ? read_mujoco_mesh(file)

@@ -6,6 +6,7 @@
 #include <morula/robot/robot.hpp>
 #include <numbers>
 
+#include "platform/path_text.hpp"
 #include "read/assembly.hpp"
 
 namespace morula::robot {
@@ -200,7 +201,7 @@ Robot read_urdf(const Xml& xml, const ReadOptions& options) {
   const char* name = xml.root().Attribute("name");
   reader.robot.name = name == nullptr ? "" : name;
   if (reader.robot.name.empty()) {
-    reader.robot.name = xml.file().stem().string();
+    reader.robot.name = platform::text_of(xml.file().stem());
     reader.robot.notes.push_back(fmt::format("<robot> has no name and is called {}, as its file", reader.robot.name));
   }
   const auto each = [&](const char* element, const auto& read) {

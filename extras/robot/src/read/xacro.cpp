@@ -15,6 +15,7 @@
 
 #include "parallel/interruption.hpp"
 #include "platform/files.hpp"
+#include "platform/path_text.hpp"
 #include "platform/process.hpp"
 
 namespace morula::robot {
@@ -61,7 +62,7 @@ void read_all(platform::ChildProgram& program, std::string& text, std::string& m
     platform::ChildProgram::wait_for_any(waited, 100);
     has_text = has_text && program.read_output(text);
     if (text.size() > most_output_bytes)
-      throw FileError(fmt::format("{}: xacro makes more than 64 MiB of it", file.string()));
+      throw FileError(fmt::format("{}: xacro makes more than 64 MiB of it", platform::text_of(file)));
     has_message = has_message && program.read_errors(message);
     message.resize(std::min(message.size(), most_output_bytes / 64));
   }
@@ -91,7 +92,7 @@ struct Run {
 Run run_xacro(const std::vector<std::string>& own, const std::filesystem::path& file, const ReadOptions& options) {
   std::vector<std::string> words{options.xacro};
   words.insert(words.end(), own.begin(), own.end());
-  words.push_back(std::filesystem::absolute(file).string());
+  words.push_back(platform::text_of(std::filesystem::absolute(file)));
   words.insert(words.end(), options.xacro_arguments.begin(), options.xacro_arguments.end());
   Run run;
   try {
@@ -154,7 +155,8 @@ std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& f
     std::string name = run.text.substr(begin, end - begin);
     while (!name.empty() && (name.back() == '\n' || name.back() == '\r')) name.pop_back();
     std::error_code error;
-    if (std::filesystem::path(name).is_absolute() && std::filesystem::is_regular_file(name, error)) files.insert(name);
+    const std::filesystem::path path = platform::path_of(name);
+    if (path.is_absolute() && std::filesystem::is_regular_file(path, error)) files.insert(path);
     begin = end + 1;
   }
   return {files.begin(), files.end()};

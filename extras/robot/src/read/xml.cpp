@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "io/whole_file.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::robot {
 
@@ -27,10 +28,11 @@ std::string bytes_of(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw SystemFileError(file, "there is no such file", ENOENT);
   if (!std::filesystem::is_regular_file(file, error)) {
-    throw FileError(fmt::format("{}: is not a file; name the robot's description", file.string()));
+    throw FileError(fmt::format("{}: is not a file; name the robot's description", platform::text_of(file)));
   }
   if (std::filesystem::file_size(file, error) > most_bytes) {
-    throw FileError(fmt::format("{}: is larger than 64 MiB, which no description of a robot is", file.string()));
+    throw FileError(
+        fmt::format("{}: is larger than 64 MiB, which no description of a robot is", platform::text_of(file)));
   }
   std::ifstream stream(file, std::ios::binary);
   std::string bytes;
@@ -42,7 +44,7 @@ std::string bytes_of(const std::filesystem::path& file) {
     bytes.resize(before + static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad() || !stream.eof())
-    throw FileError(fmt::format("{}: cannot be read; look at its permissions", file.string()));
+    throw FileError(fmt::format("{}: cannot be read; look at its permissions", platform::text_of(file)));
   return bytes;
 }
 
@@ -91,7 +93,7 @@ void fail_at(const std::filesystem::path& file, int line, const std::string& tex
   for (char& c : plain) {
     if (static_cast<unsigned char>(c) < ' ') c = '?';
   }
-  throw FileError(fmt::format("{}:{}: {}", file.string(), line, plain));
+  throw FileError(fmt::format("{}:{}: {}", platform::text_of(file), line, plain));
 }
 
 Xml::Xml(const std::filesystem::path& file) : file_(file) {
@@ -117,7 +119,7 @@ void Xml::parse(std::string bytes) {
     fail_at(file, std::max(1, document_.ErrorLineNum()),
             fmt::format("is not well-formed XML: {}", error_text(document_.ErrorName())));
   }
-  if (document_.RootElement() == nullptr) throw FileError(fmt::format("{}: holds no element", file.string()));
+  if (document_.RootElement() == nullptr) throw FileError(fmt::format("{}: holds no element", platform::text_of(file)));
 }
 
 Xml::Xml(const std::filesystem::path& file, std::string_view root) : Xml(file) {

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <toolbox/csv.hpp>
 
+#include "platform/path_text.hpp"
 #include "write/text.hpp"
 
 namespace morula::robot {
@@ -193,9 +194,10 @@ std::vector<OutputFile> write_json(const Description& d) {
 
 std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) throw FileError(fmt::format("{}: cannot be read", path.string()));
+  if (!stream || std::filesystem::is_directory(path))
+    throw FileError(fmt::format("{}: cannot be read", platform::text_of(path)));
   const auto fail = [&](const std::string& text) -> FileError {
-    return FileError(fmt::format("{}: {}; give a spheres.json that morula robot wrote", path.string(), text));
+    return FileError(fmt::format("{}: {}; give a spheres.json that morula robot wrote", platform::text_of(path), text));
   };
   try {
     const nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
@@ -206,7 +208,7 @@ std::map<std::string, std::vector<Sphere>> read_robot_spheres(const std::filesys
       throw FileError(
           fmt::format("{}: format version {} is newer than Morula {}, which reads versions up to {}; update Morula, or "
                       "write the file again with this version",
-                      path.string(), given.dump(), morula::version, own_version));
+                      platform::text_of(path), given.dump(), morula::version, own_version));
     std::map<std::string, std::vector<Sphere>> result;
     for (const nlohmann::json& link : json.at("links")) {
       std::vector<Sphere>& spheres = result[link.at("link").get<std::string>()];

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "platform/path_text.hpp"
+
 namespace morula::robot {
 
 namespace fs = std::filesystem;
@@ -61,13 +63,14 @@ fs::path MjcfFiles::find_included(const XMLElement& at, const std::string& name)
       const fs::path path = (from->file().parent_path() / spelling).lexically_normal();
       std::error_code error;
       if (!fs::is_regular_file(path, error)) {
-        if (const std::string text = " " + path.string(); searched.find(text) == std::string::npos) searched += text;
+        if (const std::string text = " " + platform::text_of(path); searched.find(text) == std::string::npos)
+          searched += text;
         continue;
       }
       const std::optional<std::string> outside = folders_.roots().refusal(path, root_option);
       // mutant robot-include-outside: `if (!outside) return` -> `return`
       if (!outside) return path;
-      fail(at, fmt::format("file \"{}\" is {}, which {}", name, path.string(), *outside));
+      fail(at, fmt::format("file \"{}\" is {}, which {}", name, platform::text_of(path), *outside));
     }
   }
   fail(at, fmt::format("file \"{}\" is missing; searched:{}", name, searched));

@@ -7,6 +7,7 @@
 #include <morula/io/mesh_file.hpp>
 #include <optional>
 
+#include "platform/path_text.hpp"
 #include "read/assembly.hpp"
 
 namespace morula::robot {
@@ -24,7 +25,7 @@ void MjcfGeoms::read_assets(const XMLElement& of) {
     if (const char* own = at->Attribute("name")) {
       name = own;
     } else {
-      name = fs::path(mesh.file).stem().string();
+      name = platform::text_of(platform::path_of(mesh.file).stem());
     }
     if (name.empty()) files_.fail(*at, "a <mesh> has neither name nor file");
     mesh.scale = values_.vector(e, "scale", {1, 1, 1});

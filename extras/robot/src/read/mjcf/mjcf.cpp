@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "platform/path_text.hpp"
 #include "read/assembly.hpp"
 #include "read/mjcf/copies.hpp"
 #include "read/mjcf/geoms.hpp"
@@ -29,7 +30,7 @@ class MjcfReader {
     robot().file = xml.file();
     robot().format = Robot::Format::mjcf;
     const char* name = xml.root().Attribute("model");
-    robot().name = name == nullptr || *name == '\0' ? xml.file().stem().string() : name;
+    robot().name = name == nullptr || *name == '\0' ? platform::text_of(xml.file().stem()) : name;
   }
 
   Robot run() {

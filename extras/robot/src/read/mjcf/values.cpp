@@ -10,6 +10,8 @@
 #include <morula/geometry/reproducible.hpp>
 #include <numbers>
 
+#include "platform/path_text.hpp"
+
 namespace morula::robot {
 
 namespace fs = std::filesystem;
@@ -211,7 +213,7 @@ RigidTransform MjcfValues::pose(const MjcfElement& e) const {
 
 std::string MjcfValues::mesh_name(const std::string& file) const {
   // A path would lose one of the slashes of a URI.
-  const std::string name = strip_path_ ? fs::path(file).filename().string() : file;
+  const std::string name = strip_path_ ? platform::text_of(platform::path_of(file).filename()) : file;
   if (mesh_folder_.empty() || name.find("://") != std::string::npos) return name;
   return (fs::path(mesh_folder_) / name).generic_string();
 }
