@@ -49,6 +49,7 @@ std::set<std::string> completed(const Workbench& bench, const std::string& words
 }
 
 TEST(Completion, of_bash_offers_what_the_help_lists) {
+  if (!Workbench::has_shell()) GTEST_SKIP() << no_shell;
   const Workbench bench;
   EXPECT_EQ(completed(bench, "me"), (std::set<std::string>{"measure", "medial"}));
   for (const std::string& command : some_commands) {
@@ -62,6 +63,7 @@ TEST(Completion, of_bash_offers_what_the_help_lists) {
 }
 
 TEST(Completion, of_bash_offers_values_and_files) {
+  if (!Workbench::has_shell()) GTEST_SKIP() << no_shell;
   const Workbench bench;
   EXPECT_EQ(completed(bench, "build --method g"), std::set<std::string>{"grid"});
   EXPECT_EQ(completed(bench, "update --rule app"), (std::set<std::string>{"approach1", "approach2"}));
@@ -98,6 +100,7 @@ TEST(Completion, of_other_shells_and_the_manual_name_every_option) {
 
 // Quotes that do not match would end the function early: every shell at hand reads what is meant for it.
 TEST(Completion, is_read_by_the_shells_that_are_here) {
+  if (!Workbench::has_shell()) GTEST_SKIP() << no_shell;
   const Workbench bench;
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     if (bench.shell("command -v " + shell).exit_code != 0) continue;

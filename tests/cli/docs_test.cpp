@@ -113,6 +113,7 @@ class Reader {
 };
 
 TEST(Pages, the_first_block_of_readme_runs_as_pasted_with_hasty_builds) {
+  if (!Workbench::has_shell()) GTEST_SKIP() << no_shell;
   if (!has_all_extras()) GTEST_SKIP() << "pages show commands of extras";
   const std::vector<Block> blocks = blocks_of("README.md");
   const auto first = std::find_if(blocks.begin(), blocks.end(), [](const Block& b) { return b.language == "sh"; });
@@ -167,6 +168,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 /// Blocks of a page run as pasted, one after another; what it shows of a command, from the line after "$ ..." to the
 /// next one, is what the command prints.
 TEST(LongPages, run_as_pasted_and_show_what_their_commands_print) {
+  if (!Workbench::has_shell()) GTEST_SKIP() << no_shell;
   if (!has_all_extras()) GTEST_SKIP() << "pages show commands of extras";
   std::size_t pasted = 0, commands = 0;
   for (const std::string& page : all_pages()) {
@@ -196,6 +198,38 @@ TEST(LongPages, run_as_pasted_and_show_what_their_commands_print) {
   }
   EXPECT_GE(pasted, 10u);
   EXPECT_GE(commands, 20u);
+}
+
+/// The session of the page for Windows, as PowerShell reads it: `mkdir` and morula.
+TEST(WindowsPage, shows_what_its_commands_print) {
+#ifndef _WIN32
+  GTEST_SKIP() << "its paths are those of Windows";
+#endif
+  if (!has_all_extras()) GTEST_SKIP() << "pages show commands of extras";
+  const Workbench bench;
+  std::size_t commands = 0;
+  for (const Block& block : blocks_of("docs/how-to/windows.md")) {
+    if (block.language != "powershell") continue;
+    for (std::size_t i = 0; i < block.lines.size(); ++i) {
+      const std::string line = block.lines[i];
+      ASSERT_EQ(line.rfind("PS> ", 0), 0u) << line;
+      std::vector<std::string> shown;
+      while (i + 1 < block.lines.size() && block.lines[i + 1].rfind("PS> ", 0) != 0) shown.push_back(block.lines[++i]);
+      if (line.rfind("PS> mkdir ", 0) == 0) {
+        fs::create_directories(bench / line.substr(10));
+        continue;
+      }
+      ASSERT_EQ(line.rfind("PS> morula ", 0), 0u) << line;
+      ++commands;
+      const CommandResult result = bench.run(line.substr(11));
+      const bool shows_error = !shown.empty() && shown[0].rfind("morula: error: ", 0) == 0;
+      EXPECT_EQ(result.exit_code, shows_error ? 2 : 0) << line << '\n' << result.err;
+      EXPECT_EQ(steady_words(shown, false), steady_words(lines_of(result.out + result.err), false))
+          << line << '\n'
+          << result.out << result.err;
+    }
+  }
+  EXPECT_GE(commands, 8u);
 }
 
 TEST(CliPages, mention_every_option_of_every_command) {

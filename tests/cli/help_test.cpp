@@ -78,7 +78,7 @@ std::vector<std::string> commands_in(const std::string& text) {
   std::vector<std::string> commands;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    if (line.rfind("  morula ", 0) == 0) commands.push_back("\"$MORULA\"" + line.substr(8));
+    if (line.rfind("  morula ", 0) == 0) commands.push_back(line.substr(8));
   return commands;
 }
 
@@ -92,7 +92,7 @@ void expect_commands_that_work(const Workbench& bench, const std::string& argume
   const std::vector<std::string> commands = commands_in(result.out);
   EXPECT_EQ(commands.size(), 3u) << result.out;
   for (const std::string& command : commands) {
-    const CommandResult pasted = bench.shell(command);
+    const CommandResult pasted = bench.run(command);
     const bool no_page = !bench.has_page() && command.find(" view ") != std::string::npos;
     EXPECT_EQ(pasted.exit_code, no_page ? 2 : 0) << command << "\n" << pasted.err;
   }

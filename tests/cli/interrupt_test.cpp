@@ -1,68 +1,17 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C, as a signal to a running child.
-#include <fcntl.h>
+// Ctrl-C and its like, while a command runs.
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <chrono>
-#include <csignal>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
-#include "workbench.hpp"
-
-extern char** environ;
+#include "running_command.hpp"
 
 namespace morula::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// A command that runs by itself, with its output in a file beside the folder.
-class Child {
- public:
-  Child(const Workbench& bench, std::vector<std::string> arguments, const std::filesystem::path& err) {
-    arguments.insert(arguments.begin(), MORULA_COMMAND);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addchdir_np(&files, bench.folder().c_str());
-    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&files, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    // A test run in the background has SIGINT ignored, which children would inherit.
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    sigset_t defaults;
-    sigemptyset(&defaults);
-    sigaddset(&defaults, SIGINT);
-    sigaddset(&defaults, SIGTERM);
-    sigaddset(&defaults, SIGHUP);
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-    EXPECT_EQ(posix_spawn(&id_, MORULA_COMMAND, &files, &attributes, argv.data(), environ), 0);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&files);
-  }
-  void send(int signal) const { EXPECT_EQ(kill(id_, signal), 0); }
-  bool is_running() const {
-    siginfo_t ended{};
-    return waitid(P_PID, static_cast<id_t>(id_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
-  }
-  /// The exit code; −1 when a signal ended it.
-  int wait() {
-    int status = 0;
-    EXPECT_EQ(waitpid(id_, &status, 0), id_);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
- private:
-  pid_t id_ = -1;
-};
 
 TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
   const Workbench bench;
@@ -70,9 +19,9 @@ TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
   bench.write("old.morula", "an older result");
   const auto before = bench.listing();
   const std::filesystem::path err = bench.folder().string() + ".err";
-  for (const auto& [signal, code] : {std::pair{SIGINT, 130}, std::pair{SIGTERM, 143}}) {
+  for (const auto& [signal, code] : requests_to_end()) {
     // Minutes of work.
-    Child child(bench, {"build", "limb.obj", "-o", "old.morula", "--method", "medial", "--depth", "6"}, err);
+    RunningCommand child(bench, {"build", "limb.obj", "-o", "old.morula", "--method", "medial", "--depth", "6"}, err);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     const auto sent = Clock::now();
     child.send(signal);
@@ -110,10 +59,10 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
       {"update", "limb.obj", "limb.morula", "motion.npy", "-o", "spheres.npz"},
   };
   if (has_extra("study")) commands.push_back({"demo", "--quick", "-o", "demo"});
-  const std::vector<std::pair<int, int>> signals{{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
+  const auto signals = requests_to_end();
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const auto [signal, code] = signals[i % signals.size()];
-    Child child(bench, commands[i], err);
+    RunningCommand child(bench, commands[i], err);
     while (hidden_in(bench) == 0) {
       ASSERT_TRUE(child.is_running()) << commands[i].front() << " -o " << commands[i][3];
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -147,7 +96,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
       {"info", "limb.obj", "--json"},
       {"sample", "limb", "-o", "new.obj", "--resolution", "1500"},
   };
-  const std::vector<std::pair<int, int>> signals{{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
+  const auto signals = requests_to_end();
   std::size_t stopped_in_time = 0;
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const auto [signal, code] = signals[i % signals.size()];
@@ -155,7 +104,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
     // as with sanitizers on a busy machine, takes a while to begin.
     int ended = -1;
     for (std::chrono::milliseconds delay(120); ended == -1 && delay < std::chrono::seconds(10); delay *= 3) {
-      Child child(bench, commands[i], err);
+      RunningCommand child(bench, commands[i], err);
       std::this_thread::sleep_for(delay);
       if (child.is_running()) child.send(signal);
       ended = child.wait();
@@ -193,7 +142,7 @@ TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
     all.insert(all.end(), {"-o", folder});
     return all;
   };
-  Child child(bench, with_output("stopped"), err);
+  RunningCommand child(bench, with_output("stopped"), err);
   const auto cells = [&] {
     std::error_code missing;
     std::size_t count = 0;
@@ -203,13 +152,14 @@ TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
     return count;
   };
   while (cells() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  child.send(SIGINT);
-  EXPECT_EQ(child.wait(), 130);
+  const auto [signal, code] = requests_to_end().front();
+  child.send(signal);
+  EXPECT_EQ(child.wait(), code);
   EXPECT_LT(cells(), 12u);
   EXPECT_FALSE(std::filesystem::exists(bench / "stopped/study.json"));
   std::filesystem::remove(err);
   for (const char* folder : {"stopped", "whole"}) {
-    Child again(bench, with_output(folder), err);
+    RunningCommand again(bench, with_output(folder), err);
     EXPECT_EQ(again.wait(), 0);
   }
   EXPECT_TRUE(bench.read("stopped/cells.csv") == bench.read("whole/cells.csv"));

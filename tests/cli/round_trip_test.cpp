@@ -132,18 +132,19 @@ TEST(Early, what_can_be_known_is_known_before_any_work) {
   bench.expect_refused("collide limb.obj bar.obj --rotate-b 0,0,0,3", "no direction");
   bench.expect_refused(slow + "missing/x.morula", "there is no folder missing");
   bench.expect_refused(slow + std::string(300, 'x') + ".morula", "");
-  bench.shell("mkdir closed && chmod 500 closed");
-  if (bench.shell("touch closed/x 2>/dev/null").exit_code != 0) {
+  if (Workbench::has_shell() &&
+      bench.shell("mkdir closed && chmod 500 closed && touch closed/x 2>/dev/null").exit_code != 0) {
     bench.expect_refused(slow + "closed/x.morula", "cannot make a file in this folder");
     bench.expect_refused("update bar.obj bar.morula motion -o closed/x", "cannot make a folder in");
     if (has_extra("study")) bench.expect_refused("study -o closed/x", "closed");
   }
-  bench.shell("chmod 700 closed");
+  if (Workbench::has_shell()) bench.shell("chmod 700 closed");
   if (!has_extra("study")) return;
   bench.expect_refused("study --quick --mesh bar.obj,missing.obj -o study", "missing.obj: there is no such file");
-  bench.shell(
-      "mkdir trees && cp bar.obj trees/ && printf '1 8\n0 0 0 9 1\n' > trees/bar-mine.sph && printf '1 8\n' > "
-      "trees/bar-other.sph");
+  std::filesystem::create_directory(bench / "trees");
+  std::filesystem::copy_file(bench / "bar.obj", bench / "trees/bar.obj");
+  bench.write("trees/bar-mine.sph", "1 8\n0 0 0 9 1\n");
+  bench.write("trees/bar-other.sph", "1 8\n");
   bench.expect_refused("study --quick --mesh bar.obj --trees trees -o study", "bar-other.sph");
   bench.expect_refused("study --quick --mesh missing.obj -o bar.obj", "is a file; name a folder");
 }

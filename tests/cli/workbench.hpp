@@ -25,13 +25,20 @@ struct CommandResult {
   nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
 
+inline constexpr const char* no_shell = "there is no POSIX shell";
+
+/// The command under test.
+std::filesystem::path command_path();
+
 class Workbench {
  public:
   const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path operator/(const std::string& name) const { return folder() / name; }
-  /// Runs "morula ARGUMENTS" in the folder, through the shell.
+  /// Runs "morula ARGUMENTS" in the folder. POSIX: through the shell. Windows: words in quotation marks are one.
   CommandResult run(const std::string& arguments) const;
-  /// Runs a line of shell in the folder, where $MORULA is the command: for streams that are closed or full.
+  /// Whether there is a POSIX shell, which some tests need to close streams, fill them or set limits.
+  static bool has_shell();
+  /// Runs a line of it in the folder, where $MORULA is the command.
   CommandResult shell(const std::string& line) const;
   /// As run(), and fails the test unless the command says that all is done.
   CommandResult require(const std::string& arguments) const;

@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <morula/deform/deformation.hpp>
-#include <optional>
 #include <scenes/scenes.hpp>
 #include <stdexcept>
+#include <support/scoped_variable.hpp>
 #include <support/scratch_folder.hpp>
 
 namespace morula {
@@ -56,39 +55,24 @@ TEST(Scenes, standard_motions_are_one_of_each_kind) {
   EXPECT_EQ(kinds, (std::vector<std::size_t>{0, 1, 2, 3, 4, 5}));
 }
 
-// Sets MORULA_CORPUS for one test.
-class CorpusVariable {
- public:
-  explicit CorpusVariable(const std::string& value) {
-    if (const char* old = std::getenv("MORULA_CORPUS")) old_ = old;
-    setenv("MORULA_CORPUS", value.c_str(), 1);
-  }
-  ~CorpusVariable() { old_ ? setenv("MORULA_CORPUS", old_->c_str(), 1) : unsetenv("MORULA_CORPUS"); }
-  CorpusVariable(const CorpusVariable&) = delete;
-  CorpusVariable& operator=(const CorpusVariable&) = delete;
-
- private:
-  std::optional<std::string> old_;
-};
-
 TEST(Scenes, corpus_is_where_the_variable_says) {
   namespace fs = std::filesystem;
   const test::ScratchFolder scratch;
   const fs::path& folder = scratch.path();
   for (const char* name : {"b.off", "a.obj", "notes.txt", "below/c.stl"}) scratch.file(name, "x");
   {
-    const CorpusVariable variable(folder.string());
+    const test::ScopedVariable variable("MORULA_CORPUS", folder.string());
     EXPECT_EQ(scenes::corpus_folder(), folder);
     const std::vector<fs::path> expected{folder / "a.obj", folder / "b.off", folder / "below" / "c.stl"};
     EXPECT_EQ(scenes::corpus_meshes(), expected);
   }
   {
-    const CorpusVariable variable("");
+    const test::ScopedVariable variable("MORULA_CORPUS", "");
     EXPECT_EQ(scenes::corpus_folder(), std::nullopt);
     EXPECT_TRUE(scenes::corpus_meshes().empty());
   }
   {
-    const CorpusVariable variable((folder / "missing").string());
+    const test::ScopedVariable variable("MORULA_CORPUS", (folder / "missing").string());
     EXPECT_THROW(scenes::corpus_folder(), std::invalid_argument);
   }
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The command line: one argument a line, after a first byte that says whether the files of an example are there. Runs
 // in a scratch folder that no argument leads out of. Commands that work long are parsed only.
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>

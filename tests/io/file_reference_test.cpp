@@ -4,7 +4,10 @@
 
 #include <fstream>
 #include <morula/io/file_reference.hpp>
-#include <support/scratch_folder.hpp>
+#include <morula/io/mesh_file.hpp>
+#include <morula/io/whole_output.hpp>
+
+#include "files.hpp"
 
 namespace morula::test {
 namespace {
@@ -57,6 +60,7 @@ TEST(FileReference, a_file_is_looked_for_as_written_and_then_decoded) {
 }
 
 TEST(FileRoots, hold_what_lies_in_them_once_links_are_resolved) {
+  if (!can_make_links()) GTEST_SKIP() << no_links;
   const ScratchFolder scratch;
   scratch.file("root/in/a.obj", "");
   scratch.file("root2/b.obj", "");
@@ -84,6 +88,54 @@ TEST(FileRoots, hold_what_lies_in_them_once_links_are_resolved) {
                                                           at("none").string() + "; allow its folder with --root " +
                                                           at("root2").string());
   EXPECT_EQ(two.refusal(at("root/out.obj"), "-x").value().rfind("leads to " + at("root2/b.obj").string(), 0), 0u);
+}
+
+// This program may have any code page on Windows.
+TEST(FileNames, are_utf8_in_messages_and_in_references_whatever_their_letters) {
+  const std::u8string letters = u8"Kügel 中 🌳";
+  const std::string name(letters.begin(), letters.end());
+  const ScratchFolder scratch;
+  const fs::path folder = scratch.path() / letters, file = folder / (letters + u8".obj");
+  fs::create_directory(folder);
+  const Mesh mesh = small_mesh();
+  write_mesh(file, mesh);
+  EXPECT_EQ(read_mesh(file).positions, mesh.positions);
+  EXPECT_EQ(referenced_file(name + ".obj", folder), file);
+  EXPECT_EQ(read_mesh(referenced_file("K%C3%BCgel%20%E4%B8%AD%20%F0%9F%8C%B3.obj", folder)).positions, mesh.positions);
+  fs::remove(file);
+  try {
+    read_mesh(file);
+    ADD_FAILURE() << "was read";
+  } catch (const SystemFileError& error) {
+    EXPECT_EQ(error.file(), file);
+    EXPECT_TRUE(
+        std::string(error.what()).ends_with(name + ".obj: there is no such file; check the name and the folder"))
+        << error.what();
+  }
+  EXPECT_NE(FileRoots({folder}).refusal(scratch.path(), "--root").value().find(name + "; allow"), std::string::npos);
+}
+
+TEST(FileNames, may_be_longer_than_260_characters) {
+  const ScratchFolder scratch;
+  const fs::path folder = scratch.path() / std::string(120, 'f') / std::string(120, 'g'), file = folder / "a.obj";
+  const Mesh mesh = small_mesh();
+  {
+    WholeFolder made(folder.parent_path());
+    made.commit();
+  }
+  {
+    WholeFolder made(folder);
+    write_mesh(made.path() / "a.obj", mesh);
+    made.commit();
+  }
+  EXPECT_EQ(read_mesh(file).positions, mesh.positions);
+  write_mesh(file, small_mesh());
+  const std::string first = bytes_of(file);
+  WholeFolder again(folder);
+  write_whole(again.path() / "b.obj", first);
+  again.commit();
+  EXPECT_EQ(read_mesh(folder / "b.obj").positions, mesh.positions);
+  EXPECT_EQ(read_mesh(file).positions, mesh.positions) << "was carried over";
 }
 
 }  // namespace

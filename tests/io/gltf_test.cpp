@@ -389,12 +389,21 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
   const GltfMaker good = tetrahedron();
   const ScratchFolder elsewhere;
   const std::filesystem::path part = elsewhere.file("part.bin", good.buffer);
-  std::filesystem::create_symlink(part, folder.path() / "linked.bin");
-  std::filesystem::create_directory_symlink(elsewhere.path(), folder.path() / "folder");
-  // Links and names with blanks in the folder itself are read.
+  if (can_make_links()) {
+    std::filesystem::create_symlink(part, folder.path() / "linked.bin");
+    std::filesystem::create_directory_symlink(elsewhere.path(), folder.path() / "folder");
+    folder.file("a part.bin", good.buffer);
+    std::filesystem::create_symlink("a part.bin", folder.path() / "inside.bin");
+    EXPECT_EQ(read_mesh(folder.file("uri.gltf", good.with_uri("inside.bin"))).facet_count(), 4u);
+    for (const char* uri : {"linked.bin", "linked%2Ebin", "folder/part.bin"}) {
+      const auto path = folder.file("uri.gltf", good.with_uri(uri));
+      SCOPED_TRACE(uri);
+      expect_file_error(path, 0, "a link out of its folder", [&] { read_mesh(path); });
+    }
+  }
+  // Names with blanks in the folder itself are read.
   folder.file("a part.bin", good.buffer);
-  std::filesystem::create_symlink("a part.bin", folder.path() / "inside.bin");
-  for (const char* uri : {"inside.bin", "a%20part.bin", "a part.bin"})
+  for (const char* uri : {"a%20part.bin", "a part.bin"})
     EXPECT_EQ(read_mesh(folder.file("uri.gltf", good.with_uri(uri))).facet_count(), 4u) << uri;
   for (const auto& [uri, fragment] : std::vector<std::pair<std::string, std::string>>{
            {(folder.path() / "part.bin").string(), "only files in its folder"},
@@ -402,9 +411,6 @@ TEST(Gltf, hostile_files_are_refused_by_name) {
            {"x/%2e%2E/part.bin", "only files in its folder"},
            {"..%5Cpart.bin", "only files in its folder"},
            {"file:part.bin", "only files in its folder"},
-           {"linked.bin", "a link out of its folder"},
-           {"linked%2Ebin", "a link out of its folder"},
-           {"folder/part.bin", "a link out of its folder"},
            {"file:///etc/passwd", "only files in its folder"},
            {"//etc/passwd", "only files in its folder"},
            {"C:/part.bin", "only files in its folder"},

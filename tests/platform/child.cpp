@@ -6,7 +6,9 @@
 //   exit CODE        ends with this code
 //   crash            ends by an access to no memory
 //   hold FILE        writes half a file and half a folder beside it, prints "ready", and waits to be ended
-//   signals          becomes a worker, and gets the signals that are for the program that started it
+//   deaf             reads nothing and waits to be ended
+//   signals          becomes a worker, and gets the signals that are for the program that started it; not on Windows
+//   press KEY ID     presses Ctrl-C (c) or Ctrl-Break (break) in the console of a process; Windows only
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -18,6 +20,9 @@
 
 #include "platform/apart.hpp"
 #include "platform/interrupt.hpp"
+#ifdef _WIN32
+#include "windows/press.hpp"
+#endif
 
 namespace {
 
@@ -57,11 +62,15 @@ int main(int argc, char** argv) {
   }
   if (order == "exit" && argc > 2) return std::atoi(argv[2]);
   if (order == "crash") {
+    morula::platform::become_worker();  // no window about it
     volatile int* const nowhere = nullptr;
     *nowhere = 1;
   }
   if (order == "hold" && argc > 2) return hold(argv[2]);
-#ifndef _WIN32
+  if (order == "deaf") std::this_thread::sleep_for(std::chrono::minutes(10));
+#ifdef _WIN32
+  if (order == "press" && argc > 3) return morula::test::press(argv[2], std::stoul(argv[3]));
+#else
   if (order == "signals") {
     morula::platform::become_worker();
     for (const int signal : {SIGINT, SIGHUP, SIGPIPE}) std::raise(signal);

@@ -184,6 +184,25 @@ TEST(PlatformProcess, ends_are_seen_where_sigchld_is_ignored) {
 }
 #endif
 
+TEST(PlatformProcess, a_request_to_end_calls_back_a_thread_that_writes_to_a_program_that_does_not_read) {
+#ifndef _WIN32
+  struct Ignored {
+    void (*before)(int) = std::signal(SIGPIPE, SIG_IGN);
+    ~Ignored() { std::signal(SIGPIPE, before); }
+  } const ignored;
+#endif
+  ChildProgram program(call({"deaf"}), {.writes_input = true});
+  const std::string much(std::size_t{1} << 22, 'x');  // more than any pipe holds
+  bool is_written = true;
+  {
+    const std::jthread writer([&] { is_written = program.write(much); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    program.request_end();
+  }
+  EXPECT_FALSE(is_written);
+  EXPECT_FALSE(program.write("more"));
+}
+
 TEST(PlatformProcess, a_program_ends_with_its_object) {
   const auto begun = std::chrono::steady_clock::now();
   {

@@ -1,18 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Random cases, one after the other; scripts/properties builds and runs it.
-#include <unistd.h>
-
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "cases.hpp"
+#include "streams.hpp"
 
 namespace {
 
@@ -102,8 +100,7 @@ extern "C" void stop(int) {
 }
 
 extern "C" void ended(int signal) {
-  const ssize_t written = write(STDOUT_FILENO, running, std::strlen(running));
-  static_cast<void>(written);
+  morula::properties::write_at_end(running);
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -112,9 +109,12 @@ extern "C" void ended(int signal) {
 
 int main(int count, char** arguments) {
   const Settings settings = read(count, arguments);
-  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGILL, SIGBUS}) std::signal(signal, ended);
+  for (const int signal : {SIGSEGV, SIGFPE, SIGABRT, SIGILL}) std::signal(signal, ended);
+#ifdef SIGBUS
+  std::signal(SIGBUS, ended);
+#endif
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
-  const bool progress = !settings.quiet && isatty(STDERR_FILENO) != 0;
+  const bool progress = !settings.quiet && morula::properties::are_errors_seen();
   morula::properties::Record record(settings.keep);
   if (!settings.far_builds.empty()) record.command += " --far-builds " + settings.far_builds;
   morula::properties::Specimens specimens;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "trees.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <morula/tree/cover.hpp>
 
@@ -11,6 +9,7 @@
 #include "motions.hpp"
 #ifdef MORULA_PROPERTIES_IO
 #include <morula/io/tree_file.hpp>
+#include <support/scratch_folder.hpp>
 #endif
 
 namespace morula::properties {
@@ -325,8 +324,8 @@ void round_trip(const Mesh& mesh, const CoveredTree& model, Record& record) {
   record.expect(same(again.tree, model.tree) && same(again.cover, model.cover), "round-trip",
                 "renumbered there and back, the tree is another");
 #ifdef MORULA_PROPERTIES_IO
-  const auto path =
-      std::filesystem::temp_directory_path() / ("morula-properties-" + std::to_string(getpid()) + ".morula");
+  static const test::ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "tree.morula";
   try {
     write_tree(path, model);
     const TreeFile file = read_tree(path);

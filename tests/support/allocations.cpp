@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/allocations.hpp"
 
-#include <malloc.h>
-
+#include <algorithm>
+#include <cstddef>
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 namespace morula::test {
@@ -27,21 +28,28 @@ bool is_to_fail() {
   return allocation_to_fail != 0 && --allocation_to_fail == 0;
 }
 
+// Stands in front of each block: the system need not say how large its blocks are.
+struct Header {
+  void* begin;  // of what malloc gave
+  std::size_t size;
+};
+
 // None where there is no memory, or is to be none.
-void* taken(std::size_t size) {
+void* taken(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
   ++allocations;
   allocated_bytes += size;
-  void* const p = is_to_fail() ? nullptr : std::malloc(size == 0 ? 1 : size);
-  live_bytes += malloc_usable_size(p);
-  return p;
+  const std::size_t added = sizeof(Header) + alignment;
+  void* const begin = is_to_fail() || size + added < size ? nullptr : std::malloc(size + added);
+  if (begin == nullptr) return nullptr;
+  void* place = static_cast<char*>(begin) + sizeof(Header);
+  std::size_t room = size + alignment;
+  std::align(alignment, size, place, room);
+  static_cast<Header*>(place)[-1] = {begin, size};
+  live_bytes += size;
+  return place;
 }
 void* taken(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  allocated_bytes += size;
-  const auto a = static_cast<std::size_t>(alignment);
-  void* const p = is_to_fail() ? nullptr : std::aligned_alloc(a, (size + a - 1) / a * a);
-  live_bytes += malloc_usable_size(p);
-  return p;
+  return taken(size, std::max(static_cast<std::size_t>(alignment), alignof(std::max_align_t)));
 }
 
 void* or_throw(void* p) {
@@ -49,8 +57,10 @@ void* or_throw(void* p) {
 }
 
 void give_back(void* p) noexcept {
-  live_bytes -= malloc_usable_size(p);
-  std::free(p);
+  if (p == nullptr) return;
+  const Header header = static_cast<const Header*>(p)[-1];
+  live_bytes -= header.size;
+  std::free(header.begin);
 }
 
 }  // namespace

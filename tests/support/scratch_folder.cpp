@@ -42,6 +42,20 @@ void ScratchFolder::clear() const {
   for (const auto& entry : fs::directory_iterator(path_)) fs::remove_all(entry);
 }
 
+bool can_make_links() {
+#ifdef _WIN32
+  static const bool can = [] {
+    const ScratchFolder folder;
+    std::error_code error;
+    fs::create_symlink("target", folder.path() / "link", error);
+    return fs::is_symlink(folder.path() / "link", error);
+  }();
+  return can;
+#else
+  return true;
+#endif
+}
+
 std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};

@@ -30,6 +30,10 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
+/// Whether this program may make symbolic links: always, but on Windows with a right that few have.
+bool can_make_links();
+inline constexpr const char* no_links = "this user may not make symbolic links";
+
 /// Empty for a file that is not there.
 std::string bytes_of(const std::filesystem::path& path);
 
