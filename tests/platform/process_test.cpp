@@ -154,7 +154,7 @@ TEST(PlatformProcess, the_type_of_a_program_need_not_be_given) {
   std::string name = MORULA_CHILD;
   ASSERT_TRUE(name.ends_with(".exe"));
   std::vector<std::string> names{name, name.substr(0, name.size() - 4), name.substr(0, name.size() - 4) + ".EXE"};
-  const std::filesystem::path folder = std::filesystem::path(name).parent_path();
+  const std::filesystem::path folder = std::filesystem::absolute(name).parent_path();
   names.push_back(std::filesystem::path(name).stem().string());
   const std::string path = "PATH=;\"" + folder.string() + "\";" + std::getenv("PATH");
   ASSERT_EQ(_putenv(path.c_str()), 0);

@@ -43,10 +43,11 @@ std::string extension(const fs::path& path) {
 }
 
 FileKind file_kind(const fs::path& path) {
-  if (fs::is_directory(path)) return FileKind::folder;
+  std::error_code error;
+  if (fs::is_directory(path, error)) return FileKind::folder;
   const std::string ending = extension(path);
   if (ending == ".ply" && is_ball_file(path)) return FileKind::balls;
-  if (ending == ".npz" && fs::exists(path)) {
+  if (ending == ".npz" && fs::exists(path, error)) {
     if (!holds_spheres(path)) return FileKind::motion;
     return SphereFrames(path).is_motion() ? FileKind::sphere_frames : FileKind::tree;
   }
@@ -104,9 +105,10 @@ std::string motion_kinds() {
 }
 
 void require_output_place(const fs::path& path) {
-  if (fs::is_directory(path)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
+  std::error_code error;  // Windows: of devices
+  if (fs::is_directory(path, error)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
   const fs::path folder = path.parent_path();
-  if (!folder.empty() && !fs::is_directory(folder)) {
+  if (!folder.empty() && !fs::is_directory(folder, error)) {
     throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
   // The file is begun and abandoned: only a trial finds all obstacles.
@@ -114,13 +116,14 @@ void require_output_place(const fs::path& path) {
 }
 
 void require_folder_place(const fs::path& path) {
-  if (fs::exists(path)) {
-    if (!fs::is_directory(path)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    if (!fs::is_directory(path, error)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
     const WholeFolder tried(path);
     return;
   }
   const fs::path folder = (path.has_filename() ? path : path.parent_path()).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder)) {
+  if (!folder.empty() && !fs::is_directory(folder, error)) {
     throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
   }
   const WholeFolder tried(path);
