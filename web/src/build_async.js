@@ -44,7 +44,7 @@ export function buildAsyncOf(module, starts, {requireBuilder, Tree}) {
     };
     const last = await runInAny(starts, jobOf, signal, (message) => {
       if ('share' in message && progress(message.share) === false)
-        throw new MorulaError('build: stopped by progress', 'stopped');
+        throw new MorulaError('build: stopped on request', 'stopped');
       return !('share' in message);
     });
     if (last.error) throw new MorulaError(last.error.message, last.error.code);
