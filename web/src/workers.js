@@ -31,7 +31,13 @@ export async function workerOf(text) {
     return asOfPage(new Thread(text, {eval: true}));
   }
   const address = URL.createObjectURL(new Blob([text], {type: 'text/javascript'}));
-  const worker = new Worker(address);
+  let worker = null;
+  try {
+    worker = new Worker(address);
+  } catch {
+    // Hosts such as deno have workers of modules alone.
+    worker = new Worker(address, {type: 'module'});
+  }
   // The worker fetches its code before this.
   setTimeout(() => URL.revokeObjectURL(address), 60000);
   return worker;

@@ -1,52 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The package in Chromium: a page, a worker, pages of file://, and content security policies. Results have the bits of node, which
-// bits.test.js compares with the native library. MORULA_CHROMIUM: the browser. MORULA_WEB_TOOLS: a folder with playwright-core.
+// bits.test.js compares with the native library.
 import assert from 'node:assert/strict';
-import {createServer} from 'node:http';
-import {createRequire} from 'node:module';
-import {cp, mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
+import {cp, mkdtemp, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
-import {extname, join} from 'node:path';
-import test, {after, before} from 'node:test';
-import {fileURLToPath, pathToFileURL} from 'node:url';
+import {join} from 'node:path';
+import test from 'node:test';
+import {pathToFileURL} from 'node:url';
+import {inBrowser} from './browser.js';
 import {packageFile, packageModule} from './package.js';
-
-const tools = process.env.MORULA_WEB_TOOLS ?? fileURLToPath(new URL('../../build/web/npm', import.meta.url));
-const {chromium} = createRequire(join(tools, 'package.json'))('playwright-core');
-const folder = fileURLToPath(packageFile(''));
-const types = {'.js': 'text/javascript', '.wasm': 'application/wasm', '.html': 'text/html'};
-
-let policy = '';
-const server = createServer(async ({url}, response) => {
-  const name = new URL(url, 'http://localhost').pathname;
-  const head = {'content-type': types[extname(name)] ?? 'text/plain', ...(policy && {'content-security-policy': policy})};
-  const content = name === '/empty.html' ? '<!doctype html>' : await readFile(join(folder, name)).catch(() => null);
-  response.writeHead(content === null ? 404 : 200, head).end(content ?? '');
-});
-let browser;
-let address;
-before(async () => {
-  browser = await chromium.launch({executablePath: process.env.MORULA_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox']});
-  await new Promise((done) => server.listen(0, '127.0.0.1', done));
-  address = `http://127.0.0.1:${server.address().port}`;
-});
-after(async () => {
-  await browser?.close();
-  server.close();
-});
-
-/** Runs use(page) in an empty page of the server with a content security policy. */
-async function inPage(csp, use) {
-  policy = csp;
-  const page = await browser.newPage();
-  try {
-    await page.goto(`${address}/empty.html`);
-    return await use(page);
-  } finally {
-    await page.close();
-  }
-}
 
 /** Bytes of a tree and of moved spheres, as numbers. Self-contained: it also runs in pages. */
 async function figures(morula) {
@@ -69,18 +32,17 @@ const strict = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connec
 
 for (const simd of [true, false])
   test(`a page computes the bits of node ${simd ? 'with' : 'without'} SIMD`, async () => {
-    const found = await inPage(strict, (page) => page.evaluate(
-      `import('/src/index.js').then(({load}) => load({simd: ${simd}})).then(${figures})`));
+    const found = await inBrowser((page) => page.evaluate(
+      `import('/src/index.js').then(({load}) => load({simd: ${simd}})).then(${figures})`), strict);
     assert.deepEqual(found, await own());
   });
 
 test('a worker of a page computes them, too', async () => {
-  const script = `import {load} from '${address}/src/index.js'; postMessage(await (${figures})(await load()));`;
-  const found = await inPage('', (page) => page.evaluate((text) => new Promise((resolve, reject) => {
+  const found = await inBrowser((page, address) => page.evaluate((text) => new Promise((resolve, reject) => {
     const worker = new Worker(URL.createObjectURL(new Blob([text], {type: 'text/javascript'})), {type: 'module'});
     worker.onmessage = ({data}) => resolve(data);
     worker.onerror = reject;
-  }), script));
+  }), `import {load} from '${address}/src/index.js'; postMessage(await (${figures})(await load()));`));
   assert.deepEqual(found, await own());
 });
 
@@ -108,39 +70,40 @@ for (const [name, entry, csp] of [
   ['text in a blob, of the inline entry', 'inline', strict.replace("worker-src 'self'", 'worker-src blob:')],
 ])
   test(`buildAsync uses ${name}`, async (context) => {
-    const found = await inPage(csp, (page) =>
-      page.evaluate(`import('/src/${entry}.js').then(({load}) => load()).then(${buildsAsync})`));
+    const found = await inBrowser((page) =>
+      page.evaluate(`import('/src/${entry}.js').then(({load}) => load()).then(${buildsAsync})`), csp);
     context.diagnostic(`longest time without a turn: ${found.longest.toFixed(1)} ms`);
     assert.ok(found.equal && found.turns > 3 && found.shares > 1, JSON.stringify(found));
   });
 
 test('buildAsync says that there are no workers', async () => {
-  const found = await inPage(strict.replace("worker-src 'self'", "worker-src 'none'"), (page) => page.evaluate(
+  const found = await inBrowser((page) => page.evaluate(
     `import('/src/index.js').then(({load}) => load())
-      .then((m) => m.buildAsync(m.Mesh.sample('bar', 4))).catch((error) => [error.code, error.message])`));
+      .then((m) => m.buildAsync(m.Mesh.sample('bar', 4))).catch((error) => [error.code, error.message])`),
+  strict.replace("worker-src 'self'", "worker-src 'none'"));
   assert.equal(found[0], 'no_worker');
   assert.match(found[1], /build\(\)/);
 });
 
 test('a page of file:// works by scripts', async () => {
   const place = await mkdtemp(join(tmpdir(), 'morula-web-'));
-  const page = await browser.newPage();
   try {
-    await cp(join(folder, 'dist'), join(place, 'dist'), {recursive: true});
+    await cp(packageFile('dist'), join(place, 'dist'), {recursive: true});
     await writeFile(join(place, 'page.html'), '<!doctype html><script src="dist/morula.global.js"></script>');
-    await page.goto(pathToFileURL(join(place, 'page.html')).href);
-    assert.deepEqual(await page.evaluate(`morula.load().then(${figures})`), await own());
-    const built = await page.evaluate(`morula.load({simd: false}).then(${buildsAsync})`);
-    assert.ok(built.equal, JSON.stringify(built));
-    assert.equal(await page.evaluate("morula.load({variant: 'runtime'}).then((m) => m.version)"), '0.1.0');
+    await inBrowser(async (page) => {
+      await page.goto(pathToFileURL(join(place, 'page.html')).href);
+      assert.deepEqual(await page.evaluate(`morula.load().then(${figures})`), await own());
+      const built = await page.evaluate(`morula.load({simd: false}).then(${buildsAsync})`);
+      assert.ok(built.equal, JSON.stringify(built));
+      assert.equal(await page.evaluate("morula.load({variant: 'runtime'}).then((m) => m.version)"), '0.1.0');
+    });
   } finally {
-    await page.close();
     await rm(place, {recursive: true});
   }
 });
 
 test('the memory of a page is flat over 1000 builds and frees', async () => {
-  const [size, later] = await inPage(strict, (page) => page.evaluate(async () => {
+  const [size, later] = await inBrowser((page) => page.evaluate(async () => {
     const {load} = await import('/src/index.js');
     const morula = await load();
     const round = () => {
@@ -154,6 +117,6 @@ test('the memory of a page is flat over 1000 builds and frees', async () => {
     const before = morula.memory().byteLength;
     for (let i = 0; i < 1000; ++i) round();
     return [before, morula.memory().byteLength];
-  }));
+  }), strict);
   assert.equal(later, size);
 });
