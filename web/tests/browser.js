@@ -15,7 +15,7 @@ const types = {'.js': 'text/javascript', '.wasm': 'application/wasm', '.html': '
 /** Runs use(page, address) in a new browser, in an empty page of the server with a content security policy. */
 export async function inBrowser(use, policy = '') {
   const {chromium} = createRequire(join(tools, 'package.json'))('playwright-core');
-  const browser = await chromium.launch({executablePath: process.env.MORULA_CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox']});
+  const browser = await chromium.launch({executablePath: process.env.MORULA_CHROMIUM || '/usr/bin/chromium', args: ['--no-sandbox']});
   const server = createServer(async ({url}, response) => {
     const name = new URL(url, 'http://localhost').pathname;
     const head = {'content-type': types[extname(name)] ?? 'text/plain', ...(policy && {'content-security-policy': policy})};
