@@ -14,11 +14,13 @@ async function leastUpdate(morula) {
   const mesh = morula.Mesh.sample('limb', 188);
   const body = new morula.Body(mesh, morula.build(mesh, {method: 'octree'}));
   if (!body.certify()) throw new Error('the body is not covered');
+  // Clocks of pages tell tenths of a millisecond.
+  const atOnce = 40;
   let least = Infinity;
-  for (let i = 0; i < 300; ++i) {
+  for (let i = 0; i < 40; ++i) {
     const begin = performance.now();
-    body.update();
-    least = Math.min(least, performance.now() - begin);
+    for (let k = 0; k < atOnce; ++k) body.update();
+    least = Math.min(least, (performance.now() - begin) / atOnce);
   }
   return least;
 }
