@@ -8,8 +8,10 @@ if(NOT EXISTS "${ROOT}/build/web/package/dist/morula-full-simd.wasm")
   return()
 endif()
 set(ENV{MORULA_WEB_ORACLE} "${ORACLE}")
-foreach(test bits api)
+foreach(test bits api three gltf)
   execute_process(COMMAND "${NODE}" --test "${ROOT}/web/tests/${test}.test.js" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
-execute_process(COMMAND "${NODE}" "${ROOT}/build/web/npm/node_modules/typescript/bin/tsc" -p "${ROOT}/web/tests/tsconfig.json"
-  COMMAND_ERROR_IS_FATAL ANY)
+foreach(types tsconfig tsconfig_three)
+  execute_process(COMMAND "${NODE}" "${ROOT}/build/web/npm/node_modules/typescript/bin/tsc" -p "${ROOT}/web/tests/${types}.json"
+    COMMAND_ERROR_IS_FATAL ANY)
+endforeach()

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+import {Box3, Matrix4, Sphere, Vector3} from 'three';
+import {MorulaError} from '../errors.js';
+import {Model} from './model.js';
+import {BonePose, VertexPose} from './poses.js';
+import {RayWalk} from './rays.js';
+
+const identity = new Matrix4();
+const inverse = new Matrix4();
+const point = new Vector3();
+const patched = ['raycast', 'computeBoundingSphere', 'computeBoundingBox', 'boundingSphere', 'boundingBox'];
+
+function requireObject(object) {
+  if (!object?.isMesh || object.isInstancedMesh || object.isBatchedMesh)
+    throw new MorulaError('bounds are made of a Mesh or a SkinnedMesh, not of an InstancedMesh or a BatchedMesh');
+}
+
+export class MorulaBounds {
+  #model;
+  #pose;
+  #walk;
+  #spheres = null;
+  #slack = 0;
+  #saved = null;
+  #toSpace = new Matrix4();
+
+  constructor(morula, object, {build = {quality: 'fast'}, tree, weld = true, space = 'local', like = null} = {}) {
+    requireObject(object);
+    if (space !== 'local' && space !== 'world') throw new MorulaError(`space is ${space}, neither local nor world`);
+    if (like && (like.object.geometry !== object.geometry || Boolean(like.object.isSkinnedMesh) !== Boolean(object.isSkinnedMesh)))
+      throw new MorulaError('like has bounds of another geometry');
+    this.object = object;
+    this.space = space;
+    this.sphere = new Sphere();
+    this.box = new Box3();
+    this.#model = (like ? like.#model : new Model(morula, object, {tree, build, weld})).use();
+    try {
+      this.#pose = new (object.isSkinnedMesh && this.#model.arrays.targets.length === 0 ? BonePose : VertexPose)(object, this.#model);
+      this.#walk = new RayWalk(this.#model, this.#pose);
+      const isSkinned = this.#pose.rules === 'skinned';
+      this.body = new morula.Body(this.#model.mesh, this.#model.tree,
+        {rules: this.#pose.rules, skin: isSkinned ? this.#model.skin : null, precision: isSkinned ? 'float' : 'double'});
+      this.update();
+    } catch (error) {
+      this.free();
+      throw error;
+    }
+  }
+
+  get mesh() {
+    return this.#model.mesh;
+  }
+  get tree() {
+    return this.#model.tree;
+  }
+
+  update() {
+    this.#toSpace.copy(this.space === 'world' ? this.object.matrixWorld : identity);
+    this.#pose.update(this.body, this.#toSpace);
+    this.#spheres = this.body.spheres().slice();
+    this.#measure();
+    if (this.#saved) this.#patchBounds();
+    return this;
+  }
+
+  spheres(level) {
+    const nodes = level === undefined ? Array.from({length: this.tree.nodeCount}, (_, i) => i) : this.tree.levelSet(level);
+    const result = new Float64Array(4 * nodes.length);
+    nodes.forEach((node, i) => result.set(this.#spheres.subarray(4 * node, 4 * node + 4), 4 * i));
+    return result;
+  }
+
+  /** An arrow function, so that object.raycast = bounds.raycast works. */
+  raycast = (raycaster, intersects) => {
+    this.body.handle; // throws after free()
+    if (this.object.material === undefined) return;
+    const {origin, direction} = raycaster.ray;
+    point.copy(origin);
+    if (this.space === 'local') {
+      inverse.copy(this.object.matrixWorld).invert();
+      point.applyMatrix4(inverse);
+    }
+    const e = inverse.elements;
+    const {x, y, z} = direction;
+    const turned = this.space === 'world' ? [x, y, z] : [0, 1, 2].map((k) => e[k] * x + e[4 + k] * y + e[8 + k] * z);
+    this.#walk.run(this.object, raycaster, [...point.toArray(), ...turned], this.#spheres, this.#slack, intersects);
+  };
+
+  attach() {
+    if (this.#saved) return this;
+    const {object} = this;
+    this.#saved = patched.map((name) => [name, Object.getOwnPropertyDescriptor(object, name)]);
+    object.raycast = this.raycast;
+    object.computeBoundingSphere = object.computeBoundingBox = () => this.#patchBounds();
+    this.#patchBounds();
+    return this;
+  }
+  detach() {
+    for (const [name, descriptor] of this.#saved ?? []) {
+      delete this.object[name];
+      if (descriptor) Object.defineProperty(this.object, name, descriptor);
+    }
+    this.#saved = null;
+    return this;
+  }
+
+  placeInWorld() {
+    const rows = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    const shift = [0, 0, 0];
+    if (this.space === 'local') {
+      const e = this.object.matrixWorld.elements;
+      for (let i = 0; i < 3; ++i) for (let k = 0; k < 3; ++k) rows[3 * i + k] = e[4 * k + i];
+      for (let i = 0; i < 3; ++i) shift[i] = e[12 + i];
+      requireRigid(rows);
+    }
+    this.body.setTransform(rows, shift);
+    return this;
+  }
+
+  free() {
+    this.detach();
+    this.body?.free();
+    this.#model?.release();
+    this.#model = null;
+  }
+
+  /** A sphere and a box around the leaves, with what rounding may add. */
+  #measure() {
+    const s = this.#spheres;
+    const {childCount} = this.#model;
+    const whole = new Box3(new Vector3(s[0] - s[3], s[1] - s[3], s[2] - s[3]), new Vector3(s[0] + s[3], s[1] + s[3], s[2] + s[3]));
+    // Float positions and weights, and shaders, are right to a few 1e-7 of the coordinates.
+    this.#slack = this.#pose.weightSlack +
+      2e-6 * Math.max(...whole.min.toArray().map(Math.abs), ...whole.max.toArray().map(Math.abs));
+    this.box.makeEmpty();
+    for (let node = 0; node < childCount.length; ++node) {
+      if (childCount[node] !== 0) continue;
+      const r = s[4 * node + 3];
+      this.box.expandByPoint(point.set(s[4 * node] - r, s[4 * node + 1] - r, s[4 * node + 2] - r));
+      this.box.expandByPoint(point.set(s[4 * node] + r, s[4 * node + 1] + r, s[4 * node + 2] + r));
+    }
+    this.box.intersect(whole);
+    this.box.getCenter(point);
+    let radius = 0;
+    for (let node = 0; node < childCount.length; ++node) {
+      if (childCount[node] !== 0) continue;
+      const x = s[4 * node] - point.x, y = s[4 * node + 1] - point.y, z = s[4 * node + 2] - point.z;
+      radius = Math.max(radius, Math.sqrt(x * x + y * y + z * z) + s[4 * node + 3]);
+    }
+    radius = Math.min(radius, this.box.max.distanceTo(point));
+    if (radius < s[3]) this.sphere.set(point, radius);
+    else this.sphere.set(point.set(s[0], s[1], s[2]), s[3]);
+    this.sphere.radius += this.#slack;
+    this.box.expandByScalar(this.#slack);
+  }
+
+  /** three.js multiplies bounds of an object by its matrix, so they are in its coordinates. */
+  #patchBounds() {
+    const {object} = this;
+    object.boundingSphere = this.sphere.clone();
+    object.boundingBox = this.box.clone();
+    if (this.space === 'local') return;
+    inverse.copy(this.#toSpace).invert();
+    object.boundingSphere.applyMatrix4(inverse);
+    object.boundingBox.applyMatrix4(inverse);
+  }
+}
+Object.defineProperty(MorulaBounds.prototype, Symbol.dispose ?? Symbol.for('Symbol.dispose'), {
+  value() {
+    this.free();
+  },
+});
+
+function requireRigid(rows) {
+  for (let i = 0; i < 3; ++i)
+    for (let j = 0; j < 3; ++j) {
+      const dot = rows[3 * i] * rows[3 * j] + rows[3 * i + 1] * rows[3 * j + 1] + rows[3 * i + 2] * rows[3 * j + 2];
+      if (Math.abs(dot - (i === j ? 1 : 0)) > 1e-6)
+        throw new MorulaError("the object's world matrix scales: make its bounds with {space: 'world'}");
+    }
+}
