@@ -10,7 +10,7 @@ export interface MorulaBoundsOptions {
    * geometry.userData.morula_tree, where GLTFLoader puts the tree that morula/gltf has stored; without it the tree is built,
    * which blocks this thread and needs the variant `full`. */
   tree?: ArrayBuffer | Uint8Array | string;
-  /** For a tree that is built; by default {quality: 'fast'}. */
+  /** For a tree that is built; by default {method: 'octree'}, which is built fast and has small leaves, so rays test few facets. */
   build?: BuildOptions;
   /** Whether vertices that are equal in position, morph targets, bones and weights become one, so the seams of texture
    * coordinates do not open the surface; true by default. With false positions may move apart at seams. */

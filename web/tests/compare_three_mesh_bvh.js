@@ -82,7 +82,7 @@ const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
 async function compare(name, {mesh, pose: moveTo}) {
   moveTo(0);
-  const bounds = new MorulaBounds(morula, mesh, {build: {quality: 'fast'}});
+  const bounds = new MorulaBounds(morula, mesh);
   const generator = new StaticGeometryGenerator([mesh]);
   generator.attributes = ['position'];
   const posed = generator.generate();

@@ -20,12 +20,12 @@ export class MorulaBounds {
   #model;
   #pose;
   #walk;
-  #spheres = null;
+  #spheres;
   #slack = 0;
   #saved = null;
   #toSpace = new Matrix4();
 
-  constructor(morula, object, {build = {quality: 'fast'}, tree, weld = true, space = 'local', like = null} = {}) {
+  constructor(morula, object, {build = {method: 'octree'}, tree, weld = true, space = 'local', like = null} = {}) {
     requireObject(object);
     if (space !== 'local' && space !== 'world') throw new MorulaError(`space is ${space}, neither local nor world`);
     if (like && (like.object.geometry !== object.geometry || Boolean(like.object.isSkinnedMesh) !== Boolean(object.isSkinnedMesh)))
@@ -41,6 +41,7 @@ export class MorulaBounds {
       const isSkinned = this.#pose.rules === 'skinned';
       this.body = new morula.Body(this.#model.mesh, this.#model.tree,
         {rules: this.#pose.rules, skin: isSkinned ? this.#model.skin : null, precision: isSkinned ? 'float' : 'double'});
+      this.#spheres = new Float64Array(4 * this.tree.nodeCount);
       this.update();
     } catch (error) {
       this.free();
@@ -58,7 +59,7 @@ export class MorulaBounds {
   update() {
     this.#toSpace.copy(this.space === 'world' ? this.object.matrixWorld : identity);
     this.#pose.update(this.body, this.#toSpace);
-    this.#spheres = this.body.spheres().slice();
+    this.#spheres.set(this.body.spheres());
     this.#measure();
     if (this.#saved) this.#patchBounds();
     return this;
@@ -98,8 +99,8 @@ export class MorulaBounds {
   }
   detach() {
     for (const [name, descriptor] of this.#saved ?? []) {
-      delete this.object[name];
       if (descriptor) Object.defineProperty(this.object, name, descriptor);
+      else delete this.object[name];
     }
     this.#saved = null;
     return this;
@@ -128,29 +129,30 @@ export class MorulaBounds {
   /** A sphere and a box around the leaves, with what rounding may add. */
   #measure() {
     const s = this.#spheres;
-    const {childCount} = this.#model;
-    const whole = new Box3(new Vector3(s[0] - s[3], s[1] - s[3], s[2] - s[3]), new Vector3(s[0] + s[3], s[1] + s[3], s[2] + s[3]));
-    // Float positions and weights, and shaders, are right to a few 1e-7 of the coordinates.
-    this.#slack = this.#pose.weightSlack +
-      2e-6 * Math.max(...whole.min.toArray().map(Math.abs), ...whole.max.toArray().map(Math.abs));
-    this.box.makeEmpty();
-    for (let node = 0; node < childCount.length; ++node) {
-      if (childCount[node] !== 0) continue;
-      const r = s[4 * node + 3];
-      this.box.expandByPoint(point.set(s[4 * node] - r, s[4 * node + 1] - r, s[4 * node + 2] - r));
-      this.box.expandByPoint(point.set(s[4 * node] + r, s[4 * node + 1] + r, s[4 * node + 2] + r));
+    const {leafNodes} = this.#model;
+    const {min, max} = this.box;
+    let [x0, y0, z0, x1, y1, z1] = [Infinity, Infinity, Infinity, -Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < leafNodes.length; ++i) {
+      const at = 4 * leafNodes[i];
+      const x = s[at], y = s[at + 1], z = s[at + 2], r = s[at + 3];
+      x0 = Math.min(x0, x - r), y0 = Math.min(y0, y - r), z0 = Math.min(z0, z - r);
+      x1 = Math.max(x1, x + r), y1 = Math.max(y1, y + r), z1 = Math.max(z1, z + r);
     }
-    this.box.intersect(whole);
-    this.box.getCenter(point);
+    const [x, y, z, r] = s; // of the root
+    min.set(Math.max(x0, x - r), Math.max(y0, y - r), Math.max(z0, z - r));
+    max.set(Math.min(x1, x + r), Math.min(y1, y + r), Math.min(z1, z + r));
+    const center = this.box.getCenter(point);
     let radius = 0;
-    for (let node = 0; node < childCount.length; ++node) {
-      if (childCount[node] !== 0) continue;
-      const x = s[4 * node] - point.x, y = s[4 * node + 1] - point.y, z = s[4 * node + 2] - point.z;
-      radius = Math.max(radius, Math.sqrt(x * x + y * y + z * z) + s[4 * node + 3]);
+    for (let i = 0; i < leafNodes.length; ++i) {
+      const at = 4 * leafNodes[i];
+      const dx = s[at] - center.x, dy = s[at + 1] - center.y, dz = s[at + 2] - center.z;
+      radius = Math.max(radius, Math.sqrt(dx * dx + dy * dy + dz * dz) + s[at + 3]);
     }
-    radius = Math.min(radius, this.box.max.distanceTo(point));
-    if (radius < s[3]) this.sphere.set(point, radius);
-    else this.sphere.set(point.set(s[0], s[1], s[2]), s[3]);
+    radius = Math.min(radius, max.distanceTo(center));
+    if (radius < r) this.sphere.set(center, radius);
+    else this.sphere.set(point.set(x, y, z), r);
+    // Float positions and weights, and shaders, are right to a few 1e-7 of the coordinates.
+    this.#slack = this.#pose.weightSlack + 2e-6 * (Math.max(Math.abs(x), Math.abs(y), Math.abs(z)) + r);
     this.sphere.radius += this.#slack;
     this.box.expandByScalar(this.#slack);
   }

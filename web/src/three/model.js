@@ -34,6 +34,7 @@ export class Model {
       this.leaves = facetsOfLeaves(this.tree, this.mesh);
       this.firstChild = this.tree.firstChild.slice();
       this.childCount = this.tree.childCount.slice();
+      this.leafNodes = Uint32Array.from(this.childCount.keys()).filter((node) => this.childCount[node] === 0);
     } catch (error) {
       this.#free();
       throw error;

@@ -7,23 +7,38 @@ import {Matrix4} from 'three';
 import {MorulaError} from '../errors.js';
 import {numbersOf, targetsOf, versionOf} from './geometry.js';
 
-const product = new Matrix4();
 const inverseOfBind = new Matrix4();
+const isIdentity = (e) => e.every((x, i) => x === (i % 5 === 0 ? 1 : 0));
+
+/** Writes the product of two matrices of three.js, whose last rows are 0 0 0 1, by columns. */
+function multiply(a, b, to) {
+  for (let k = 0; k < 4; ++k) {
+    const x = b[4 * k], y = b[4 * k + 1], z = b[4 * k + 2], w = k === 3 ? 1 : 0;
+    for (let i = 0; i < 3; ++i)
+      to[4 * k + i] = a[i] * x + a[4 + i] * y + a[8 + i] * z + a[12 + i] * w;
+  }
+}
+const first = new Float64Array(16);
+const second = new Float64Array(16);
 
 /** Writes the rows of [A | t] of each bone: x -> A x + t takes vertices at rest to where the bone alone would move them. The
  * bone that completes sums of weights has A = 0, for three.js adds the weighted bones up without dividing by the sum. */
 function writeTransforms(object, toSpace, isCompleted, rows) {
   const {bones, boneInverses} = object.skeleton;
-  inverseOfBind.multiplyMatrices(toSpace, object.bindMatrixInverse);
+  const bind = object.bindMatrix.elements;
+  const hasBind = !isIdentity(bind);
+  const inverse = inverseOfBind.multiplyMatrices(toSpace, object.bindMatrixInverse).elements;
   for (let b = 0; b < bones.length; ++b) {
-    product.multiplyMatrices(inverseOfBind, bones[b].matrixWorld).multiply(boneInverses[b]).multiply(object.bindMatrix);
-    const e = product.elements;
+    multiply(inverse, bones[b].matrixWorld.elements, first);
+    multiply(first, boneInverses[b].elements, second);
+    let e = second;
+    if (hasBind) multiply(second, bind, (e = first));
     for (let i = 0; i < 3; ++i) for (let k = 0; k < 4; ++k) rows[12 * b + 4 * i + k] = e[4 * k + i];
   }
   if (!isCompleted) return;
   for (let i = 0; i < 3; ++i) {
     rows.fill(0, 12 * bones.length + 4 * i, 12 * bones.length + 4 * i + 3);
-    rows[12 * bones.length + 4 * i + 3] = inverseOfBind.elements[12 + i];
+    rows[12 * bones.length + 4 * i + 3] = inverse[12 + i];
   }
 }
 
