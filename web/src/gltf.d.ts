@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Morula for glTF files, read by @gltf-transform/core (4 or later): meshes, skins and motions, and trees in files. Every function throws, or rejects
+// Morula for glTF files, read by @gltf-transform/core (4.5 or later): meshes, skins and motions, and trees in files. Every function throws, or rejects
 // with, a MorulaError; for a bad file its code is bad_file.
 import type {Document, PlatformIO} from '@gltf-transform/core';
 import type {Mesh, Morula, Skin, Tree} from './index.js';
@@ -11,7 +11,7 @@ export interface GltfOptions {
   io?: PlatformIO;
   /** Files that the file names, by their names in it. Images may be missing until toBytes(). */
   resources?: Record<string, Uint8Array>;
-  /** Largest size of the file, and of all numbers in it; 2^30 by default. */
+  /** Largest size of the file in bytes, of all numbers in it, and of those of all parts; 2^30 by default. */
   maxBytes?: number;
 }
 

@@ -27,16 +27,26 @@ function checkMatrices(json, root) {
   });
 }
 
+/** Bytes of the numbers that a part copies. */
+const sizeOf = (primitive) => [primitive, ...primitive.listTargets()]
+  .flatMap((one) => one.listAttributes())
+  .reduce((sum, accessor) => sum + 8 * accessor.getCount() * accessor.getElementSize(), 8 * (primitive.getIndices()?.getCount() ?? 0));
+
 class GltfFile {
   #io;
   #motions;
 
-  constructor(io, document) {
+  constructor(io, document, maxBytes) {
     this.#io = io;
     this.document = document;
     const root = document.getRoot();
-    this.parts = nodesOf(root).flatMap((node) =>
-      (node.getMesh()?.listPrimitives() ?? []).map((primitive, p) => GltfPart.of(document, node, primitive, p)).filter((part) => part));
+    let size = 0;
+    this.parts = nodesOf(root).flatMap((node) => (node.getMesh()?.listPrimitives() ?? []).map((primitive, p) => {
+      // A file may show one mesh by many nodes.
+      size += sizeOf(primitive);
+      if (size > maxBytes) fail(`its parts have more than the ${maxBytes} bytes of maxBytes`);
+      return GltfPart.of(document, node, primitive, p);
+    }).filter((part) => part));
     this.#motions = root.listAnimations().map(motionOf);
     this.animations = this.#motions.map(({name, duration}) => ({name, duration}));
   }
@@ -74,6 +84,6 @@ export async function readGltf(bytes, {io = new WebIO(), resources = {}, maxByte
       resources: {...resources, ...Object.fromEntries(data.map((part, b) => [named[b], part]))},
     });
     checkMatrices(json, document.getRoot());
-    return new GltfFile(io, document);
+    return new GltfFile(io, document, maxBytes);
   });
 }

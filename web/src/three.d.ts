@@ -1,16 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Morula for three.js (0.160 or later): bounds and picking of meshes that deform, and drawings of spheres and contacts. Every function throws a MorulaError
+// Morula for three.js (0.187 or later): bounds and picking of meshes that deform, and drawings of spheres and contacts. Every function throws a MorulaError
 // for bad input, and then nothing has changed.
 import type {Box3, ColorRepresentation, Group, Intersection, LineSegments, Mesh as ThreeMesh, Raycaster, Sphere} from 'three';
 import type {Body, BuildOptions, Contact, Mesh, Morula, Tree} from './index.js';
+
+declare module 'three' {
+  interface Raycaster {
+    firstHitOnly?: boolean;
+  }
+}
 
 export interface MorulaBoundsOptions {
   /** The tree: bytes of Tree.toBytes(), made from bounds of an equal geometry, or the same bytes as base64 text. By default
    * geometry.userData.morula_tree, where GLTFLoader puts the tree that morula/gltf has stored; without it the tree is built,
    * which blocks this thread and needs the variant `full`. */
   tree?: ArrayBuffer | Uint8Array | string;
-  /** For a tree that is built; by default {method: 'octree'}, which is built fast and has small leaves, so rays test few facets. */
+  /** For a tree that is built; by default an octree of a depth at which an update costs about as much as one ray. For
+   * many rays a frame take a larger depth, for tight spheres {quality: 'fast'}. */
   build?: BuildOptions;
   /** Whether vertices that are equal in position, morph targets, bones and weights become one, so the seams of texture
    * coordinates do not open the surface; true by default. With false positions may move apart at seams. */
@@ -30,8 +37,8 @@ export interface MorulaBoundsOptions {
  * normalized, with an index or without. InstancedMesh and BatchedMesh are rejected; shaders that move vertices are not
  * followed. */
 export class MorulaBounds {
-  /** object: a mesh with up to date world matrices. The whole index is read, whatever the draw range. Its facets do not change
-   * afterwards. */
+  /** object: a mesh with up to date world matrices. The whole index is read, whatever the draw range. If index or skin change,
+   * update() throws. */
   constructor(morula: Morula, object: ThreeMesh, options?: MorulaBoundsOptions);
   readonly object: ThreeMesh;
   readonly space: 'local' | 'world';
@@ -55,8 +62,8 @@ export class MorulaBounds {
   attach(): this;
   /** Sets them back. */
   detach(): this;
-  /** Puts the body where the object is in the world, for queries of two bodies. The world matrix may rotate, mirror and move; throws if it
-   * scales and space is `local`. */
+  /** Puts the body where the object is in the world, for queries of two bodies. If space is `local`, throws unless the world
+   * matrix rotates and moves alone. */
   placeInWorld(): this;
   /** Detaches, and frees body, tree and mesh, the last two with their last user. A second free() does nothing. */
   free(): void;

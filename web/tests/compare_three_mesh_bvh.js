@@ -30,12 +30,17 @@ async function ofFile(path) {
   const json = JSON.parse(bytes.subarray(20, 20 + size));
   for (const name of ['images', 'textures', 'materials', 'samplers']) delete json[name];
   for (const mesh of json.meshes) for (const primitive of mesh.primitives) delete primitive.material;
-  json.buffers[0].uri = `data:application/octet-stream;base64,${bytes.subarray(28 + size).toString('base64')}`;
-  const {scene} = await new GLTFLoader().parseAsync(JSON.stringify(json), '');
+  const text = Buffer.from(JSON.stringify(json));
+  const padded = Buffer.concat([text, Buffer.alloc((4 - (text.length % 4)) % 4, ' ')]);
+  const file = Buffer.concat([bytes.subarray(0, 12), Buffer.alloc(8), padded, bytes.subarray(20 + size)]);
+  file.writeUInt32LE(file.length, 8);
+  file.writeUInt32LE(padded.length, 12);
+  file.writeUInt32LE(0x4e4f534a, 16);
+  const {scene} = await new GLTFLoader().parseAsync(file.buffer.slice(file.byteOffset, file.byteOffset + file.length), '');
   let best = null;
   scene.traverse((object) => {
-    const size = object.isSkinnedMesh ? object.geometry.attributes.position.count : 0;
-    if (size > (best?.geometry.attributes.position.count ?? 0)) best = object;
+    const count = object.isSkinnedMesh ? object.geometry.attributes.position.count : 0;
+    if (count > (best?.geometry.attributes.position.count ?? 0)) best = object;
   });
   if (!best) throw new Error(`${path} has no skinned mesh`);
   best.material = new MeshBasicMaterial({side: DoubleSide});

@@ -156,6 +156,28 @@ test('a .gltf with data URIs, and with files beside it', async () => {
   await assert.rejects(readGltf(textOf(json), {resources: {[uri]: data.subarray(0, 100)}}), rejected(/100 are there/));
 });
 
+test('images may be missing until the file is written', async () => {
+  const document = sampleDocument();
+  const texture = document.createTexture().setURI('skin.png').setMimeType('image/png').setImage(new Uint8Array([1, 2, 3]));
+  for (const mesh of document.getRoot().listMeshes())
+    for (const primitive of mesh.listPrimitives()) primitive.setMaterial(document.createMaterial().setBaseColorTexture(texture));
+  const {json, resources} = await new WebIO().writeJSON(document, {basename: 'arm'});
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const {'skin.png': image, ...buffers} = resources;
+  await assert.rejects((await readGltf(text, {resources: buffers})).toBytes(), rejected(/skin\.png/));
+  const whole = await readGltf(await (await readGltf(text, {resources})).toBytes());
+  assert.deepEqual([...whole.document.getRoot().listTextures()[0].getImage()], [...image]);
+});
+
+test('one mesh that many nodes show counts each time', async () => {
+  const document = sampleDocument();
+  const [mesh] = document.getRoot().listMeshes();
+  for (let i = 0; i < 50; ++i) document.getRoot().getDefaultScene().addChild(document.createNode().setMesh(mesh));
+  const many = await new WebIO().writeBinary(document);
+  assert.equal((await readGltf(many)).parts.length, 52);
+  await assert.rejects(readGltf(many, {maxBytes: 500000}), rejected(/parts/));
+});
+
 test('files that are none, too large or damaged are rejected', async () => {
   await assert.rejects(readGltf(new Uint8Array(0)), rejected(/cannot be read/));
   await assert.rejects(readGltf(new TextEncoder().encode('solid')), rejected(/cannot be read/));

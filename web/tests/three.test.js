@@ -216,6 +216,11 @@ test('positions that the program writes', () => {
   position.needsUpdate = true;
   apart.update();
   requireCovered(apart);
+  mesh.geometry.setAttribute('position', position.clone().applyMatrix4(new Matrix4().makeScale(1, 2, 1))); // another attribute
+  apart.update();
+  requireCovered(apart);
+  mesh.geometry.setIndex(mesh.geometry.index.clone());
+  assert.throws(() => apart.update(), /index/);
   const skinned = character();
   const own = new MorulaBounds(morula, skinned);
   skinned.geometry.attributes.position.needsUpdate = true;
@@ -310,6 +315,28 @@ test('attached bounds serve culling and raycasters, and come off again', () => {
   assert.equal('boundingSphere' in still, false);
 });
 
+test('culling under a matrix with shear', () => {
+  for (const space of ['local', 'world']) {
+    const parent = new three.Group();
+    parent.scale.set(5, 1, 1);
+    const mesh = new Mesh(new three.BoxGeometry(0.1, 4, 0.1), new MeshBasicMaterial());
+    mesh.rotation.z = 0.6;
+    parent.add(mesh);
+    parent.updateMatrixWorld(true);
+    new MorulaBounds(morula, mesh, {space}).attach();
+    const sphere = mesh.boundingSphere.clone().applyMatrix4(mesh.matrixWorld);
+    const box = new Box3().setFromObject(mesh);
+    const vertices = verticesOf(mesh);
+    let farthest = 0;
+    for (let i = 0; i < vertices.length; i += 3) {
+      const vertex = new Vector3().fromArray(vertices, i).applyMatrix4(mesh.matrixWorld);
+      assert.ok(box.containsPoint(vertex));
+      farthest = Math.max(farthest, vertex.distanceTo(sphere.center));
+    }
+    assert.ok(farthest <= sphere.radius && sphere.radius < 2 * farthest);
+  }
+});
+
 test('bounds are tight', () => {
   const mesh = character(arm({round: 24, long: 60}));
   const bounds = new MorulaBounds(morula, mesh);
@@ -335,6 +362,8 @@ test('characters share a tree, which lives as long as one of them', () => {
   second.free();
   assert.throws(() => second.update(), MorulaError);
   assert.throws(() => second.raycast(new Raycaster(), []), MorulaError);
+  assert.throws(() => second.tree, MorulaError);
+  assert.throws(() => new MorulaBounds(morula, mesh, {like: second}), MorulaError);
   const other = new MorulaBounds(morula, character());
   assert.throws(() => new MorulaBounds(morula, character(), {like: other}), MorulaError);
 });
@@ -390,6 +419,9 @@ test('lines of a level, and of contacts', () => {
   other.scale.setScalar(2);
   other.updateMatrixWorld(true);
   assert.throws(() => second.placeInWorld(), /world/);
+  other.scale.set(-1, 1, 1);
+  other.updateMatrixWorld(true);
+  assert.throws(() => second.placeInWorld(), /mirrors/);
   const scaled = new MorulaBounds(morula, other, {space: 'world'});
   assert.ok(new morula.ContactQuery().run(bounds.body, scaled.placeInWorld().body).length > 0);
 });
@@ -418,11 +450,14 @@ test('bad input throws', () => {
   fails(character(lost), /bone 77 of 4/);
   const mesh = character();
   const bounds = new MorulaBounds(morula, mesh);
+  const before = bounds.spheres();
   mesh.skeleton.bones[1].position.x = NaN;
   mesh.updateMatrixWorld(true);
-  const before = bounds.spheres();
   assert.throws(() => bounds.update(), MorulaError);
   assert.deepEqual(bounds.spheres(), before);
+  mesh.skeleton.bones[1].position.x = 0;
+  mesh.updateMatrixWorld(true);
+  assert.ok(compareRays(bounds, 30) > 5); // the failed update has changed nothing
   mesh.skeleton.bones.pop();
   assert.throws(() => bounds.update(), /3 bones instead of 4/);
 });

@@ -25,7 +25,7 @@ export class MorulaBounds {
   #saved = null;
   #toSpace = new Matrix4();
 
-  constructor(morula, object, {build = {method: 'octree'}, tree, weld = true, space = 'local', like = null} = {}) {
+  constructor(morula, object, {build, tree, weld = true, space = 'local', like = null} = {}) {
     requireObject(object);
     if (space !== 'local' && space !== 'world') throw new MorulaError(`space is ${space}, neither local nor world`);
     if (like && (like.object.geometry !== object.geometry || Boolean(like.object.isSkinnedMesh) !== Boolean(object.isSkinnedMesh)))
@@ -34,7 +34,7 @@ export class MorulaBounds {
     this.space = space;
     this.sphere = new Sphere();
     this.box = new Box3();
-    this.#model = (like ? like.#model : new Model(morula, object, {tree, build, weld})).use();
+    this.#model = (like ? like.#live() : new Model(morula, object, {tree, build, weld})).use();
     try {
       this.#pose = new (object.isSkinnedMesh && this.#model.arrays.targets.length === 0 ? BonePose : VertexPose)(object, this.#model);
       this.#walk = new RayWalk(this.#model, this.#pose);
@@ -50,13 +50,14 @@ export class MorulaBounds {
   }
 
   get mesh() {
-    return this.#model.mesh;
+    return this.#live().mesh;
   }
   get tree() {
-    return this.#model.tree;
+    return this.#live().tree;
   }
 
   update() {
+    this.#live();
     this.#toSpace.copy(this.space === 'world' ? this.object.matrixWorld : identity);
     this.#pose.update(this.body, this.#toSpace);
     this.#spheres.set(this.body.spheres());
@@ -74,7 +75,7 @@ export class MorulaBounds {
 
   /** An arrow function, so that object.raycast = bounds.raycast works. */
   raycast = (raycaster, intersects) => {
-    this.body.handle; // throws after free()
+    this.#live();
     if (this.object.material === undefined) return;
     const {origin, direction} = raycaster.ray;
     point.copy(origin);
@@ -126,6 +127,11 @@ export class MorulaBounds {
     this.#model = null;
   }
 
+  #live() {
+    if (!this.#model) throw new MorulaError('MorulaBounds: it has been freed');
+    return this.#model;
+  }
+
   /** A sphere and a box around the leaves, with what rounding may add. */
   #measure() {
     const s = this.#spheres;
@@ -157,15 +163,20 @@ export class MorulaBounds {
     this.box.expandByScalar(this.#slack);
   }
 
-  /** three.js multiplies bounds of an object by its matrix, so they are in its coordinates. */
+  /** three.js multiplies bounds of an object by its matrix, so they are in its coordinates. It multiplies the radius by the
+   * longest column of the matrix, which with shear is less than what the matrix does to lengths. */
   #patchBounds() {
     const {object} = this;
-    object.boundingSphere = this.sphere.clone();
-    object.boundingBox = this.box.clone();
-    if (this.space === 'local') return;
-    inverse.copy(this.#toSpace).invert();
-    object.boundingSphere.applyMatrix4(inverse);
-    object.boundingBox.applyMatrix4(inverse);
+    const {sphere, box} = {sphere: this.sphere.clone(), box: this.box.clone()};
+    const {longest, stretch} = sizesOf(object.matrixWorld.elements);
+    if (this.space === 'world') {
+      inverse.copy(object.matrixWorld).invert();
+      sphere.center.applyMatrix4(inverse);
+      if (longest > 0) sphere.radius /= longest;
+      box.applyMatrix4(inverse);
+    } else if (longest > 0) sphere.radius *= stretch / longest;
+    object.boundingSphere = sphere;
+    object.boundingBox = box;
   }
 }
 Object.defineProperty(MorulaBounds.prototype, Symbol.dispose ?? Symbol.for('Symbol.dispose'), {
@@ -174,11 +185,25 @@ Object.defineProperty(MorulaBounds.prototype, Symbol.dispose ?? Symbol.for('Symb
   },
 });
 
-function requireRigid(rows) {
-  for (let i = 0; i < 3; ++i)
+/** The length of the longest column, and a bound of the factor by which the matrix stretches: equal if columns are orthogonal. */
+function sizesOf(e) {
+  let longest = 0;
+  let stretch = 0;
+  for (let i = 0; i < 3; ++i) {
+    let sum = 0;
     for (let j = 0; j < 3; ++j) {
-      const dot = rows[3 * i] * rows[3 * j] + rows[3 * i + 1] * rows[3 * j + 1] + rows[3 * i + 2] * rows[3 * j + 2];
-      if (Math.abs(dot - (i === j ? 1 : 0)) > 1e-6)
-        throw new MorulaError("the object's world matrix scales: make its bounds with {space: 'world'}");
+      const dot = e[4 * i] * e[4 * j] + e[4 * i + 1] * e[4 * j + 1] + e[4 * i + 2] * e[4 * j + 2];
+      sum += Math.abs(dot);
+      if (i === j) longest = Math.max(longest, dot);
     }
+    stretch = Math.max(stretch, sum);
+  }
+  return {longest: Math.sqrt(longest), stretch: Math.sqrt(stretch)};
+}
+
+function requireRigid(rows) {
+  const [a, b, c] = [0, 3, 6].map((at) => new Vector3().fromArray(rows, at));
+  const orthogonal = [[a, a], [b, b], [c, c], [a, b], [b, c], [c, a]].every(([u, v]) => Math.abs(u.dot(v) - (u === v ? 1 : 0)) <= 1e-6);
+  if (!orthogonal || a.cross(b).dot(c) < 0)
+    throw new MorulaError("the object's world matrix scales or mirrors: make its bounds with {space: 'world'}");
 }

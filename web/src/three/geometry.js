@@ -33,8 +33,18 @@ export function targetsOf(geometry, positions) {
   });
 }
 
-/** A number that changes with every change of an attribute that its owner has marked by needsUpdate. */
-export const versionOf = (attribute) => (attribute.isInterleavedBufferAttribute ? attribute.data : attribute).version;
+const versionOf = (attribute) => (attribute?.isInterleavedBufferAttribute ? attribute.data : attribute)?.version;
+/** What changes with the facets and the skin of an object, and with its vertices, if their owner sets needsUpdate or puts other
+ * attributes in place. */
+export function versionsOf({geometry, isSkinnedMesh}) {
+  const {position, skinIndex, skinWeight} = geometry.attributes;
+  const pairs = (attributes) => attributes.flatMap((attribute) => [attribute, versionOf(attribute)]);
+  return {
+    fixed: pairs(isSkinnedMesh ? [geometry.index, skinIndex, skinWeight] : [geometry.index]),
+    vertices: pairs([position, ...(geometry.morphAttributes.position ?? [])]),
+  };
+}
+export const isSame = (a, b) => a.length === b.length && a.every((one, i) => one === b[i]);
 
 /** The mesh of an object: see welded(), and for a SkinnedMesh the skin of the welded vertices. Vertices are welded if their
  * positions, displacements, bones and weights are equal, so they are equal in every pose. */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 import {MorulaError} from '../errors.js';
-import {arraysOf, versionOf} from './geometry.js';
+import {arraysOf, versionsOf} from './geometry.js';
 import {facetsOfLeaves} from './leaves.js';
 
 function bytesOfText(text) {
@@ -12,6 +12,12 @@ function bytesOfText(text) {
   }
 }
 
+/** An octree whose update costs about as much as one ray on its facets. */
+function balanced(facetCount) {
+  const depth = Math.round(Math.log(5.4 * facetCount) / (2 * Math.log(8)));
+  return {method: 'octree', depth: Math.min(8, Math.max(1, depth))};
+}
+
 /** What bodies of one geometry share: the mesh, the tree, the facets of its leaves. It is freed with its last user. */
 export class Model {
   #users = 0;
@@ -20,14 +26,14 @@ export class Model {
     const {geometry} = object;
     this.geometry = geometry;
     this.arrays = arraysOf(object, weld);
-    this.version = versionOf(geometry.attributes.position);
+    this.versions = versionsOf(object);
     this.mesh = new morula.Mesh(this.arrays.positions, this.arrays.facets);
     this.tree = null;
     this.skin = null;
     try {
       const stored = tree ?? geometry.userData.morula_tree;
       this.tree = stored === undefined
-        ? morula.build(this.mesh, build)
+        ? morula.build(this.mesh, build ?? balanced(this.mesh.facetCount))
         : morula.Tree.fromBytes(typeof stored === 'string' ? bytesOfText(stored) : stored, this.mesh);
       const {skin} = this.arrays;
       if (skin) this.skin = new morula.Skin(skin.influences, skin.bones, skin.weights, skin.boneCount);

@@ -5,7 +5,7 @@
 // how far three.js may put a vertex elsewhere because weights in float do not add up to 1.
 import {Matrix4} from 'three';
 import {MorulaError} from '../errors.js';
-import {numbersOf, targetsOf, versionOf} from './geometry.js';
+import {isSame, numbersOf, targetsOf, versionsOf} from './geometry.js';
 
 const inverseOfBind = new Matrix4();
 const isIdentity = (e) => e.every((x, i) => x === (i % 5 === 0 ? 1 : 0));
@@ -66,7 +66,10 @@ function slackOf(skin) {
   return skin.isCompleted ? 0 : 2 * skin.missing * (Math.abs(e[12]) + Math.abs(e[13]) + Math.abs(e[14]));
 }
 
-function requireSameBones(object, model) {
+function requireSameFacets(object, model) {
+  if (!isSame(versionsOf(object).fixed, model.versions.fixed))
+    throw new MorulaError('the index or the skin of the geometry has changed: make new bounds');
+  if (!object.isSkinnedMesh) return;
   const {bones} = object.skeleton;
   const count = model.arrays.skin.boneCount - (model.arrays.skin.isCompleted ? 1 : 0);
   if (bones.length !== count) throw new MorulaError(`the skeleton has ${bones.length} bones instead of ${count}`);
@@ -75,6 +78,7 @@ function requireSameBones(object, model) {
 /** Vertices that follow bones alone. Spheres follow the bones, and vertices are computed when a ray needs them. */
 export class BonePose {
   #rows;
+  #next;
   #made;
   #stamp = 0;
 
@@ -84,16 +88,18 @@ export class BonePose {
     this.rules = 'skinned';
     this.weightSlack = 0;
     this.#rows = new Float64Array(12 * model.arrays.skin.boneCount);
+    this.#next = this.#rows.slice();
     this.#made = new Uint32Array(model.arrays.first.length);
     this.points = new Float64Array(3 * model.arrays.first.length);
   }
   update(body, toSpace) {
     const {model, object} = this;
-    if (versionOf(object.geometry.attributes.position) !== model.version)
+    requireSameFacets(object, model);
+    if (!isSame(versionsOf(object).vertices, model.versions.vertices))
       throw new MorulaError('the positions of a skinned geometry have changed: make new bounds');
-    requireSameBones(object, model);
-    writeTransforms(object, toSpace, model.arrays.skin.isCompleted, this.#rows);
-    body.updateSkinned(this.#rows);
+    writeTransforms(object, toSpace, model.arrays.skin.isCompleted, this.#next);
+    body.updateSkinned(this.#next);
+    [this.#rows, this.#next] = [this.#next, this.#rows];
     this.weightSlack = slackOf(model.arrays.skin);
     ++this.#stamp;
   }
@@ -112,7 +118,7 @@ export class BonePose {
 export class VertexPose {
   #rest;
   #targets;
-  #version;
+  #versions;
   #rows = null;
 
   constructor(object, model) {
@@ -122,20 +128,20 @@ export class VertexPose {
     this.weightSlack = 0;
     this.#rest = model.arrays.positions;
     this.#targets = model.arrays.targets;
-    this.#version = model.version;
+    this.#versions = model.versions.vertices;
     this.points = this.#rest.slice();
     if (model.arrays.skin) this.#rows = new Float64Array(12 * model.arrays.skin.boneCount);
   }
   update(body, toSpace) {
-    this.#read();
     const {object, model, points} = this;
+    requireSameFacets(object, model);
+    this.#read();
     const next = this.#rest.slice();
     this.#targets.forEach((target, j) => {
       const weight = object.morphTargetInfluences?.[j] ?? 0;
       if (weight !== 0) for (let i = 0; i < next.length; ++i) next[i] += weight * target[i];
     });
     if (this.#rows) {
-      requireSameBones(object, model);
       const {skin} = model.arrays;
       writeTransforms(object, toSpace, skin.isCompleted, this.#rows);
       for (let v = 0; 3 * v < next.length; ++v) writeSkinned(skin, this.#rows, v, next, 3 * v, next, 3 * v);
@@ -153,23 +159,26 @@ export class VertexPose {
   position(vertex) {
     return 3 * vertex;
   }
-  /** Reads positions again if their owner has changed them. */
+  /** Reads positions and morph targets again if their owner has changed them. */
   #read() {
+    const {vertices} = versionsOf(this.object);
+    if (isSame(vertices, this.#versions)) return;
     const {geometry} = this.object;
-    const attribute = geometry.attributes.position;
-    if (versionOf(attribute) === this.#version) return;
     const {vertexOf, first} = this.model.arrays;
-    if (attribute.count !== vertexOf.length)
-      throw new MorulaError(`the geometry has ${attribute.count} vertices instead of ${vertexOf.length}: make new bounds`);
-    const all = numbersOf(attribute, 3, 'position');
-    vertexOf.forEach((vertex, i) => {
-      for (let k = 0; k < 3; ++k)
-        if (all[3 * i + k] !== all[3 * first[vertex] + k])
-          throw new MorulaError(`vertices ${first[vertex]} and ${i} were equal at first, and differ: make bounds with {weld: false}`);
-    });
+    const {count} = geometry.attributes.position;
+    if (count !== vertexOf.length)
+      throw new MorulaError(`the geometry has ${count} vertices instead of ${vertexOf.length}: make new bounds`);
+    const positions = numbersOf(geometry.attributes.position, 3, 'position');
+    const targets = targetsOf(geometry, positions);
+    for (const array of [positions, ...targets])
+      vertexOf.forEach((vertex, i) => {
+        for (let k = 0; k < 3; ++k)
+          if (array[3 * i + k] !== array[3 * first[vertex] + k])
+            throw new MorulaError(`vertices ${first[vertex]} and ${i} were equal at first, and differ: make bounds with {weld: false}`);
+      });
     const of = (array) => Float64Array.from({length: 3 * first.length}, (_, i) => array[3 * first[Math.floor(i / 3)] + (i % 3)]);
-    this.#targets = targetsOf(geometry, all).map(of);
-    this.#rest = of(all);
-    this.#version = versionOf(attribute);
+    this.#targets = targets.map(of);
+    this.#rest = of(positions);
+    this.#versions = vertices;
   }
 }
