@@ -33,18 +33,33 @@ export function targetsOf(geometry, positions) {
   });
 }
 
-const versionOf = (attribute) => (attribute?.isInterleavedBufferAttribute ? attribute.data : attribute)?.version;
-/** What changes with the facets and the skin of an object, and with its vertices, if their owner sets needsUpdate or puts other
- * attributes in place. */
-export function versionsOf({geometry, isSkinnedMesh}) {
-  const {position, skinIndex, skinWeight} = geometry.attributes;
-  const pairs = (attributes) => attributes.flatMap((attribute) => [attribute, versionOf(attribute)]);
-  return {
-    fixed: pairs(isSkinnedMesh ? [geometry.index, skinIndex, skinWeight] : [geometry.index]),
-    vertices: pairs([position, ...(geometry.morphAttributes.position ?? [])]),
-  };
+/** Notes which attributes an object has, and their versions. facets(): whether index and skin are as noted; vertices(): whether
+ * positions and morph targets are. Owners change them by needsUpdate, or put other attributes in place. */
+export class Versions {
+  #facets = [];
+  #vertices = [];
+
+  constructor(object) {
+    this.facets(object, true);
+    this.vertices(object, true);
+  }
+  facets({geometry, isSkinnedMesh}, isNoted = false) {
+    const {skinIndex, skinWeight} = geometry.attributes;
+    return compare(this.#facets, 0, geometry.index, isNoted) &&
+      (!isSkinnedMesh || (compare(this.#facets, 1, skinIndex, isNoted) && compare(this.#facets, 2, skinWeight, isNoted)));
+  }
+  vertices({geometry}, isNoted = false) {
+    const targets = geometry.morphAttributes.position ?? [];
+    let isSame = compare(this.#vertices, 0, geometry.attributes.position, isNoted);
+    for (let j = 0; j < targets.length; ++j) isSame = compare(this.#vertices, j + 1, targets[j], isNoted) && isSame;
+    return isSame;
+  }
 }
-export const isSame = (a, b) => a.length === b.length && a.every((one, i) => one === b[i]);
+function compare(notes, i, attribute, isNoted) {
+  const version = (attribute?.isInterleavedBufferAttribute ? attribute.data : attribute)?.version;
+  if (isNoted) notes[i] = {attribute, version};
+  return notes[i]?.attribute === attribute && notes[i].version === version;
+}
 
 /** The mesh of an object: see welded(), and for a SkinnedMesh the skin of the welded vertices. Vertices are welded if their
  * positions, displacements, bones and weights are equal, so they are equal in every pose. */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 import {MorulaError} from '../errors.js';
-import {arraysOf, versionsOf} from './geometry.js';
+import {arraysOf, Versions} from './geometry.js';
 import {facetsOfLeaves} from './leaves.js';
 
 function bytesOfText(text) {
@@ -26,7 +26,7 @@ export class Model {
     const {geometry} = object;
     this.geometry = geometry;
     this.arrays = arraysOf(object, weld);
-    this.versions = versionsOf(object);
+    this.versions = new Versions(object);
     this.mesh = new morula.Mesh(this.arrays.positions, this.arrays.facets);
     this.tree = null;
     this.skin = null;

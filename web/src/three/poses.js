@@ -5,7 +5,7 @@
 // how far three.js may put a vertex elsewhere because weights in float do not add up to 1.
 import {Matrix4} from 'three';
 import {MorulaError} from '../errors.js';
-import {isSame, numbersOf, targetsOf, versionsOf} from './geometry.js';
+import {numbersOf, targetsOf, Versions} from './geometry.js';
 
 const inverseOfBind = new Matrix4();
 const isIdentity = (e) => e.every((x, i) => x === (i % 5 === 0 ? 1 : 0));
@@ -67,7 +67,7 @@ function slackOf(skin) {
 }
 
 function requireSameFacets(object, model) {
-  if (!isSame(versionsOf(object).fixed, model.versions.fixed))
+  if (!model.versions.facets(object))
     throw new MorulaError('the index or the skin of the geometry has changed: make new bounds');
   if (!object.isSkinnedMesh) return;
   const {bones} = object.skeleton;
@@ -95,7 +95,7 @@ export class BonePose {
   update(body, toSpace) {
     const {model, object} = this;
     requireSameFacets(object, model);
-    if (!isSame(versionsOf(object).vertices, model.versions.vertices))
+    if (!model.versions.vertices(object))
       throw new MorulaError('the positions of a skinned geometry have changed: make new bounds');
     writeTransforms(object, toSpace, model.arrays.skin.isCompleted, this.#next);
     body.updateSkinned(this.#next);
@@ -128,7 +128,7 @@ export class VertexPose {
     this.weightSlack = 0;
     this.#rest = model.arrays.positions;
     this.#targets = model.arrays.targets;
-    this.#versions = model.versions.vertices;
+    this.#versions = model.versions;
     this.points = this.#rest.slice();
     if (model.arrays.skin) this.#rows = new Float64Array(12 * model.arrays.skin.boneCount);
   }
@@ -161,8 +161,8 @@ export class VertexPose {
   }
   /** Reads positions and morph targets again if their owner has changed them. */
   #read() {
-    const {vertices} = versionsOf(this.object);
-    if (isSame(vertices, this.#versions)) return;
+    if (this.#versions.vertices(this.object)) return;
+    const versions = new Versions(this.object);
     const {geometry} = this.object;
     const {vertexOf, first} = this.model.arrays;
     const {count} = geometry.attributes.position;
@@ -179,6 +179,6 @@ export class VertexPose {
     const of = (array) => Float64Array.from({length: 3 * first.length}, (_, i) => array[3 * first[Math.floor(i / 3)] + (i % 3)]);
     this.#targets = targets.map(of);
     this.#rest = of(positions);
-    this.#versions = vertices;
+    this.#versions = versions;
   }
 }
