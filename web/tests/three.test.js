@@ -155,6 +155,18 @@ test('weights in float far from the origin: bounds hold what three.js draws', ()
     assert.ok(bounds.sphere.containsPoint(vertex) && bounds.box.containsPoint(vertex));
   }
   assert.ok(compareRays(bounds, 60) > 10);
+
+  // The sphere of one facet touches its corners, and weights move all of them alike.
+  for (const sign of [1, -1]) {
+    const facet = new BufferGeometry();
+    facet.setAttribute('position', new Float32BufferAttribute([1, 0, 0, -0.5, 0.8, 0, -0.5, -0.8, 0], 3));
+    facet.setAttribute('skinIndex', new BufferAttribute(new Uint16Array([0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]), 4));
+    facet.setAttribute('skinWeight', new Float32BufferAttribute(Array.from({length: 3}, () => [0.1, 0.2, 0.3, 0.4 + sign * 5e-7]).flat(), 4));
+    const one = character(facet, {place: places.far});
+    const around = new MorulaBounds(morula, one);
+    const corners = verticesOf(one);
+    for (let i = 0; i < 9; i += 3) assert.ok(around.sphere.containsPoint(new Vector3().fromArray(corners, i)));
+  }
 });
 
 test('a detached bind, and bones outside of the mesh', () => {
@@ -244,8 +256,10 @@ test('sides, groups, draw ranges, near and far', () => {
     assert.ok(compareRays(bounds, 60, 2) > 10);
     let hits = 0;
     for (const raycaster of raysAt(mesh, 60, 3)) {
-      raycaster.near = 0.5;
-      raycaster.far = 2.5;
+      const all = bruteHits(raycaster, mesh);
+      if (all.length < 2) continue;
+      raycaster.near = all[0].distance + 1e-6; // just beyond the first hit, and just beyond another
+      raycaster.far = all[all.length >> 1].distance + 1e-6;
       const expected = bruteHits(raycaster, mesh);
       const found = [];
       bounds.raycast(raycaster, found);
@@ -319,8 +333,8 @@ test('culling under a matrix with shear', () => {
   for (const space of ['local', 'world']) {
     const parent = new three.Group();
     parent.scale.set(5, 1, 1);
-    const mesh = new Mesh(new three.BoxGeometry(0.1, 4, 0.1), new MeshBasicMaterial());
-    mesh.rotation.z = 0.6;
+    const mesh = new Mesh(new three.BoxGeometry(4, 0.1, 0.1).rotateZ(-0.6), new MeshBasicMaterial());
+    mesh.rotation.z = 0.6; // the box lies where the parent stretches
     parent.add(mesh);
     parent.updateMatrixWorld(true);
     new MorulaBounds(morula, mesh, {space}).attach();
