@@ -53,6 +53,34 @@ MORULA_AT(morula_distance, crossing, 72);
 MORULA_AT(morula_distance, certified, 76);
 static_assert(sizeof(morula_distance) == 80);
 
+MORULA_AT(morula_distance_options, tolerance, 8);
+MORULA_AT(morula_distance_options, stop_above, 16);
+MORULA_AT(morula_distance_options, stop_below, 24);
+MORULA_AT(morula_distance_options, pair_tests, 32);
+MORULA_AT(morula_distance_options, nanoseconds, 40);
+static_assert(sizeof(morula_distance_options) == 48);
+
+MORULA_AT(morula_pair_options, distance, 8);
+MORULA_AT(morula_pair_options, nearest_features_once, 16);
+MORULA_AT(morula_pair_options, rings, 20);
+MORULA_AT(morula_pair_options, rest_distance, 24);
+MORULA_AT(morula_pair_options, same_component, 32);
+MORULA_AT(morula_pair_options, box_tests, 40);
+MORULA_AT(morula_pair_options, nanoseconds, 48);
+static_assert(sizeof(morula_pair_options) == 56);
+
+MORULA_AT(morula_pair, kind, 0);
+MORULA_AT(morula_pair, a, 4);
+MORULA_AT(morula_pair, b, 8);
+MORULA_AT(morula_pair, vertices_a, 12);
+MORULA_AT(morula_pair, vertices_b, 24);
+MORULA_AT(morula_pair, distance, 40);
+MORULA_AT(morula_pair, weights_a, 48);
+MORULA_AT(morula_pair, weights_b, 72);
+MORULA_AT(morula_pair, point_a, 96);
+MORULA_AT(morula_pair, point_b, 120);
+static_assert(sizeof(morula_pair) == 144);
+
 static_assert(sizeof(morula_ray) == 56);
 MORULA_AT(morula_ray_hit, t, 0);
 MORULA_AT(morula_ray_hit, point, 8);

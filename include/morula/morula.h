@@ -279,6 +279,10 @@ MORULA_API size_t morula_contacts_count(const morula_contacts* contacts);
 MORULA_API const morula_contact* morula_contacts_data(const morula_contacts* contacts);
 /* Not 0 if the search is complete. */
 MORULA_API int morula_contacts_finished(const morula_contacts* contacts);
+/* Continues the search of the last morula_collide with this list, which its budget ended, with a new budget: a number
+ * of tests or a time; -1: none. Rejected, with no change: bodies that have moved since. Until the search is complete
+ * the list keeps both bodies alive. */
+MORULA_API morula_status morula_contacts_resume(morula_contacts* contacts, int64_t pair_tests, int64_t nanoseconds);
 
 /* Pairs of facets that intersect, decided exactly: 2 indices each, of a and of b, ascending. Writes at most `capacity`
  * pairs, and their total number to *count. pairs may be NULL with capacity 0. */
@@ -363,6 +367,88 @@ typedef struct morula_distance {
 
 /* Distance of the surfaces, down to the nearest facets. */
 MORULA_API morula_status morula_distance_of(const morula_body* a, const morula_body* b, morula_distance* distance);
+
+typedef struct morula_distance_options {
+  size_t size;
+  double tolerance;    /* largest upper - lower of a complete result, mesh units */
+  double stop_above;   /* stops when lower exceeds this, mesh units; infinite: never */
+  double stop_below;   /* stops when upper does not exceed this, mesh units; 0: never */
+  int64_t pair_tests;  /* budget in tests; -1: none */
+  int64_t nanoseconds; /* budget in time; -1: none. At most one of the two */
+} morula_distance_options;
+
+MORULA_API void morula_distance_options_defaults(morula_distance_options* options, size_t size);
+static inline void morula_distance_options_init(morula_distance_options* options) {
+  morula_distance_options_defaults(options, sizeof *options);
+}
+/* Bounds of the distance, for callers that need less than morula_distance_of. options: NULL for the defaults, with
+ * which the result is that of morula_distance_of. complete: 1 if the nearest facets, the tolerance or a stop was
+ * reached; 0 if the budget ended the search, and the bounds then hold, too. */
+MORULA_API morula_status morula_distance_bounds(const morula_body* a, const morula_body* b,
+                                                const morula_distance_options* options, morula_distance* distance,
+                                                int* complete);
+
+/* ---- Pairs of features: vertices, edges and facets that are near each other, and facets that intersect. ---- */
+
+/* The kinds of the two features of a pair: the first is of a, the second of b. */
+typedef enum morula_pair_kind {
+  MORULA_VERTEX_FACET = 0, /* with MORULA_EDGE_EDGE the only kinds of near pairs of a body with itself */
+  MORULA_FACET_VERTEX = 1,
+  MORULA_EDGE_EDGE = 2,
+  MORULA_FACET_FACET = 3 /* of morula_pairs_crossing */
+} morula_pair_kind;
+
+typedef struct morula_pair_options {
+  size_t size;
+  double distance;           /* largest distance of a near pair, mesh units; finite, 0 or more */
+  int nearest_features_once; /* not 0: a pair of nearest features that several facets and edges find is kept once */
+  /* For a body with itself, besides pairs that share a vertex: */
+  int rings;            /* skips pairs with two vertices at most this many edges apart; 0: none */
+  double rest_distance; /* skips pairs that are at most this far apart at rest, mesh units; 0: none */
+  int same_component;   /* not 0: skips pairs of one component */
+  int reserved;
+  int64_t box_tests;   /* budget in tests; -1: none */
+  int64_t nanoseconds; /* budget in time; -1: none. At most one of the two */
+} morula_pair_options;
+
+/* Two features with nearest points. The numbers of features stay the same while the body exists. */
+typedef struct morula_pair {
+  int32_t kind;                          /* a morula_pair_kind */
+  uint32_t a, b;                         /* numbers of vertices or facets of the mesh, or of edges */
+  uint32_t vertices_a[3], vertices_b[3]; /* of the features; UINT32_MAX: an edge or a vertex has no more */
+  int32_t reserved;
+  double distance;                   /* of the points, mesh units; this and the rest are 0 for crossings */
+  double weights_a[3], weights_b[3]; /* of the vertices in the points */
+  double point_a[3], point_b[3];
+} morula_pair;
+
+typedef struct morula_pairs morula_pairs;
+
+MORULA_API void morula_pair_options_defaults(morula_pair_options* options, size_t size);
+static inline void morula_pair_options_init(morula_pair_options* options) {
+  morula_pair_options_defaults(options, sizeof *options);
+}
+/* Creates an empty list, which keeps its memory from call to call. */
+MORULA_API morula_status morula_pairs_create(morula_pairs** pairs);
+MORULA_API void morula_pairs_destroy(morula_pairs* pairs);
+/* Finds every vertex-facet and edge-edge pair within options->distance, in world coordinates: of two bodies, or of one
+ * with itself if b is NULL or a. Pairs are in the order of (kind, a, b). A search that its budget ends has found some
+ * of them. Complete for any rules, up to 2^-46 of the largest coordinate. options: NULL for the defaults. The first
+ * call with a body sorts its facets, outside the budget; later calls reuse the order. Until the search is complete the
+ * list keeps both bodies alive. */
+MORULA_API morula_status morula_pairs_near(morula_body* a, morula_body* b, const morula_pair_options* options,
+                                           morula_pairs* pairs);
+/* The same for pairs of facets that intersect, decided exactly. It ignores the distance. */
+MORULA_API morula_status morula_pairs_crossing(morula_body* a, morula_body* b, const morula_pair_options* options,
+                                               morula_pairs* pairs);
+/* Continues the last search with this list, which its budget ended, with a new budget: a number of tests or a time; -1:
+ * none. Rejected, with no change: bodies that have moved since. */
+MORULA_API morula_status morula_pairs_resume(morula_pairs* pairs, int64_t box_tests, int64_t nanoseconds);
+MORULA_API size_t morula_pairs_count(const morula_pairs* pairs);
+/* The pairs; valid until the next call with this list. */
+MORULA_API const morula_pair* morula_pairs_data(const morula_pairs* pairs);
+/* Not 0 if the last search is complete. */
+MORULA_API int morula_pairs_finished(const morula_pairs* pairs);
 
 /* ---- Queries on one body. ---- */
 

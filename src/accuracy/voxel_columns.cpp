@@ -81,7 +81,7 @@ std::size_t count_bits(std::span<const std::uint64_t> words, int begin, int end)
 }
 
 // A change of the winding number of a column at the surface: it applies to voxels z and above.
-struct Crossing {
+struct ColumnCrossing {
   std::uint32_t column;  // index in the strip
   std::int32_t z;
   std::int32_t change;
@@ -276,17 +276,17 @@ class StripCounter {
   // four.
   void sort_crossings() {
     std::vector<std::uint32_t> next(column_count() + 1, 0);
-    for (const Crossing& c : crossings_) ++next[c.column + 1];
+    for (const ColumnCrossing& c : crossings_) ++next[c.column + 1];
     for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
-    std::vector<Crossing> sorted(crossings_.size());
-    for (const Crossing& c : crossings_) sorted[next[c.column]++] = c;
+    std::vector<ColumnCrossing> sorted(crossings_.size());
+    for (const ColumnCrossing& c : crossings_) sorted[next[c.column]++] = c;
     crossings_.swap(sorted);
     for (std::size_t begin = 0; begin < crossings_.size();) {
       std::size_t end = begin + 1;
       while (end < crossings_.size() && crossings_[end].column == crossings_[begin].column) ++end;
       std::sort(crossings_.begin() + static_cast<std::ptrdiff_t>(begin),
                 crossings_.begin() + static_cast<std::ptrdiff_t>(end),
-                [](const Crossing& a, const Crossing& b) { return a.z < b.z; });
+                [](const ColumnCrossing& a, const ColumnCrossing& b) { return a.z < b.z; });
       begin = end;
     }
   }
@@ -296,7 +296,7 @@ class StripCounter {
   int row_begin_, row_end_;
   std::vector<std::uint64_t>
       bits_;  // bits of the union in the window, 64 voxels of a column to a word; or nothing at all
-  std::vector<Crossing> crossings_;
+  std::vector<ColumnCrossing> crossings_;
 };
 
 // Number of rows of a strip: enough columns to be worth a chunk, no more than 4 MiB of bits whatever the resolution (a

@@ -58,8 +58,10 @@ struct morula_body {
   std::vector<morula::AffineTransform> transforms;  // of the last skinned update, one per bone
   morula::Body body;
   morula::Collider collider;  // borrows mesh and body: a handle never moves
-  // The surface for morula_self_crossings, made by its first call.
+  // The surface for morula_self_crossings and morula_pairs, made by their first call.
   std::optional<morula::SurfaceTree> surface;
+  std::uint64_t surface_frame = 0;  // of the collider when the surface followed it last, with surface_transform
+  std::optional<morula::RigidTransform> surface_transform;
   morula::SurfaceCrossingQuery self_crossings;
   std::optional<morula::InsideQuery> inside;  // for morula_locate, made by its first call
   // The caller's share of the handle, until morula_body_destroy: scenes hold shares of their own.
@@ -67,6 +69,7 @@ struct morula_body {
 };
 
 struct morula_contacts {
+  std::shared_ptr<morula_body> a, b;  // declared ahead of the query, which borrows their colliders for a resume
   morula::ContactQuery query;
   std::vector<morula_contact> found;
   bool finished = false;
@@ -113,6 +116,10 @@ morula_status guarded(const Call& call) noexcept;
 /// Throws std::invalid_argument, naming it, for a pointer that must not be NULL.
 inline void require_pointer(const void* pointer, const char* name) {
   if (pointer == nullptr) throw std::invalid_argument(std::string(name) + " is NULL");
+}
+
+inline void copy(const Vec3& from, double* to) {
+  to[0] = from.x, to[1] = from.y, to[2] = from.z;
 }
 
 /// A path from UTF-8, which on Windows need not be the encoding of narrow paths.
@@ -168,6 +175,19 @@ morula_status guarded(const Call& call) noexcept {
   }
 }
 
+/// A number of tests or a time, of which a negative one is none. tests_name: of the number in messages. Throws
+/// std::invalid_argument if both are set.
+inline Budget budget_of(std::int64_t tests, std::int64_t nanoseconds, const char* tests_name) {
+  if (tests >= 0 && nanoseconds >= 0)
+    throw std::invalid_argument(std::string(tests_name) + " and nanoseconds are both set: one budget at a time");
+  if (tests >= 0) return tests;
+  if (nanoseconds >= 0) return std::chrono::nanoseconds(nanoseconds);
+  return {};
+}
+
+/// The surface of a body at its present positions and transform, in `result`; or the code of a rejection.
+morula_status surface_of(morula_body& body, const SurfaceTree*& result);
+
 /// Level, margin and budget, for CollideOptions and SceneOptions alike. Throws std::invalid_argument.
 template <class Options>
 Options contact_options(const morula_contact_options* given) {
@@ -176,10 +196,7 @@ Options contact_options(const morula_contact_options* given) {
   options.margin = wanted.margin;
   if (wanted.level < -1) throw std::invalid_argument("level is below -1");
   if (wanted.level >= 0) options.level = static_cast<std::uint32_t>(wanted.level);
-  if (wanted.pair_tests >= 0 && wanted.nanoseconds >= 0)
-    throw std::invalid_argument("pair_tests and nanoseconds are both set: one budget at a time");
-  if (wanted.pair_tests >= 0) options.budget = wanted.pair_tests;
-  if (wanted.nanoseconds >= 0) options.budget = std::chrono::nanoseconds(wanted.nanoseconds);
+  options.budget = budget_of(wanted.pair_tests, wanted.nanoseconds, "pair_tests");
   return options;
 }
 

@@ -10,10 +10,6 @@ using namespace morula::detail;
 
 namespace {
 
-void copy(const Vec3& from, double* to) {
-  to[0] = from.x, to[1] = from.y, to[2] = from.z;
-}
-
 std::size_t move_count(int moves) {
   if (moves < 1) throw std::invalid_argument("max_moves is " + std::to_string(moves) + ": 1 or more are possible");
   return static_cast<std::size_t>(moves);

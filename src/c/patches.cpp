@@ -29,11 +29,7 @@ struct morula_patches {
 
 namespace {
 
-void copy(const Vec3& from, double* to) {
-  to[0] = from.x, to[1] = from.y, to[2] = from.z;
-}
-
-void copy(const SurfacePoint& from, std::uint32_t& facet, double* point, double* barycentric) {
+void copy_point(const SurfacePoint& from, std::uint32_t& facet, double* point, double* barycentric) {
   facet = from.facet;
   copy(from.point, point);
   std::ranges::copy(from.barycentric, barycentric);
@@ -46,8 +42,8 @@ morula_patch_point point_of(const PatchPoint& from) {
   copy(from.force, to.force);
   to.volume = from.volume;
   to.depth = from.depth;
-  copy(from.on_a, to.facet_a, to.point_a, to.barycentric_a);
-  copy(from.on_b, to.facet_b, to.point_b, to.barycentric_b);
+  copy_point(from.on_a, to.facet_a, to.point_a, to.barycentric_a);
+  copy_point(from.on_b, to.facet_b, to.point_b, to.barycentric_b);
   return to;
 }
 

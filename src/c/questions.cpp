@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Queries of the C interface about two bodies.
-#include <chrono>
+#include <limits>
 #include <morula/collide/contacts.hpp>
 #include <morula/collide/crossings.hpp>
 #include <morula/collide/distance.hpp>
 #include <tuple>
+#include <utility>
 
 #include "c/handles.hpp"
 
@@ -19,10 +20,6 @@ void require_bodies(const morula_body* a, const morula_body* b) {
   require_pointer(b, "b");
 }
 
-void copy(const Vec3& from, double* to) {
-  to[0] = from.x, to[1] = from.y, to[2] = from.z;
-}
-
 /// Writes as many pairs as the caller has room for, and their total number.
 template <class Pairs, class Indices>
 void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pairs, std::size_t capacity,
@@ -31,6 +28,31 @@ void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pair
     if (*count < capacity) std::tie(pairs[2 * *count], pairs[2 * *count + 1]) = indices(pair);
     ++*count;
   }
+}
+
+/// Copies the contacts of a call that was not rejected.
+morula_status read(morula_contacts& contacts, const ContactStatus& status) {
+  if (!status) return code_of(status);
+  std::vector<morula_contact> found;
+  found.swap(contacts.found);
+  found.clear();
+  for (const Contact& contact : contacts.query.contacts().contacts) found.push_back(contact_of(contact));
+  contacts.found.swap(found);
+  contacts.finished = status.finished;
+  if (status.finished) {
+    contacts.query.clear();
+    contacts.a.reset(), contacts.b.reset();
+  }
+  return MORULA_OK;
+}
+
+void write(const DistanceBounds& bounds, morula_distance& to) {
+  to.lower = bounds.lower, to.upper = bounds.upper;
+  copy(bounds.a.point, to.point_a);
+  copy(bounds.b.point, to.point_b);
+  to.facet_a = bounds.a.facet, to.facet_b = bounds.b.facet;
+  to.crossing = bounds.crossing ? 1 : 0;
+  to.certified = bounds.certified ? 1 : 0;
 }
 
 }  // namespace
@@ -83,18 +105,24 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
     require_pointer(contacts, "contacts");
     require_bodies(a, b);
     ContactQuery& query = contacts->query;
-    query.set_options(contact_options<CollideOptions>(options));
+    CollideOptions wanted = contact_options<CollideOptions>(options);
+    const bool has_budget = !wanted.budget.is_unlimited();
+    query.set_options(std::move(wanted));
     query.clear();
+    contacts->a = a->of_caller, contacts->b = b->of_caller;
     query.add(a->collider, b->collider);
-    const ContactStatus status = query.run();
-    if (!status) return code_of(status);
-    std::vector<morula_contact> found;
-    found.swap(contacts->found);
-    found.clear();
-    for (const Contact& contact : query.contacts().contacts) found.push_back(contact_of(contact));
-    contacts->found.swap(found);
-    contacts->finished = status.finished;
-    return MORULA_OK;
+    return read(*contacts, has_budget ? start_for_resume(query) : query.run());
+  });
+}
+
+morula_status morula_contacts_resume(morula_contacts* contacts, int64_t pair_tests, int64_t nanoseconds) {
+  return guarded([&] {
+    require_pointer(contacts, "contacts");
+    CollideOptions wanted = contacts->query.options();
+    wanted.budget = budget_of(pair_tests, nanoseconds, "pair_tests");
+    if (!contacts->a) throw std::invalid_argument("contacts: no budget has ended their last search");
+    contacts->query.set_options(std::move(wanted));
+    return read(*contacts, contacts->query.resume());
   });
 }
 
@@ -130,9 +158,9 @@ morula_status morula_self_crossings(morula_body* body, uint32_t* pairs, size_t c
     *count = 0;
     require_pointer(body, "body");
     if (capacity != 0) require_pointer(pairs, "pairs");
-    if (!body->surface) body->surface.emplace(*body->mesh);
-    if (const Status status = body->surface->follow(body->collider); !status) return code_of(status);
-    const SurfaceQueryStatus status = body->self_crossings.run(*body->surface, body->workers);
+    const SurfaceTree* surface = nullptr;
+    if (const morula_status code = surface_of(*body, surface); code != MORULA_OK) return code;
+    const SurfaceQueryStatus status = body->self_crossings.run(*surface, body->workers);
     if (!status) return code_of(status);
     write_pairs(
         body->self_crossings.pairs(), [](const FeaturePair& pair) { return std::tuple(pair.a, pair.b); }, pairs,
@@ -146,13 +174,36 @@ morula_status morula_distance_of(const morula_body* a, const morula_body* b, mor
     require_pointer(distance, "distance");
     *distance = {};
     require_bodies(a, b);
-    const DistanceBounds bounds = morula::distance(a->collider, b->collider);
-    distance->lower = bounds.lower, distance->upper = bounds.upper;
-    copy(bounds.a.point, distance->point_a);
-    copy(bounds.b.point, distance->point_b);
-    distance->facet_a = bounds.a.facet, distance->facet_b = bounds.b.facet;
-    distance->crossing = bounds.crossing ? 1 : 0;
-    distance->certified = bounds.certified ? 1 : 0;
+    write(morula::distance(a->collider, b->collider), *distance);
+    return MORULA_OK;
+  });
+}
+
+void morula_distance_options_defaults(morula_distance_options* options, size_t size) {
+  write_defaults(options, size, [](morula_distance_options& defaults) {
+    defaults.stop_above = std::numeric_limits<double>::infinity();
+    defaults.pair_tests = -1;
+    defaults.nanoseconds = -1;
+  });
+}
+
+morula_status morula_distance_bounds(const morula_body* a, const morula_body* b, const morula_distance_options* options,
+                                     morula_distance* distance, int* complete) {
+  return guarded([&]() -> morula_status {
+    require_pointer(distance, "distance");
+    *distance = {};
+    require_pointer(complete, "complete");
+    *complete = 0;
+    require_bodies(a, b);
+    const morula_distance_options wanted = over_defaults(options, &morula_distance_options_defaults);
+    DistanceOptions same;
+    same.tolerance = wanted.tolerance;
+    same.stop_above = wanted.stop_above, same.stop_below = wanted.stop_below;
+    same.budget = budget_of(wanted.pair_tests, wanted.nanoseconds, "pair_tests");
+    const DistanceBounds bounds = DistanceQuery().run(a->collider, b->collider, same);
+    if (!bounds.status) return code_of(bounds.status);
+    write(bounds, *distance);
+    *complete = bounds.complete ? 1 : 0;
     return MORULA_OK;
   });
 }

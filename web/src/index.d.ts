@@ -14,7 +14,7 @@
 export type Numbers = ArrayLike<number>;
 
 export class MorulaError extends Error {
-  readonly code: 'bad_argument' | 'bad_file' | 'rejected' | 'stopped' | 'out_of_memory' | 'internal';
+  readonly code: 'bad_argument' | 'bad_file' | 'rejected' | 'stopped' | 'out_of_memory' | 'internal' | 'no_worker';
 }
 
 export interface LoadOptions {
@@ -91,14 +91,20 @@ export interface BuildOptions {
   spheres?: number;
   /** Largest protrusion of a leaf, mesh units. */
   maxProtrusion?: number;
-  /** Time limit: nodes that are not divided then stay leaves, and cover. */
+  /** Time limit, by at most one of the two: nodes that are not divided then stay leaves, and cover. */
   timeLimitSeconds?: number;
+  budgetMs?: number;
   seed?: number | bigint;
   /** Whether every sphere contains its children's. */
   nested?: boolean;
   /** Called at intervals with the completed share, 0 to 1. If it returns false, the build stops and throws a MorulaError with
    * the code stopped. If it throws, the build stops and throws that exception. It must not call the module. */
-  progress?: (share: number) => boolean | void;
+  progress?: ((share: number) => boolean | void) | null;
+}
+
+export interface AsyncBuildOptions extends BuildOptions {
+  /** Ends the worker at once; the promise is then rejected with the signal's reason. */
+  signal?: AbortSignal | null;
 }
 
 /** Vertices that follow bones. */
@@ -178,10 +184,19 @@ export interface ContactOptions {
   budgetMs?: number;
 }
 
+/** A budget, at most one of the two. */
+export interface ContactBudget {
+  pairTests?: number;
+  budgetMs?: number;
+}
+
 /** Contacts of two bodies, with memory that is kept from run to run. */
 export interface ContactQuery extends Handle {
   /** If the rules cover, every crossing of the surfaces lies within one of the contacts. */
   run(a: Body, b: Body, options?: ContactOptions): Contact[];
+  /** Continues a run that its budget ended, with a new budget or to the end, and returns all contacts so far. Throws if the
+   * bodies have moved since. */
+  resume(budget?: ContactBudget): Contact[];
   readonly count: number;
   /** Whether the last run is complete. */
   readonly finished: boolean;
@@ -199,6 +214,73 @@ export interface Distance {
   crossing: boolean;
   /** Whether the spheres of both bodies cover, so lower is proven. */
   certified: boolean;
+  /** false: the budget ended the search; lower and upper then hold, too. */
+  complete: boolean;
+}
+
+export interface DistanceOptions extends ContactBudget {
+  /** Largest upper - lower of a complete result. */
+  tolerance?: number;
+  /** Stops when lower exceeds this. */
+  stopAbove?: number;
+  /** Stops when upper does not exceed this. */
+  stopBelow?: number;
+}
+
+/** Two features: vertices and facets of the meshes, and edges, which are numbered. Numbers stay the same while the bodies
+ * exist. */
+export interface FeaturePair {
+  kind: 'vertex-facet' | 'facet-vertex' | 'edge-edge' | 'facet-facet';
+  a: number;
+  b: number;
+  verticesA: number[];
+  verticesB: number[];
+}
+export interface NearPair extends FeaturePair {
+  /** Of the nearest points. */
+  distance: number;
+  /** Nearest points, and the weights of the vertices in them. */
+  pointA: Vector;
+  pointB: Vector;
+  weightsA: number[];
+  weightsB: number[];
+}
+
+/** A budget, at most one of the two. */
+export interface PairBudget {
+  boxTests?: number;
+  budgetMs?: number;
+}
+export interface PairOptions extends PairBudget {
+  /** For one body with itself, which never has pairs that share a vertex: skips pairs with two vertices at most this many
+   * edges apart. */
+  rings?: number;
+  /** For one body with itself: skips pairs that are at most this far apart at rest. */
+  restDistance?: number;
+  /** For one body with itself: skips pairs of one component. */
+  sameComponent?: boolean;
+}
+export interface NearOptions extends PairOptions {
+  /** Largest distance of a pair, 0 or more. */
+  distance: number;
+  /** Whether a pair of nearest features that several facets and edges find is kept once. */
+  nearestFeaturesOnce?: boolean;
+}
+
+/** Pairs of features of two bodies, or of one with itself (b null), with memory that is kept from run to run. The first
+ * search of a body sorts its facets. Pairs are ordered by kind, a, b; a search that its budget ends has some of them. */
+export interface PairQuery extends Handle {
+  /** Vertex-facet and edge-edge pairs within a distance; complete for any rules. */
+  near(a: Body, b: Body | null, options: NearOptions): NearPair[];
+  /** Pairs of facets that intersect, decided exactly. */
+  crossing(a: Body, b: Body | null, options?: PairOptions): FeaturePair[];
+  /** Continues a search that its budget ended, with a new budget or to the end, and returns all pairs so far. Throws if the
+   * bodies have moved since. */
+  resume(budget?: PairBudget): FeaturePair[] | NearPair[];
+  readonly count: number;
+  /** Whether the last search is complete. */
+  readonly finished: boolean;
+  pairs(): FeaturePair[] | NearPair[];
 }
 
 export interface RayHit {
@@ -230,14 +312,21 @@ export interface Morula {
   readonly Skin: SkinConstructor;
   readonly Body: BodyConstructor;
   readonly ContactQuery: new () => ContactQuery;
-  /** Builds a tree in which every level covers the surface, with the bits of a native build. It blocks this thread: to keep
-   * a page responsive, build in a worker and post Tree.toBytes(). */
+  readonly PairQuery: new () => PairQuery;
+  /** Builds a tree in which every level covers the surface, with the bits of a native build. It blocks this thread until the
+   * end: see buildAsync(). */
   build(mesh: Mesh, options?: BuildOptions): Tree;
+  /** The same build in a worker of its own, which leaves this thread free; the tree has the same bits. Copies the mesh, which
+   * must not be freed before the promise settles. Starts the package's worker by its address, or else from text in a blob,
+   * for pages that cannot fetch it. Rejects with the code no_worker where neither starts. */
+  buildAsync(mesh: Mesh, options?: AsyncBuildOptions): Promise<Tree>;
   /** Whether leaf spheres overlap; if the rules cover, false proves that the surfaces have no common point. */
   overlap(a: Body, b: Body): boolean;
   /** Pairs of facets that intersect, decided exactly: 2 indices each, of a and of b, ascending. */
   crossings(a: Body, b: Body): Uint32Array;
-  distance(a: Body, b: Body): Distance;
+  distance(a: Body, b: Body, options?: DistanceOptions): Distance;
+  /** PairQuery.near() by a query that is freed at once. */
+  proximity(a: Body, b: Body | null, options: NearOptions): NearPair[];
   /** The first facet that a ray hits, in world coordinates; null: none. tEnd: the ray ends at origin + tEnd direction. */
   firstHit(body: Body, origin: Numbers, direction: Numbers, tEnd?: number): RayHit | null;
   /** The same for many rays: origin and direction, 6 numbers each. */

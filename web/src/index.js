@@ -3,6 +3,7 @@
 // Morula for browsers, workers and node: sphere trees that cover meshes while they deform.
 import {MorulaError} from './errors.js';
 import {hasVectors, loadFrom} from './load.js';
+import {workerAt, workerOf} from './workers.js';
 
 export {MorulaError};
 
@@ -18,7 +19,12 @@ const places = {
   },
 };
 
+const starts = [
+  () => workerAt(new URL('./worker.js', import.meta.url), () => new Worker(new URL('./worker.js', import.meta.url), {type: 'module'})),
+  async () => workerOf((await import('../dist/worker-text.js')).default),
+];
+
 export async function load({variant = 'full', simd = hasVectors(), source} = {}) {
   if (!(variant in places)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
-  return loadFrom(source ?? places[variant][simd ? 'simd' : 'plain']());
+  return loadFrom(source ?? places[variant][simd ? 'simd' : 'plain'](), starts);
 }

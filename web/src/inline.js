@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same as index.js with modules as text in JavaScript files: nothing is fetched but those.
 import {MorulaError} from './errors.js';
-import {hasVectors, loadFrom} from './load.js';
+import {bytesOf, hasVectors, loadFrom} from './load.js';
+import {workerOf} from './workers.js';
 
 export {MorulaError};
 
-const texts = {
+// Each file sets globalThis.morulaModules['VARIANT-KIND'], so that pages without modules can use it, too.
+const files = {
   full: {
     simd: () => import('../dist/morula-full-simd.js'),
     plain: () => import('../dist/morula-full-plain.js'),
@@ -16,10 +18,12 @@ const texts = {
     plain: () => import('../dist/morula-runtime-plain.js'),
   },
 };
+const starts = [async () => workerOf((await import('../dist/worker-text.js')).default)];
 
 export async function load({variant = 'full', simd = hasVectors(), source} = {}) {
-  if (!(variant in texts)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
-  if (source !== undefined) return loadFrom(source);
-  const text = (await texts[variant][simd ? 'simd' : 'plain']()).default;
-  return loadFrom(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
+  if (!(variant in files)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
+  if (source !== undefined) return loadFrom(source, starts);
+  const kind = simd ? 'simd' : 'plain';
+  await files[variant][kind]();
+  return loadFrom(bytesOf(globalThis.morulaModules[`${variant}-${kind}`]), starts);
 }

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The classes of one module. index.d.ts has their contracts; module.cpp checks the places of fields used here.
+import {buildAsyncOf} from './build_async.js';
 import {MorulaError} from './errors.js';
 import {Handle} from './handle.js';
 import {Block} from './memory.js';
+import {pairsOf} from './pairs.js';
 import {queriesOf} from './queries.js';
 
 const noNode = 0xffffffff;
@@ -32,8 +34,9 @@ function indices(numbers, name) {
   return result;
 }
 
-/** Makes the classes and functions over the exports of a module. state: {progress, failure}, of the import `progress`. */
-export function libraryOf(memory, state) {
+/** Makes the classes and functions over the exports of a module. state: {progress, failure}, of the import `progress`. module,
+ * starts: the compiled module, and functions that start a worker for it. */
+export function libraryOf(memory, state, {module, starts}) {
   class Mesh extends Handle {
     constructor(positions, facets) {
       super(memory, 'morula_mesh_destroy', positions instanceof Made ? positions.handle : createMesh(positions, facets));
@@ -227,7 +230,7 @@ export function libraryOf(memory, state) {
 
   function createBody(mesh, tree, {rules, conservative, skin}) {
     return memory.withTexts([rules], (text) => memory.withBlock(20, (options) => {
-      memory.get('morula_body_options_init', options);
+      memory.get('morula_body_options_defaults', options, 20);
       memory.data.setUint32(options + 4, text, true);
       memory.data.setInt32(options + 8, conservative ? 1 : 0, true);
       memory.data.setUint32(options + 16, skin ?? 0, true);
@@ -236,11 +239,14 @@ export function libraryOf(memory, state) {
   }
 
   function build(mesh, options = {}) {
-    const {method = 'optimized', quality = 'default', progress = null} = options;
+    const {method = 'optimized', quality = 'default', progress = null, budgetMs} = options;
+    if (budgetMs !== undefined && options.timeLimitSeconds !== undefined)
+      throw new MorulaError('budgetMs and timeLimitSeconds are both set: one limit at a time');
+    const seconds = budgetMs === undefined ? options.timeLimitSeconds : budgetMs / 1000;
     const of = requireKind(mesh, Mesh, 'mesh');
     return new Tree(new Made(memory.withTexts([method, quality], (methodText, qualityText) =>
       memory.withBlock(64, (place) => {
-        memory.get('morula_build_options_init', place);
+        memory.get('morula_build_options_defaults', place, 64);
         const data = memory.data;
         data.setUint32(place + 4, methodText, true);
         data.setUint32(place + 8, qualityText, true);
@@ -248,7 +254,7 @@ export function libraryOf(memory, state) {
         if (options.depth !== undefined) data.setInt32(place + 16, options.depth, true);
         if (options.spheres !== undefined) data.setUint32(place + 20, options.spheres, true);
         if (options.maxProtrusion !== undefined) data.setFloat64(place + 24, options.maxProtrusion, true);
-        if (options.timeLimitSeconds !== undefined) data.setFloat64(place + 32, options.timeLimitSeconds, true);
+        if (seconds !== undefined) data.setFloat64(place + 32, seconds, true);
         if (options.seed !== undefined) data.setBigUint64(place + 40, BigInt(options.seed), true);
         data.setInt32(place + 52, options.nested ? 1 : 0, true);
         return withProgress(progress, () => memory.make('morula_web_build', of, place, progress ? 1 : 0));
@@ -269,6 +275,11 @@ export function libraryOf(memory, state) {
     }
   }
 
+  function requireBuilder(mesh) {
+    requireKind(mesh, Mesh, 'mesh');
+    memory.require('morula_web_build');
+  }
+
   return {
     version: memory.text(memory.get('morula_version')),
     noNode,
@@ -278,6 +289,8 @@ export function libraryOf(memory, state) {
     Skin,
     Body,
     build,
+    buildAsync: buildAsyncOf(module, starts, {requireBuilder, Tree}),
     ...queriesOf(memory, Body, requireKind, requireMultiple, indicesFrom),
+    ...pairsOf(memory, Body, requireKind),
   };
 }

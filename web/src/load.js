@@ -34,8 +34,11 @@ async function compiled(source) {
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
-/** Loads a module, and returns its classes and functions. */
-export async function loadFrom(source) {
+/** The bytes of a module that is text. */
+export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+
+/** Loads a module, and returns its classes and functions. starts: functions that start a worker, the preferred one first. */
+export async function loadFrom(source, starts = []) {
   if (!WebAssembly.validate(exceptionModule))
     throw new MorulaError('this engine has no exceptions of WebAssembly: use a browser of 2022 or later');
   const state = {progress: null, failure: null};
@@ -53,7 +56,8 @@ export async function loadFrom(source) {
       },
     },
   };
-  instance = await WebAssembly.instantiate(await compiled(source), imports);
+  const module = await compiled(source);
+  instance = await WebAssembly.instantiate(module, imports);
   instance.exports._initialize();
-  return libraryOf(new Memory(instance.exports), state);
+  return libraryOf(new Memory(instance.exports), state, {module, starts});
 }

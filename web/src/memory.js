@@ -20,14 +20,15 @@ export class Memory {
     if (this.#data?.buffer !== this.buffer) this.#data = new DataView(this.buffer);
     return this.#data;
   }
-  has(name) {
-    return name in this.#exports;
+  /** Throws unless the module has a function. */
+  require(name) {
+    if (!(name in this.#exports)) throw new MorulaError(`this module has no ${name}: load the variant "full"`);
   }
 
   /** Calls a function that returns no status: a count or an address, as a number from 0. */
   get(name, ...given) {
     if (this.#fault) throw new MorulaError(`the module has failed before: ${this.#fault.message}`, 'internal');
-    if (!this.has(name)) throw new MorulaError(`this module has no ${name}: load the variant "full"`);
+    this.require(name);
     try {
       return this.#exports[name](...given) >>> 0;
     } catch (fault) {

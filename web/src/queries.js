@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The queries of one module. index.d.ts has their contracts; module.cpp checks the places of fields used here.
+import {budgetOf} from './budget.js';
 import {Handle} from './handle.js';
 
 const contactSize = 80;
@@ -24,16 +25,21 @@ export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFro
     constructor() {
       super(memory, 'morula_contacts_destroy', memory.make('morula_contacts_create'));
     }
-    run(a, b, {margin = 0, level = -1, pairTests = -1, budgetMs = -1} = {}) {
+    run(a, b, {margin = 0, level = -1, pairTests, budgetMs} = {}) {
       const bodies = handlesOf(a, b);
       memory.withBlock(40, (options) => {
-        memory.get('morula_contact_options_init', options);
+        memory.get('morula_contact_options_defaults', options, 40);
         memory.data.setFloat64(options + 8, margin, true);
         memory.data.setInt32(options + 16, level, true);
-        memory.data.setBigInt64(options + 24, BigInt(pairTests), true);
-        memory.data.setBigInt64(options + 32, budgetMs < 0 ? -1n : BigInt(Math.round(budgetMs * 1e6)), true);
+        const [tests, nanoseconds] = budgetOf(pairTests, budgetMs);
+        memory.data.setBigInt64(options + 24, tests, true);
+        memory.data.setBigInt64(options + 32, nanoseconds, true);
         memory.call('morula_collide', ...bodies, options, this.handle);
       });
+      return this.contacts();
+    }
+    resume({pairTests, budgetMs} = {}) {
+      memory.call('morula_contacts_resume', this.handle, ...budgetOf(pairTests, budgetMs));
       return this.contacts();
     }
     get count() {
@@ -65,10 +71,14 @@ export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFro
       memory.call('morula_crossings', ...bodies, list, capacity, count), 2);
   }
 
-  function distance(a, b) {
+  function distance(a, b, {tolerance = 0, stopAbove = Infinity, stopBelow = 0, pairTests, budgetMs} = {}) {
     const bodies = handlesOf(a, b);
-    return memory.withBlock(80, (at) => {
-      memory.call('morula_distance_of', ...bodies, at);
+    return memory.withBlock(136, (at) => {
+      // The result, 80 bytes; then the options, 48; then whether the result is complete.
+      memory.get('morula_distance_options_defaults', at + 80, 48);
+      [tolerance, stopAbove, stopBelow].forEach((number, i) => memory.data.setFloat64(at + 88 + 8 * i, number, true));
+      budgetOf(pairTests, budgetMs).forEach((number, i) => memory.data.setBigInt64(at + 112 + 8 * i, number, true));
+      memory.call('morula_distance_bounds', ...bodies, at + 80, at, at + 128);
       const data = memory.data;
       return {
         lower: data.getFloat64(at, true),
@@ -79,6 +89,7 @@ export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFro
         facetB: data.getUint32(at + 68, true),
         crossing: data.getInt32(at + 72, true) === 1,
         certified: data.getInt32(at + 76, true) === 1,
+        complete: data.getInt32(at + 128, true) === 1,
       };
     });
   }

@@ -9,7 +9,7 @@ import {readFile} from 'node:fs/promises';
 
 const {load, MorulaError} = await packageModule();
 const morula = await load();
-const {Mesh, Tree, Skin, Body, ContactQuery, build} = morula;
+const {Mesh, Tree, Skin, Body, ContactQuery, PairQuery, build} = morula;
 
 const octahedron = () => new Mesh(
   [1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1],
@@ -258,6 +258,149 @@ test('progress is told, stops a build, and may throw', () => {
   const own = new TypeError('of the page');
   assert.throws(() => build(mesh, {quality: 'draft', progress: () => { throw own; }}), (error) => error === own);
   assert.ok(build(mesh, {quality: 'draft'}).nodeCount > 1);
+});
+
+/** Nearest points of two convex hulls by taking weight from one difference of corners to another: slow, without cases. */
+function hullDistance(a, b) {
+  const corners = a.flatMap((p) => b.map((q) => ({at: sub(p, q), weight: 0})));
+  corners[0].weight = 1;
+  let now = corners[0].at;
+  for (let step = 0; step < 3000; ++step) {
+    const low = corners.reduce((x, y) => (dot(y.at, now) < dot(x.at, now) ? y : x));
+    const high = corners.filter((c) => c.weight > 0).reduce((x, y) => (dot(y.at, now) > dot(x.at, now) ? y : x));
+    const way = sub(low.at, high.at);
+    const slope = -dot(way, now);
+    if (slope <= 1e-14) break;
+    const amount = Math.min(slope / dot(way, way), high.weight);
+    low.weight += amount;
+    high.weight -= amount;
+    now = now.map((x, k) => x + amount * way[k]);
+  }
+  return Math.sqrt(dot(now, now));
+}
+
+test('near pairs are those of all vertices, edges and facets', () => {
+  const a = sample('limb', 5);
+  const b = sample('torus', 6);
+  bend(a, 0.2);
+  a.body.update();
+  const offset = [0.3, 0.1, 0.2];
+  b.body.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], offset);
+  const placesOf = ({mesh, body}, by) => Array.from({length: mesh.vertexCount}, (_, v) =>
+    add([...body.positions.subarray(3 * v, 3 * v + 3)], by));
+  const facetsOf = ({mesh}) => Array.from({length: mesh.facetCount}, (_, f) => [...mesh.facets.subarray(3 * f, 3 * f + 3)]);
+  const edgesOf = (scene) => [...new Map(facetsOf(scene).flatMap(([x, y, z]) => [[x, y], [y, z], [z, x]])
+    .map((e) => e.sort((x, y) => x - y)).map((e) => [e.join(), e])).values()];
+  const places = [placesOf(a, [0, 0, 0]), placesOf(b, offset)];
+  const single = (list) => list.map((_, v) => [v]);
+  const distance = 0.15;
+  const sure = [];
+  const possible = new Set();
+  for (const [kind, first, second] of [['vertex-facet', single(places[0]), facetsOf(b)],
+    ['facet-vertex', facetsOf(a), single(places[1])], ['edge-edge', edgesOf(a), edgesOf(b)]])
+    for (const x of first)
+      for (const y of second) {
+        const d = hullDistance(x.map((v) => places[0][v]), y.map((v) => places[1][v]));
+        const key = `${kind} ${[...x].sort()} ${[...y].sort()}`;
+        if (d < distance - 1e-4) sure.push(key);
+        if (d < distance + 1e-4) possible.add(key);
+      }
+  const pairs = morula.proximity(a.body, b.body, {distance});
+  const found = new Set(pairs.map((p) => `${p.kind} ${[...p.verticesA].sort()} ${[...p.verticesB].sort()}`));
+  assert.ok(sure.length > 20 && sure.length < 2000, `${sure.length}`);
+  assert.equal(found.size, pairs.length);
+  assert.deepEqual(sure.filter((key) => !found.has(key)), []);
+  assert.deepEqual([...found].filter((key) => !possible.has(key)), []);
+  for (const p of pairs) {
+    const point = (vertices, weights, all) =>
+      vertices.reduce((sum, v, i) => add(sum, all[v].map((x) => x * weights[i])), [0, 0, 0]);
+    assert.ok(Math.hypot(...sub(point(p.verticesA, p.weightsA, places[0]), p.pointA)) < 1e-6);
+    assert.ok(Math.hypot(...sub(point(p.verticesB, p.weightsB, places[1]), p.pointB)) < 1e-6);
+    assert.ok(Math.abs(Math.hypot(...sub(p.pointA, p.pointB)) - p.distance) < 1e-6);
+  }
+});
+
+test('budgets end queries, whose answers then hold, and the rest follows', () => {
+  const a = sample('limb', 24);
+  const b = sample('torus', 24);
+  b.body.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], [0.2, 0.1, 0.1]);
+  const pairs = new PairQuery();
+  const key = (p) => [p.kind, p.a, p.b].join();
+  for (const search of ['near', 'crossing']) {
+    const all = pairs[search](a.body, b.body, {distance: 0.05}).map(key);
+    assert.ok(all.length > 10 && pairs.finished);
+    assert.throws(() => pairs.resume(), thrown('bad_argument', /budget/));
+    let some = pairs[search](a.body, b.body, {distance: 0.05, boxTests: 20}).map(key);
+    assert.ok(!pairs.finished && some.length < all.length);
+    let calls = 0;
+    for (; !pairs.finished; ++calls) {
+      assert.ok(calls < 10000 && some.every((one) => all.includes(one)));
+      some = pairs.resume(calls % 2 ? {boxTests: 100} : {budgetMs: 0.05}).map(key);
+    }
+    assert.ok(calls > 1);
+    assert.deepEqual(some, all);
+    assert.equal(pairs.count, all.length);
+  }
+  const contacts = new ContactQuery();
+  const nodes = (list) => list.map((c) => [c.nodeA, c.nodeB].join()).sort();
+  const complete = nodes(contacts.run(a.body, b.body));
+  contacts.run(a.body, b.body, {pairTests: 100});
+  assert.equal(contacts.finished, false);
+  let last = null;
+  for (let calls = 0; !contacts.finished; ++calls) {
+    assert.ok(calls < 10000);
+    last = contacts.resume(calls % 2 ? {pairTests: 300} : {budgetMs: 0.1});
+  }
+  assert.deepEqual(nodes(last), complete);
+  contacts.run(a.body, b.body, {pairTests: 100});
+  b.body.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], [0.2, 0.1, 2]);
+  assert.throws(() => contacts.resume(), thrown('rejected', /./));
+
+  const exact = morula.distance(a.body, b.body);
+  assert.equal(exact.complete, true);
+  for (const options of [{pairTests: 0}, {budgetMs: 0}, {tolerance: 0.5}, {stopAbove: 0.01}, {stopBelow: 9}]) {
+    const rough = morula.distance(a.body, b.body, options);
+    assert.ok(rough.lower <= exact.upper && rough.upper >= exact.lower);
+    assert.equal(rough.complete, !('pairTests' in options || 'budgetMs' in options));
+  }
+  for (const bad of [{budgetMs: -1}, {budgetMs: NaN}, {pairTests: 1.5}, {pairTests: 1, budgetMs: 1}, {tolerance: NaN}])
+    assert.throws(() => morula.distance(a.body, b.body, bad), MorulaError);
+  assert.throws(() => pairs.near(a.body, b.body, {distance: -1}), thrown('bad_argument', /distance/));
+  assert.throws(() => pairs.near(a.body, b.body, {distance: 1, rings: -1}), thrown('bad_argument', /rings/));
+  const tree = build(a.mesh, {quality: 'best', budgetMs: 1});
+  assert.equal(new Body(a.mesh, tree).certify(), true);
+  assert.throws(() => build(a.mesh, {budgetMs: 1, timeLimitSeconds: 1}), thrown('bad_argument', /one limit/));
+});
+
+test('buildAsync builds the same tree in a worker, tells progress, and stops', async () => {
+  const inline = await packageModule('src/inline.js');
+  for (const own of [morula, await inline.load()]) {
+    const mesh = own.Mesh.sample('limb', 16);
+    const shares = [];
+    const ticks = setInterval(() => shares.push('tick'), 1);
+    const tree = await own.buildAsync(mesh, {quality: 'draft', progress: (share) => void shares.push(share)});
+    clearInterval(ticks);
+    assert.ok(shares.includes('tick') && shares.filter((x) => x !== 'tick').length > 1);
+    const bytes = tree.toBytes();
+    assert.deepEqual(bytes, own.build(mesh, {quality: 'draft'}).toBytes());
+    await assert.rejects(own.buildAsync(mesh, {progress: () => false}), thrown('stopped', /stopped/));
+    const reason = new TypeError('of the page');
+    await assert.rejects(own.buildAsync(mesh, {progress: () => { throw reason; }}), (error) => error === reason);
+    const signal = AbortSignal.abort(reason);
+    await assert.rejects(own.buildAsync(mesh, {signal}), (error) => error === reason);
+    const later = new AbortController();
+    const pending = own.buildAsync(own.Mesh.sample('limb', 64), {quality: 'best', signal: later.signal});
+    setTimeout(() => later.abort(reason), 100);
+    await assert.rejects(pending, (error) => error === reason);
+    await assert.rejects(own.buildAsync(mesh, {method: 'magic'}), thrown('bad_argument', /magic/));
+    await assert.rejects(own.buildAsync(mesh, {seed: () => 1}), /clone/);
+    await assert.rejects(own.buildAsync({}), thrown('bad_argument', /no Mesh/));
+    const two = await Promise.all([0, 1].map(() => own.buildAsync(mesh, {quality: 'draft'})));
+    for (const one of two) assert.deepEqual(one.toBytes(), bytes);
+  }
+  const runtime = await load({variant: 'runtime'});
+  await assert.rejects(runtime.buildAsync(new runtime.Mesh([0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 1, 2])),
+    thrown('bad_argument', /variant "full"/));
 });
 
 test('views follow the memory when it grows', async () => {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Compiled, not run: the types as a page uses them.
-import {load, MorulaError, type Body, type Morula} from 'morula';
+import {load, MorulaError, type Body, type Morula, type Tree} from 'morula';
 import {load as loadInline} from 'morula/inline';
 
 export async function page(positions: Float32Array, facets: Uint32Array): Promise<number> {
@@ -20,6 +20,11 @@ export async function page(positions: Float32Array, facets: Uint32Array): Promis
   morula.build(mesh, {method: 'magic'});
   // @ts-expect-error trees are built or read
   new morula.Tree();
+  const later: Promise<Tree> = morula.buildAsync(mesh, {progress: null, signal: new AbortController().signal});
+  (await later).free();
+  for (const pair of morula.proximity(body, null, {distance: 0.1, budgetMs: 2})) if (pair.kind === 'edge-edge') pair.weightsA[1];
+  // @ts-expect-error a distance is required
+  new morula.PairQuery().near(body, body, {});
   const query = new morula.ContactQuery();
   try {
     for (const contact of query.run(body, body, {budgetMs: 1})) if (contact.finished) return contact.point[2];
