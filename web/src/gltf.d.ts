@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Morula for glTF files, read by @gltf-transform/core (4.5 or later): meshes, skins and motions, and trees in files. Every function throws, or rejects
-// with, a MorulaError; for a bad file its code is bad_file.
+// Morula for glTF files, read by @gltf-transform/core (4.5 or later): meshes, skins and motions, and trees in files. Every
+// function throws, or rejects with, a MorulaError; for a bad file its code is bad_file.
 import type {Document, PlatformIO} from '@gltf-transform/core';
 import type {Mesh, Morula, Skin, Tree} from './index.js';
 
 export interface GltfOptions {
-  /** Reads and writes documents; by default a WebIO. Register extensions here, such as quantization and compression: a file that requires an
-   * extension that is not registered is rejected. */
+  /** Reads and writes documents; by default a WebIO. Register extensions here, such as quantization and compression: a file
+   * that requires an extension that is not registered is rejected. */
   io?: PlatformIO;
   /** Files that the file names, by their names in it. Images may be missing until toBytes(). */
   resources?: Record<string, Uint8Array>;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Morula for three.js (0.187 or later): bounds and picking of meshes that deform, and drawings of spheres and contacts. Every function throws a MorulaError
-// for bad input, and then nothing has changed.
+// Morula for three.js (0.187 or later): bounds and picking of meshes that deform, and drawings of spheres and contacts. Every
+// function throws a MorulaError for bad input, and then nothing has changed.
 import type {Box3, ColorRepresentation, Group, Intersection, LineSegments, Mesh as ThreeMesh, Raycaster, Sphere} from 'three';
 import type {Body, BuildOptions, Contact, Mesh, Morula, Tree} from './index.js';
 
