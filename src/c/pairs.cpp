@@ -118,7 +118,7 @@ template <class Query>
 morula_status resume(morula_pairs& pairs, Query& query, const Budget& budget) {
   // The query itself sees deformations alone: its surfaces keep the transforms of the search.
   for (const morula_body* body : {pairs.a.get(), pairs.b.get()})
-    // mutant c-pairs-moved: `body->surface_transform != body->collider.transform()` -> `false`
+    // mutant c-pairs-moved: `body->surface_transform != body->collider.transform()` -> `body == nullptr`
     if (body->surface_transform != body->collider.transform()) return code_of(Status{Status::Code::other_transform});
   auto options = query.options();
   options.budget = budget;
