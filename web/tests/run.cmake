@@ -12,5 +12,7 @@ set(ENV{MORULA_CHROMIUM} "${CHROMIUM}")
 foreach(test IN LISTS TESTS)
   execute_process(COMMAND "${NODE}" --test "${ROOT}/web/tests/${test}.test.js" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
-execute_process(COMMAND "${NODE}" "${ROOT}/build/web/npm/node_modules/typescript/bin/tsc" -p "${ROOT}/web/tests/tsconfig.json"
-  COMMAND_ERROR_IS_FATAL ANY)
+foreach(types tsconfig tsconfig_three)
+  execute_process(COMMAND "${NODE}" "${ROOT}/build/web/npm/node_modules/typescript/bin/tsc" -p "${ROOT}/web/tests/${types}.json"
+    COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
