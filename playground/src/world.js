@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: 2026 The Morula authors
+// SPDX-License-Identifier: Apache-2.0
+// The bodies of the page and the frames in which they move: goal, soft body, update of the spheres, contacts, picture.
+import { kindColor, levelColors, rgb } from '../../viewer/src/colors.js';
+import { boxOf, Deformer } from './deform.js';
+import { Model, Shown } from './model.js';
+import { SoftBody } from './soft.js';
+import { Other, Touch } from './touch.js';
+
+const levelTints = levelColors.map(rgb);
+const stepSeconds = 1 / 60;
+const mostSteps = 2; // of a frame: a slow page runs slower, and does not stop
+
+export class World {
+  /** onframe(): after each frame. */
+  constructor(state, stage, onframe) {
+    Object.assign(this, { state, stage, onframe });
+    this.morula = null;
+    this.model = null;
+    this.character = null;
+    this.other = null;
+    this.held = false;
+    this.time = 0;
+    this.frames = 0;
+    this.milliseconds = 0;
+  }
+
+  /** A new body. made: of Builder.build(). */
+  adopt(made, character) {
+    this.dropOther();
+    const before = this.model;
+    this.model = new Model(this.morula, made, character);
+    before?.free();
+    Object.assign(this, { made, character });
+    this.deformer = new Deformer(made.positions);
+    this.size = this.deformer.size || 1;
+    this.touch?.free();
+    this.touch = new Touch(this.morula, this.size);
+    this.goal = Float64Array.from(made.positions);
+    this.soft = made.clusters && made.clusters.length > 0 ? new SoftBody(this.goal, made.clusters) : null;
+    this.time = 0;
+    this.shown = new Shown(this.model, this.size);
+    this.twin = new Shown(this.model, this.size);
+    this.setGoal();
+    this.shown.motion.frames[0].set(this.goal);
+    this.stage.show(this.shown);
+    this.stage.twin.body.show(this.twin);
+    this.stage.twin.spheres.show(this.twin);
+    this.ask();
+  }
+
+  /** made: of Builder.build() for the tool; the body's own for a second body. */
+  touchWith(made, kind) {
+    this.dropOther();
+    const isSoft = kind === 'body';
+    this.other = new Other(new Model(this.morula, made, null), isSoft, isSoft ? this.crosswise() : null);
+    this.otherShown = new Shown(this.other.model, this.size);
+    this.stage.other.body.show(this.otherShown);
+    this.stage.other.spheres.show(this.otherShown);
+    this.pressAxis = this.deformer.along === 1 ? 0 : 1;
+    const { low, high } = boxOf(this.made.positions);
+    const mine = this.other.box;
+    this.home = [0, 1, 2].map((k) => 0.5 * (low[k] + high[k] - mine.low[k] - mine.high[k]));
+    this.home[this.pressAxis] = high[this.pressAxis] - mine.low[this.pressAxis] + 0.06 * this.size;
+    this.other.moveTo(this.placeOfOther());
+    this.stage.showOther(true);
+    this.ask();
+  }
+  /** A quarter turn of the second body about the axis along which it presses. */
+  crosswise() {
+    const { along, center } = this.deformer;
+    const axis = along === 1 ? 0 : 1;
+    const third = 3 - along - axis;
+    const turned = Float64Array.from(this.made.positions);
+    const { positions } = this.made;
+    for (let i = 0; i < positions.length; i += 3) {
+      turned[i + along] = center[along] - (positions[i + third] - center[third]);
+      turned[i + third] = center[third] + (positions[i + along] - center[along]);
+    }
+    return turned;
+  }
+  dropOther() {
+    this.other?.model.free();
+    this.other = null;
+    this.touch?.clear();
+    this.stage.showOther(false);
+  }
+  placeOfOther() {
+    return this.state.get('place').map((x, k) => this.home[k] + x * this.size);
+  }
+  movedOther() {
+    if (!this.other) return;
+    this.other.moveTo(this.placeOfOther());
+    this.ask();
+  }
+
+  /** Where the sliders, or the motion of the file, put the body. */
+  setGoal() {
+    const { state, character } = this;
+    if (character) character.pose(this.time, this.goal);
+    else {
+      const swing = state.get('playing') ? Math.cos(2 * this.time) : 1;
+      const [bend, twist, stretch] = ['bend', 'twist', 'stretch'].map((name) => state.get(name));
+      const limit = this.deformer.bendLimit(stretch);
+      this.deformer.apply({ bend: swing * Math.max(-limit, Math.min(limit, bend)), twist: swing * twist, stretch: 1 + (stretch - 1) * Math.abs(swing) }, this.goal);
+    }
+    this.soft?.setGoal(this.goal);
+  }
+
+  /** Asks for a frame; changed: whether the goal did. */
+  ask(changed = true) {
+    this.goalChanged ||= changed;
+    if (this.asked || !this.model) return;
+    this.asked = true;
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  frame(now) {
+    this.asked = false;
+    if (!this.model) return;
+    const begin = performance.now();
+    const elapsed = Math.min(0.1, this.last ? (now - this.last) / 1000 : stepSeconds);
+    const playing = this.state.get('playing');
+    if (playing) this.time += elapsed;
+    if (playing || this.goalChanged) this.setGoal();
+    this.goalChanged = false;
+    this.owed = Math.min((this.owed ?? 0) + elapsed, mostSteps * stepSeconds);
+    let moves = playing;
+    for (; this.owed >= 0.9 * stepSeconds; this.owed -= stepSeconds) {
+      moves = (this.soft?.step() ?? false) || moves;
+      moves = (this.other?.soft?.step() ?? false) || moves;
+    }
+    this.pose();
+    this.milliseconds = performance.now() - begin;
+    ++this.frames;
+    const goesOn = moves || (this.soft && !this.soft.asleep) || (this.other?.soft && !this.other.soft.asleep);
+    this.last = goesOn ? now : 0;
+    this.stage.ask();
+    this.onframe();
+    if (goesOn) this.ask(false);
+  }
+
+  /** Spheres of both bodies and their contacts at the present positions, and the picture of them. */
+  pose() {
+    const { state, model, stage } = this;
+    const rule = state.get('rule');
+    this.follow(rule, this.shown);
+    if (this.other) {
+      this.other.writeTo(this.otherShown);
+      this.touch.run(model.body(rule), this.soft, this.other);
+      if (this.soft?.wasPushed) this.follow(rule, this.shown);
+      if (this.other.soft?.wasPushed) this.other.writeTo(this.otherShown);
+    }
+    if (state.get('beside')) this.follow('exact', this.twin);
+    this.draw();
+    stage.surround(this.box());
+  }
+  follow(rule, shown) {
+    const positions = shown.motion.frames[0];
+    positions.set(this.soft ? this.soft.x : this.goal);
+    this.model.update(rule, positions, this.character?.transforms, shown.frames[0]);
+  }
+  box() {
+    const box = boxOf(this.shown.positions());
+    if (!this.other) return box;
+    const second = boxOf(this.otherShown.positions());
+    return { low: box.low.map((l, k) => Math.min(l, second.low[k])), high: box.high.map((h, k) => Math.max(h, second.high[k])) };
+  }
+
+  draw() {
+    const { state, stage, model } = this;
+    const level = this.level();
+    const color = this.colorOf(model);
+    const show = (views, shown, at, tint, uncovered) => {
+      views.body.pose(0);
+      views.body.compare(0, at, uncovered && state.get('uncovered'));
+      views.body.facets(state.get('facets'));
+      views.spheres.pose(0, at, tint);
+      views.spheres.look(state.get('spheres'), state.get('opacity'));
+      views.body.parts[0].visible = views.body.parts[1].visible = state.get('body');
+    };
+    show(stage, this.shown, level, color, true);
+    if (state.get('beside')) show(stage.twin, this.twin, level, color, true);
+    if (!this.other) return;
+    const other = this.other.model;
+    show(stage.other, this.otherShown, Math.min(level, other.levelCount - 1), this.colorOf(other), false);
+    stage.contacts.pose(this.touch.drawn(), 0.01 * this.size);
+    stage.crossings.show(this.touch.crossingTriangles(this.shown.positions(), model.facets));
+  }
+  level() {
+    return Math.min(this.state.get('level'), this.model.levelCount - 1);
+  }
+  colorOf(model) {
+    const tints = this.state.get('color') === 'branch' ? model.branchTints ??= Array.from({ length: 64 }, (_, k) => kindColor(k)) : levelTints;
+    const of = this.state.get('color') === 'branch' ? model.branchOf : model.levelOf;
+    return (node) => tints[of[node] % tints.length];
+  }
+
+  /** What a pointer takes hold of: the other body, or the body at the point that it meets. */
+  grasp(ray) {
+    if (!this.model) return null;
+    const [from, to] = [ray.origin.toArray(), ray.direction.toArray()];
+    const mine = this.morula.firstHit(this.model.body(this.state.get('rule')), from, to);
+    const its = this.other ? this.morula.firstHit(this.other.body, from, to) : null;
+    if (its && (!mine || its.t < mine.t)) return this.carry(its.point);
+    return mine && this.soft ? this.pull(mine.point, to) : null;
+  }
+  carry(point) {
+    const at = this.stage.planeThrough(point);
+    const before = this.state.get('place');
+    return {
+      move: (ray) => {
+        const to = at(ray);
+        if (to) this.state.set({ place: before.map((x, k) => x + (to[k] - point[k]) / this.size) });
+      },
+      end: () => {},
+    };
+  }
+  pull(point, direction) {
+    const at = this.stage.planeThrough(point);
+    this.soft.hold(point, 0.14 * this.size);
+    this.ask(false);
+    return {
+      move: (ray) => {
+        const to = at(ray);
+        if (to) this.soft.drag(to);
+        this.ask(false);
+      },
+      end: (wasMoved) => {
+        this.soft.release();
+        if (!wasMoved) this.pokeAt(point, direction);
+        this.ask(false);
+      },
+    };
+  }
+  pokeAt(point, direction) {
+    this.soft.poke(point, 0.16 * this.size, direction.map((d) => 0.1 * this.size * d));
+    this.ask(false);
+  }
+  /** Pokes the body where the ray meets it. Returns whether it does. */
+  poke(ray) {
+    if (!this.model || !this.soft) return false;
+    const direction = ray.direction.toArray();
+    const hit = this.morula.firstHit(this.model.body(this.state.get('rule')), ray.origin.toArray(), direction);
+    if (hit) this.pokeAt(hit.point, direction);
+    return hit !== null;
+  }
+}
