@@ -23,11 +23,13 @@ export class Figures {
     this.ask();
   }
   ask() {
+    this.isStale = true;
     if (this.timer === 0) this.timer = setTimeout(() => this.begin(), pause);
   }
 
   /** One figure per turn of the page's loop: together they would take a frame's time. */
   begin() {
+    this.isStale = false;
     const found = { share: 0, proven: false, loose: null, update: null };
     this.jobs = [() => this.uncovered(found), () => this.loose(found), () => this.speed(found), () => this.contacts(), () => this.panel.figures(found)];
     this.next();
@@ -36,7 +38,8 @@ export class Figures {
     const job = this.world.model ? this.jobs.shift() : null;
     if (!job) {
       this.timer = 0;
-      this.ondone?.();
+      if (this.isStale) this.ask();
+      else document.body.dataset.figures = 'done';
       return;
     }
     job();
@@ -67,6 +70,6 @@ export class Figures {
   contacts() {
     const { world, panel } = this;
     if (!world.other) return;
-    panel.contacts(world.touch, world.touch.countTests(world.model.body(this.state.get('rule')), world.other.body));
+    panel.contacts(world.touch, world.touch.countTests(world.model.body(this.state.get('rule')), world.other));
   }
 }

@@ -50,6 +50,7 @@ class Playground {
     this.stage.onlook = () => this.remember();
     this.toggleTheme = bindTheme(() => this.stage.theme());
     this.stage.theme();
+    this.stage.showTwin(this.state.get('beside'));
     this.state.listen((changed) => this.follow(changed));
     addEventListener('hashchange', () => this.goTo(location.hash));
     this.bindButtons();

@@ -51,13 +51,14 @@ export class PlayStage extends Stage {
   /** Width and height of a half, or of the whole; whether halves lie above each other. */
   halves() {
     const { clientWidth: width, clientHeight: height } = this.place;
-    const stacked = width < height;
+    const stacked = width < 1.3 * height;
     if (!this.beside) return { width, height, stacked };
     return stacked ? { width, height: height / 2, stacked } : { width: width / 2, height, stacked };
   }
 
   resize() {
     super.resize();
+    this.place.dataset.stacked = String(this.halves().stacked);
     if (!this.beside || this.place.clientWidth === 0 || this.place.clientHeight === 0) return;
     const { width, height } = this.halves();
     this.camera.aspect = width / height;

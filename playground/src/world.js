@@ -8,6 +8,7 @@ import { SoftBody } from './soft.js';
 import { Other, Touch } from './touch.js';
 
 const levelTints = levelColors.map(rgb);
+const otherTint = rgb('#8fa6d6');
 const stepSeconds = 1 / 60;
 const mostSteps = 2; // of a frame: a slow page runs slower, and does not stop
 
@@ -112,6 +113,7 @@ export class World {
     this.goalChanged ||= changed;
     if (this.asked || !this.model) return;
     this.asked = true;
+    document.body.dataset.figures = 'pending';
     requestAnimationFrame((now) => this.frame(now));
   }
 
@@ -183,7 +185,7 @@ export class World {
     if (state.get('beside')) show(stage.twin, this.twin, level, color, true);
     if (!this.other) return;
     const other = this.other.model;
-    show(stage.other, this.otherShown, Math.min(level, other.levelCount - 1), this.colorOf(other), false);
+    show(stage.other, this.otherShown, Math.min(level, other.levelCount - 1), () => otherTint, false);
     stage.contacts.pose(this.touch.drawn(), 0.01 * this.size);
     stage.crossings.show(this.touch.crossingTriangles(this.shown.positions(), model.facets));
   }
