@@ -25,8 +25,8 @@ const bundle = (name) =>
     target: ['chrome100', 'firefox113', 'safari16.4'],
     nodePaths: [join(packages, 'node_modules')],
     alias: { morula: join(morula, 'src/index.js') },
-    // Of node alone.
-    external: ['node:*'],
+    // Never imported here: of node, and the package's own modules and worker.
+    external: ['node:*', '../dist/*'],
     // The page gives the module to load(); no address of one is ever made.
     define: { 'import.meta.url': '""' },
     legalComments: 'none',

@@ -14,7 +14,7 @@ export const details = [['1500', '1.5k', 'About 1,500 facets'], ['5000', '5k', '
 export const rules = [
   ['exact', 'Exact', 'Every sphere encloses its part of the surface: proven in every frame'],
   ['approach2', 'Approach 2', 'The paper: a sphere follows the box of its vertices'],
-  ['approach1', 'Approach 1', 'The paper: a sphere follows the mean of its vertices'],
+  ['approach1', 'Approach 1', 'The paper: a sphere follows the mean of its vertices, and grows with the farthest'],
   ['traditional', 'Traditional', 'A sphere follows the vertices that it enclosed at rest'],
   ['skinned', 'Skinned', 'Spheres follow the bones, and no vertex is read: proven too'],
   ['rest', 'Not updated', 'Spheres stay where they were at rest'],

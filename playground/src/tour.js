@@ -4,7 +4,8 @@
 import { byId } from '../../viewer/src/dom.js';
 
 const rest = { bend: 0, twist: 0, stretch: 1 };
-const still = { shape: 'limb', detail: '5000', method: 'optimized', quality: 'fast', depth: 'auto', flat: 0, touch: 'none', beside: false, playing: false, color: 'branch', body: true, spheres: true, uncovered: true, opacity: 0.5 };
+const bent = { ...rest, bend: 110 };
+const still = { shape: 'limb', detail: '1500', method: 'optimized', quality: 'fast', depth: 'auto', flat: 0, touch: 'none', beside: false, playing: false, color: 'branch', body: true, spheres: true, uncovered: true, opacity: 0.5 };
 
 export const steps = [
   {
@@ -15,22 +16,22 @@ export const steps = [
   {
     title: 'Deformation breaks it',
     text: 'The limb bends, and the spheres stay where they were built. The red surface is in no sphere: a query would miss what happens there. To build the tree again in every frame takes too long, so its spheres have to follow the surface.',
-    set: { ...rest, bend: 110, rule: 'rest', level: 2 },
+    set: { ...bent, rule: 'rest', level: 2 },
   },
   {
     title: 'The traditional update',
-    text: 'Every sphere moves by the mean displacement of the vertices that it enclosed, and its radius reaches the farthest of them. A facet whose corners belong to different spheres can still leave all spheres. Bend, twist and stretch the limb, and look for red surface on every level.',
-    set: { bend: 110, twist: 120, stretch: 1.3, rule: 'traditional', level: 3 },
+    text: 'Every sphere moves by the mean displacement of the vertices that it enclosed, and its radius reaches the farthest of them. The red facets have corners in several spheres and lie in none. Twist the limb: now the spheres grow, because the vertices that one sphere has to enclose move apart.',
+    set: { ...bent, rule: 'traditional', level: 2 },
   },
   {
     title: 'Approach 2 of the paper',
-    text: 'The paper fits a box around the vertices of each leaf, and around the spheres of each inner node. The sphere follows the box in constant time for each node. It is quick and tight, and it leaves surface bare where the box changes its shape: the figures give the share.',
-    set: { bend: 110, twist: 120, stretch: 1.3, rule: 'approach2', level: 3 },
+    text: 'The sphere of a leaf follows the box of its vertices, and the sphere of an inner node follows the box of its child spheres. That takes constant time for each node and keeps spheres small, but a box says little about the surface in it: the figures give the share that is bare.',
+    set: { ...bent, rule: 'approach2', level: 2 },
   },
   {
     title: 'Exact',
-    text: 'Morula gives each sphere a patch of the surface, and encloses the patch in every frame. Nothing is bare on any level, and the certificate proves it for every triangle. Compare both: Approach 2 comes first, Exact second. Drag the limb.',
-    set: { bend: 110, twist: 120, stretch: 1.3, rule: 'approach2', level: 3, beside: true },
+    text: 'Morula binds each sphere to a patch of the surface and encloses the patch in every frame. No level leaves surface bare: the certificate checks every triangle. Approach 2 comes first, Exact second. Bend, twist and stretch the limb, or drag it, and compare.',
+    set: { ...bent, rule: 'approach2', level: 2, beside: true },
   },
 ];
 

@@ -18,8 +18,8 @@ await claim('it_builds_a_tree_and_shows_it', () =>
   }));
 
 await claim('exact_covers_where_the_rules_of_the_paper_leave_surface_bare', () =>
-  opened('#bend=150&twist=200&stretch=1.4&level=3', {}, async (page) => {
-    for (const [rule, isBare] of [['exact', false], ['traditional', true], ['approach1', true], ['approach2', true], ['rest', true], ['exact', false]]) {
+  opened('#detail=1500&bend=110&level=2', {}, async (page) => {
+    for (const [rule, isBare] of [['exact', false], ['traditional', true], ['approach2', true], ['rest', true], ['exact', false]]) {
       await page.selectOption('#rule', rule);
       await idle(page);
       const text = await words(page, '#figure-uncovered');
