@@ -90,7 +90,7 @@ export function clustersOf(positions, facets, wanted) {
   const reach = nearest.reduce((most, d) => (d < Infinity && d > most ? d : most), 0);
   const found = fields.map((field) => {
     const members = [];
-    field.forEach((d, v) => isUsed[v] && d <= 1.8 * reach && members.push(v));
+    field.forEach((d, v) => isUsed[v] && d <= 1.6 * reach && members.push(v));
     return Uint32Array.from(members);
   });
   return found.filter((members) => members.length >= 4);

@@ -175,21 +175,30 @@ class Playground {
       world.touchWith(made, kind);
     }
     this.stage.surround(world.box());
-    if (!this.stage.turned) this.stage.fit();
+    if (!this.stage.turned) {
+      if (kind === 'none') this.stage.fit();
+      else this.stage.widen();
+    }
     this.press();
     this.figures.ask();
   }
   async tool() {
     const size = 0.5 * this.world.size;
-    if (this.madeTool?.size === size) return this.madeTool.made;
+    const press = this.world.axisOfPress();
+    if (this.madeTool?.size === size && this.madeTool.press === press) return this.madeTool.made;
     const trial = this.world.morula.Mesh.sample('tool', 16);
     const positions = trial.positions.slice();
     const facets = trial.facets.slice();
     trial.free();
     const scale = size / new Deformer(positions).size;
-    for (let i = 0; i < positions.length; ++i) positions[i] *= scale;
+    // Upright, with the tip down.
+    const along = new Deformer(positions).along;
+    for (let i = 0; i < positions.length; i += 3) {
+      for (let k = 0; k < 3; ++k) positions[i + k] *= scale;
+      if (along !== press) [positions[i + along], positions[i + press]] = [positions[i + press], -positions[i + along]];
+    }
     const made = await this.builder.build({ mesh: { positions, facets } }, { quality: 'draft' }, () => {});
-    if (made) this.madeTool = { size, made };
+    if (made) this.madeTool = { size, press, made };
     return made;
   }
   press() {

@@ -4,8 +4,8 @@
 // whole gently to its goal. Tests run it alone.
 
 const damping = 0.985; // of velocities, per step
-const stiffness = 0.55; // share of the way to the shapes of the clusters, per step
-const homing = 0.02; // the same to the goal
+const stiffness = 0.5; // share of the way to the shapes of the clusters, per step
+const homing = 0.035; // the same to the goal
 
 /** Turns the unit quaternion q = [x, y, z, w] toward the rotation nearest to the matrix a, by rows. */
 function turnToward(q, a, rounds) {

@@ -140,6 +140,17 @@ export class PlayStage extends Stage {
     }
   }
 
+  /** Goes back, in the same direction, until all of the box is seen. */
+  widen() {
+    const [center, radius] = this.frameOfBox();
+    const away = this.camera.position.clone().sub(this.controls.target);
+    const distance = (0.85 * radius) / Math.sin((0.5 * this.camera.fov * Math.PI) / 180) / Math.min(1, this.camera.aspect);
+    this.camera.position.copy(center).addScaledVector(away.normalize(), distance);
+    this.controls.target.copy(center);
+    this.controls.update();
+    this.ask();
+  }
+
   /** Turns the camera about its target, radians: for the keyboard. */
   orbit(across, up) {
     const offset = this.camera.position.clone().sub(this.controls.target);

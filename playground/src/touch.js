@@ -127,9 +127,14 @@ export class Touch {
     return [...met].map((facet) => [0, 1, 2].map((k) => [0, 1, 2].map((axis) => positions[3 * facets[3 * facet + k] + axis])));
   }
 
-  /** Seven numbers per contact, as contacts.js of viewer/ draws them. */
-  drawn() {
-    return Float32Array.from(this.contacts.flatMap(({ point, normal, depth }) => [...point, ...normal, depth]));
+  /** The deepest contacts at least `apart` from each other: seven numbers each, as contacts.js of viewer/ draws them. */
+  drawn(apart) {
+    const shown = [];
+    for (const contact of [...this.contacts].sort((a, b) => b.depth - a.depth)) {
+      if (shown.length === 24) break;
+      if (shown.every(({ point }) => Math.hypot(...point.map((x, k) => x - contact.point[k])) > apart)) shown.push(contact);
+    }
+    return Float32Array.from(shown.flatMap(({ point, normal, depth }) => [...point, ...normal, depth]));
   }
 
   free() {

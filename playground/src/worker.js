@@ -41,7 +41,7 @@ async function run({ id, source, options }) {
     const seconds = (performance.now() - begin) / 1000;
     const bytes = tree.toBytes();
     tree.free();
-    const clusters = positions.length / 3 <= mostSoftVertices ? clustersOf(positions, facets, 24) : null;
+    const clusters = positions.length / 3 <= mostSoftVertices ? clustersOf(positions, facets, 48) : null;
     postMessage({ id, made: { positions, facets, tree: bytes, seconds, clusters } }, [positions.buffer, facets.buffer, bytes.buffer]);
   } finally {
     mesh.free();

@@ -58,19 +58,41 @@ export class World {
     this.otherShown = new Shown(this.other.model, this.size);
     this.stage.other.body.show(this.otherShown);
     this.stage.other.spheres.show(this.otherShown);
-    this.pressAxis = this.deformer.along === 1 ? 0 : 1;
+    this.pressAxis = this.axisOfPress();
     const { low, high } = boxOf(this.made.positions);
     const mine = this.other.box;
     this.home = [0, 1, 2].map((k) => 0.5 * (low[k] + high[k] - mine.low[k] - mine.high[k]));
     this.home[this.pressAxis] = high[this.pressAxis] - mine.low[this.pressAxis] + 0.06 * this.size;
+    this.approach(high[this.pressAxis] - low[this.pressAxis]);
     this.other.moveTo(this.placeOfOther());
     this.stage.showOther(true);
     this.ask();
   }
+  /** Lowers the other body toward the body at rest until a small gap is left: by their distance, again and again, so that it never
+   * meets it on the way. If it would pass by, it stays where it was. */
+  approach(most) {
+    const { morula, model, other, home, pressAxis } = this;
+    const gap = 0.03 * this.size;
+    const above = home[pressAxis];
+    const atRest = new morula.Body(model.mesh, model.tree);
+    for (let step = 0; step < 60; ++step) {
+      other.moveTo(home);
+      other.writeTo(this.otherShown);
+      const way = morula.distance(atRest, other.body).lower - gap;
+      home[pressAxis] -= Math.max(0, way);
+      if (way < 0.1 * gap || above - home[pressAxis] > most) break;
+    }
+    atRest.free();
+    if (above - home[pressAxis] > most) home[pressAxis] = above;
+  }
+  /** Across the body: the vertical, unless the body stands. */
+  axisOfPress() {
+    return this.deformer.along === 1 ? 0 : 1;
+  }
   /** A quarter turn of the second body about the axis along which it presses. */
   crosswise() {
     const { along, center } = this.deformer;
-    const axis = along === 1 ? 0 : 1;
+    const axis = this.axisOfPress();
     const third = 3 - along - axis;
     const turned = Float64Array.from(this.made.positions);
     const { positions } = this.made;
@@ -186,7 +208,7 @@ export class World {
     if (!this.other) return;
     const other = this.other.model;
     show(stage.other, this.otherShown, Math.min(level, other.levelCount - 1), () => otherTint, false);
-    stage.contacts.pose(this.touch.drawn(), 0.01 * this.size);
+    stage.contacts.pose(this.touch.drawn(0.04 * this.size), 0.03 * this.size);
     stage.crossings.show(this.touch.crossingTriangles(this.shown.positions(), model.facets));
   }
   level() {

@@ -13,7 +13,7 @@ await claim('a_tool_presses_the_body_and_the_figures_tell', () =>
     await page.waitForFunction(() => document.getElementById('figure-tests').textContent !== '–');
     equal(await number(page, 'figure-crossings'), 0, 'crossings at first');
     let [crossings, contacts] = [0, 0];
-    for (let press = 0; press <= 0.3; press += 0.02) {
+    for (let press = 0; press <= 0.2; press += 0.02) {
       await page.locator('#press').evaluate((range, value) => {
         range.value = String(value);
         range.dispatchEvent(new Event('input', { bubbles: true }));
@@ -33,7 +33,7 @@ await claim('a_tool_presses_the_body_and_the_figures_tell', () =>
   }));
 
 await claim('two_bodies_press_each_other_apart', () =>
-  opened('#bend=0&detail=1500&touch=body&place=0,-0.16,0', {}, async (page) => {
+  opened('#bend=0&detail=1500&touch=body&place=0,-0.12,0', {}, async (page) => {
     await page.waitForFunction(() => document.getElementById('figure-tests').textContent !== '–');
     await page.waitForTimeout(1500);
     const pressed = await pose(page);
