@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Bundles src/, what it shares with viewer/, and the npm package morula into FOLDER/index.html: one file that asks for no other.
-// PACKAGES has three and esbuild in node_modules; PACKAGE is what scripts/web makes.
+// Bundles src/, what it shares with viewer/, and the npm package morula into FOLDER/index.html: one file that loads no other.
+// PACKAGES has three and esbuild in node_modules; PACKAGE is build/web/package of scripts/web.
 // usage: node playground/build.mjs PACKAGES PACKAGE FOLDER
 import { createHash } from 'node:crypto';
 import { createRequire } from 'node:module';

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What a page can be asked for, and what its address says of it.
+// The choices of the page, and the values that its address keeps.
 
 export const shapes = [
   ['limb', 'Limb'], ['hand', 'Hand'], ['torus', 'Torus'], ['bar', 'Bar'], ['capsule', 'Capsule'], ['blob', 'Blob'], ['vessel', 'Vessel'], ['two', 'Two parts'],

@@ -32,7 +32,7 @@ export function isClosed(facets) {
   return facets.length > 0;
 }
 
-/** Where lines along x through the middles of cells meet the surface: per row of cells, [x, sign] pairs. */
+/** Crossings of the surface with lines along x through the middles of cells: per row of cells, [x, sign] pairs. */
 function crossings(positions, facets, low, edge, [, ny, nz]) {
   const rows = Array.from({ length: ny * nz }, () => []);
   for (let i = 0; i < facets.length; i += 3) {

@@ -5,7 +5,7 @@ import { byId, element } from '../../viewer/src/dom.js';
 import { rules } from './choices.js';
 
 const list = [
-  ['Space', 'play, stop'], ['[ ]', 'coarser, finer level'], ['R', 'next update rule'], ['E', 'beside exact'], ['P', 'poke the middle of the picture'],
+  ['Space', 'play, stop'], ['[ ]', 'coarser, finer level'], ['R', 'next update rule'], ['E', 'compare with exact'], ['P', 'poke the middle of the picture'],
   ['← → ↑ ↓', 'turn the view; with Shift move the tool'], ['+ −', 'closer, farther'], ['M S', 'mesh, spheres'], ['U W', 'uncovered surface in red, facets'], ['F', 'fit the view'],
   ['O', 'open a file'], ['N', 'next step of the tour'], ['T', 'light or dark'], ['Esc', 'cancel the build, close'], ['?', 'this list'],
 ];

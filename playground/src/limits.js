@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What the page takes: files up to a size, meshes up to a number of facets. It says so before it reads what is larger.
+// Limits of files and meshes, checked before anything larger is read.
 
 export const mostBytes = 128 * 2 ** 20;
 export const mostFacets = 200_000;

@@ -61,7 +61,7 @@ export class Figures {
     if (!this.closed) return;
     found.loose = looseness(world.shown.positions(), world.model.facets, world.shown.frames[0], world.shown.levelSets[world.level()]);
   }
-  /** The least of what was measured for this rule: other work of the machine only adds to it. */
+  /** The least time so far of this rule: other work of the machine only adds to it. */
   speed(found) {
     const rule = this.state.get('rule');
     if (rule !== this.rule) [this.rule, this.update] = [rule, null];

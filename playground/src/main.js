@@ -57,7 +57,7 @@ class Playground {
     this.bindFiles();
   }
 
-  /** What an address sets: a step of the tour, and over it single values. */
+  /** The values of an address: those of a step of the tour, and over them single ones. */
   valuesOf(wanted) {
     const values = within(wanted?.values ?? {});
     return { ...stepValues(values.tour ?? 0), ...values };
@@ -162,7 +162,7 @@ class Playground {
     if (this.state.get('touch') !== 'none') this.touch();
   }
 
-  /** The tool, built when it is first wanted, or the body's own tree once more. */
+  /** The tool, built on first use, or the body's own tree once more. */
   async touch() {
     const { world, state } = this;
     const kind = state.get('touch');
@@ -299,7 +299,8 @@ class Playground {
 
 addEventListener('DOMContentLoaded', () => {
   try {
-    new Playground().begin();
+    window.playground = new Playground(); // for a look from the console
+    window.playground.begin();
   } catch (error) {
     if (!(error instanceof PageError)) console.warn(error);
     fail(error);

@@ -78,7 +78,7 @@ export class Model {
   }
 }
 
-/** What the views of viewer/ draw: one frame that changes in place. */
+/** The scene for the views of viewer/: one frame that changes in place. */
 export class Shown {
   constructor(model, size) {
     this.motion = { frames: [Float32Array.from(model.rest)], facets: model.facets };

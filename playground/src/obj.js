@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of an OBJ file.
 
-/** A number with all its digits, so that a tree of the mesh is one of the file, too. */
+/** A number with all its digits, so that a tree of the mesh also fits the file. */
 const exact = (x) => (Object.is(x, -0) ? '-0' : String(x));
 
 export function objText(positions, facets) {

@@ -46,6 +46,8 @@ export class SoftBody {
     this.goal = Float64Array.from(goal);
     this.velocity = new Float64Array(goal.length);
     this.before = new Float64Array(goal.length);
+    this.last = new Float64Array(goal.length);
+    this.stillSteps = 0;
     this.sum = new Float64Array(goal.length);
     this.share = new Float32Array(goal.length / 3);
     this.clusters = clusters.map((members) => ({ members, shape: new Float64Array(3 * members.length), rotation: [0, 0, 0, 1] }));
@@ -165,19 +167,27 @@ export class SoftBody {
     }
     sum.fill(0);
     for (const cluster of this.clusters) this.match(cluster);
-    let off = 0;
+    let [off, moved] = [0, 0];
     for (let v = 0; v < share.length; ++v) {
       for (let i = 3 * v; i < 3 * v + 3; ++i) {
         if (share[v] > 0) x[i] += stiffness * (sum[i] / share[v] - x[i]);
         x[i] += homing * (goal[i] - x[i]);
         velocity[i] = x[i] - before[i];
+        moved = Math.max(moved, Math.abs(x[i] - this.last[i]));
         off = Math.max(off, Math.abs(x[i] - goal[i]), Math.abs(velocity[i]));
       }
     }
+    this.last.set(x);
+    this.stillSteps = moved < 2e-5 * this.size ? this.stillSteps + 1 : 0;
     if (!(off < 100 * this.size)) this.settle();
     else if (!this.held && !this.wasPushed && off < 2e-4 * this.size) this.settle();
     this.wasPushed = false;
     return true;
+  }
+
+  /** Whether it has come to rest: at its goal, or where something holds it. */
+  get isStill() {
+    return (this.asleep && !this.held) || this.stillSteps > 30;
   }
 
   /** Puts the body at its goal, at rest. */

@@ -11,7 +11,7 @@ import { Stage } from '../../viewer/src/stage.js';
 export class PlayStage extends Stage {
   constructor(place) {
     super(place);
-    this.renderer.domElement.setAttribute('aria-label', 'A body and its spheres. Drag the body to pull it, tap to poke it; drag beside it to turn the view, scroll or pinch to come closer. Arrow keys turn the view, P pokes.');
+    this.renderer.domElement.setAttribute('aria-label', 'A body and its spheres. Drag the body to pull it, tap to poke it; drag the background to turn the view, scroll or pinch to come closer. Arrow keys turn the view, P pokes.');
     this.twin = { body: new BodyView(), spheres: new SpheresView(this.plane) };
     this.other = { body: new BodyView(), spheres: new SpheresView(this.plane) };
     this.crossings = new BareView();
@@ -21,7 +21,7 @@ export class PlayStage extends Stage {
       this.scene.add(body.group, spheres.group);
     }
     this.scene.add(this.crossings.mesh);
-    /** What a pointer at a ray takes hold of: {move(ray), end()}, or null. */
+    /** Takes hold of a body that a ray meets: {move(ray), end(wasMoved)}, or null. */
     this.grasp = () => null;
     this.watchGrasp();
   }
@@ -100,7 +100,7 @@ export class PlayStage extends Stage {
     return this.rayAt({ clientX: rect.left + 0.5 * width, clientY: rect.top + 0.5 * height });
   }
 
-  /** Where rays meet the plane through a point, parallel to the picture. */
+  /** A function from rays to their points of the plane through a point, parallel to the picture. */
   planeThrough(point) {
     const plane = new Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new Vector3()), new Vector3(...point));
     return (ray) => ray.intersectPlane(plane, new Vector3())?.toArray() ?? null;

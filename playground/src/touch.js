@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// What touches the body: a rigid tool, or a second soft body. Contacts and crossings of both, and vertices pushed out of each other.
+// A second body that touches the first: a rigid tool, or a soft body. Contacts and crossings of both, and vertices pushed out of each other.
 import { boxOf } from './deform.js';
 import { SoftBody } from './soft.js';
 
@@ -59,7 +59,7 @@ export class Other {
     }
   }
 
-  /** Where its vertices are, in the axes of the picture. */
+  /** Writes its vertices and spheres, in the axes of the picture. */
   writeTo(shown) {
     const positions = shown.motion.frames[0];
     const { rest, restSpheres } = this.model;

@@ -20,22 +20,22 @@ export const steps = [
   },
   {
     title: 'The traditional update',
-    text: 'Every sphere moves by the mean displacement of the vertices that it enclosed, and its radius reaches the farthest of them. The red facets have corners in several spheres and lie in none. Twist the limb: now the spheres grow, because the vertices that one sphere has to enclose move apart.',
+    text: 'Every sphere moves by the mean displacement of the vertices that it enclosed, and its radius reaches the farthest of them. The red facets have corners in several spheres and lie in none. Twist the limb: the spheres grow, because the vertices that one sphere has to enclose move apart.',
     set: { ...bent, rule: 'traditional', level: 2 },
   },
   {
     title: 'Approach 2 of the paper',
-    text: 'The sphere of a leaf follows the box of its vertices, and the sphere of an inner node follows the box of its child spheres. That takes constant time for each node and keeps spheres small, but a box says little about the surface in it: the figures give the share that is bare.',
+    text: 'The sphere of a leaf follows the box of its vertices, and the sphere of an inner node follows the box of its child spheres. That takes constant time for each node and keeps spheres small, but a box says little about the surface in it: the figures give the share that is uncovered.',
     set: { ...bent, rule: 'approach2', level: 2 },
   },
   {
     title: 'Exact',
-    text: 'Morula binds each sphere to a patch of the surface and encloses the patch in every frame. No level leaves surface bare: the certificate checks every triangle. Approach 2 comes first, Exact second. Bend, twist and stretch the limb, or drag it, and compare.',
+    text: 'Morula binds each sphere to a patch of the surface and encloses the patch in every frame. No level leaves surface uncovered: the certificate checks every triangle. Approach 2 comes first, Exact second. Bend, twist and stretch the limb, or drag it, and compare.',
     set: { ...bent, rule: 'approach2', level: 2, beside: true },
   },
 ];
 
-/** What a step of the tour sets; nothing for 0. */
+/** The values of a step of the tour; none for 0. */
 export const stepValues = (step) => (steps[step - 1] ? { ...still, ...steps[step - 1].set, tour: step } : {});
 
 export function bindTour(state) {

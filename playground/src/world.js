@@ -69,7 +69,7 @@ export class World {
     this.ask();
   }
   /** Lowers the other body toward the body at rest until a small gap is left: by their distance, again and again, so that it never
-   * meets it on the way. If it would pass by, it stays where it was. */
+   * meets it on the way. If nothing is below it, it stays. */
   approach(most) {
     const { morula, model, other, home, pressAxis } = this;
     const gap = 0.03 * this.size;
@@ -117,7 +117,7 @@ export class World {
     this.ask();
   }
 
-  /** Where the sliders, or the motion of the file, put the body. */
+  /** The goal of the body: by the sliders, or by the motion of the file. */
   setGoal() {
     const { state, character } = this;
     if (character) character.pose(this.time, this.goal);
@@ -149,15 +149,14 @@ export class World {
     if (playing || this.goalChanged) this.setGoal();
     this.goalChanged = false;
     this.owed = Math.min((this.owed ?? 0) + elapsed, mostSteps * stepSeconds);
-    let moves = playing;
     for (; this.owed >= 0.9 * stepSeconds; this.owed -= stepSeconds) {
-      moves = (this.soft?.step() ?? false) || moves;
-      moves = (this.other?.soft?.step() ?? false) || moves;
+      this.soft?.step();
+      this.other?.soft?.step();
     }
     this.pose();
     this.milliseconds = performance.now() - begin;
     ++this.frames;
-    const goesOn = moves || (this.soft && !this.soft.asleep) || (this.other?.soft && !this.other.soft.asleep);
+    const goesOn = playing || [this.soft, this.other?.soft].some((soft) => soft && !soft.isStill);
     this.last = goesOn ? now : 0;
     this.stage.ask();
     this.onframe();
@@ -220,7 +219,7 @@ export class World {
     return (node) => tints[of[node] % tints.length];
   }
 
-  /** What a pointer takes hold of: the other body, or the body at the point that it meets. */
+  /** Takes hold of the other body, or of the body at the point that the ray meets. */
   grasp(ray) {
     if (!this.model) return null;
     const [from, to] = [ray.origin.toArray(), ray.direction.toArray()];
