@@ -29,6 +29,11 @@ export class Figures {
 
   /** One figure per turn of the page's loop: together they would take a frame's time. */
   begin() {
+    // The first frame of a body moves the spheres to it.
+    if (this.world.model && !this.world.isPosed) {
+      this.timer = setTimeout(() => this.begin(), pause);
+      return;
+    }
     this.isStale = false;
     const found = { share: 0, proven: false, loose: null, update: null };
     this.jobs = [() => this.uncovered(found), () => this.loose(found), () => this.speed(found), () => this.contacts(), () => this.panel.figures(found)];

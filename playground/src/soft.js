@@ -47,7 +47,8 @@ export class SoftBody {
     this.velocity = new Float64Array(goal.length);
     this.before = new Float64Array(goal.length);
     this.last = new Float64Array(goal.length);
-    this.stillSteps = 0;
+    this.steps = 0;
+    this.isResting = false;
     this.sum = new Float64Array(goal.length);
     this.share = new Float32Array(goal.length / 3);
     this.clusters = clusters.map((members) => ({ members, shape: new Float64Array(3 * members.length), rotation: [0, 0, 0, 1] }));
@@ -88,6 +89,7 @@ export class SoftBody {
     else for (let i = 0; i < goal.length; ++i) this.x[i] += goal[i] - this.goal[i];
     this.goal.set(goal);
     this.stale = true;
+    this.wake();
   }
 
   /** Holds the vertices around a point: they follow drag(), less with distance. */
@@ -100,12 +102,15 @@ export class SoftBody {
     }
     this.held = { members, to: [...point] };
     this.asleep = false;
+    this.wake();
   }
   drag(point) {
     if (this.held) this.held.to = [...point];
+    this.wake();
   }
   release() {
     this.held = null;
+    this.wake();
   }
 
   /** Pushes the vertices around a point along a direction, as a finger would. */
@@ -117,13 +122,16 @@ export class SoftBody {
       if (near > 0) for (let k = 0; k < 3; ++k) this.velocity[3 * v + k] += near * near * push[k];
     }
     this.asleep = false;
+    this.wake();
   }
 
   /** Moves a vertex out of another body. */
   push(v, x, y, z) {
-    this.x[3 * v] += x;
-    this.x[3 * v + 1] += y;
-    this.x[3 * v + 2] += z;
+    // The velocity takes part: without it the body would press in again in the next step.
+    [x, y, z].forEach((way, k) => {
+      this.x[3 * v + k] += way;
+      this.velocity[3 * v + k] = 0.5 * (this.velocity[3 * v + k] + way);
+    });
     this.asleep = false;
     this.wasPushed = true;
   }
@@ -167,18 +175,16 @@ export class SoftBody {
     }
     sum.fill(0);
     for (const cluster of this.clusters) this.match(cluster);
-    let [off, moved] = [0, 0];
+    let off = 0;
     for (let v = 0; v < share.length; ++v) {
       for (let i = 3 * v; i < 3 * v + 3; ++i) {
         if (share[v] > 0) x[i] += stiffness * (sum[i] / share[v] - x[i]);
         x[i] += homing * (goal[i] - x[i]);
         velocity[i] = x[i] - before[i];
-        moved = Math.max(moved, Math.abs(x[i] - this.last[i]));
         off = Math.max(off, Math.abs(x[i] - goal[i]), Math.abs(velocity[i]));
       }
     }
-    this.last.set(x);
-    this.stillSteps = moved < 2e-5 * this.size ? this.stillSteps + 1 : 0;
+    if (++this.steps % 30 === 0) this.compare();
     if (!(off < 100 * this.size)) this.settle();
     else if (!this.held && !this.wasPushed && off < 2e-4 * this.size) this.settle();
     this.wasPushed = false;
@@ -187,7 +193,19 @@ export class SoftBody {
 
   /** Whether it has come to rest: at its goal, or where something holds it. */
   get isStill() {
-    return (this.asleep && !this.held) || this.stillSteps > 30;
+    return (this.asleep && !this.held) || this.isResting;
+  }
+  /** Lets it move: what holds it has changed. */
+  wake() {
+    this.isResting = false;
+    this.steps = 0;
+  }
+  /** Half a second later: a body under pressure trembles by less than can be seen. */
+  compare() {
+    let moved = 0;
+    for (let i = 0; i < this.x.length; ++i) moved = Math.max(moved, Math.abs(this.x[i] - this.last[i]));
+    this.last.set(this.x);
+    this.isResting = moved < 1.5e-3 * this.size;
   }
 
   /** Puts the body at its goal, at rest. */

@@ -7,7 +7,7 @@ import { SoftBody } from './soft.js';
 const identity = [1, 0, 0, 0, 1, 0, 0, 0, 1];
 const mostInside = 600; // vertices looked at in a frame
 
-/** Vertices of `x` inside `body`, and how far along the nearest contact's normal (times sign) they leave it: [v, x, y, z] each. */
+/** Vertices of `x` inside `body`, and how far along the normal of the contacts (times sign) they leave it: [v, x, y, z] each. */
 function waysOut(morula, x, body, box, contacts, sign, size, offset = [0, 0, 0]) {
   const candidates = [];
   const points = [];
@@ -19,13 +19,16 @@ function waysOut(morula, x, body, box, contacts, sign, size, offset = [0, 0, 0])
   if (candidates.length === 0) return [];
   const inside = morula.locate(body, points).flatMap((place, i) => (place.inside ? [i] : []));
   if (inside.length === 0) return [];
+  // The deeper and nearer a contact, the more its normal counts: a single one may turn within a frame.
   const directions = inside.map((i) => {
-    let [least, nearest] = [Infinity, contacts[0]];
-    for (const contact of contacts) {
-      const d = [0, 1, 2].reduce((sum, k) => sum + (contact.point[k] - points[3 * i + k]) ** 2, 0);
-      if (d < least) [least, nearest] = [d, contact];
+    const sum = [0, 0, 0];
+    for (const { point, normal, depth } of contacts) {
+      const apart = [0, 1, 2].reduce((all, k) => all + (point[k] - points[3 * i + k]) ** 2, 0) / (size * size);
+      const weight = Math.max(depth, 0) / (0.002 + apart) ** 2;
+      for (let k = 0; k < 3; ++k) sum[k] += weight * normal[k];
     }
-    return nearest.normal.map((n) => sign * n);
+    const length = Math.hypot(...sum);
+    return length > 0 ? sum.map((n) => (sign * n) / length) : contacts[0].normal.map((n) => sign * n);
   });
   const rays = inside.flatMap((i, at) => [points[3 * i], points[3 * i + 1], points[3 * i + 2], ...directions[at]]);
   return morula.firstHits(body, rays, size).flatMap((hit, at) => {

@@ -40,6 +40,7 @@ export class World {
     this.goal = Float64Array.from(made.positions);
     this.soft = made.clusters && made.clusters.length > 0 ? new SoftBody(this.goal, made.clusters) : null;
     this.time = 0;
+    this.isPosed = false;
     this.shown = new Shown(this.model, this.size);
     this.twin = new Shown(this.model, this.size);
     this.setGoal();
@@ -105,6 +106,7 @@ export class World {
   dropOther() {
     this.other?.model.free();
     this.other = null;
+    this.soft?.wake();
     this.touch?.clear();
     this.stage.showOther(false);
   }
@@ -114,6 +116,7 @@ export class World {
   movedOther() {
     if (!this.other) return;
     this.other.moveTo(this.placeOfOther());
+    this.soft?.wake();
     this.ask();
   }
 
@@ -154,6 +157,7 @@ export class World {
       this.other?.soft?.step();
     }
     this.pose();
+    this.isPosed = true;
     this.milliseconds = performance.now() - begin;
     ++this.frames;
     const goesOn = playing || [this.soft, this.other?.soft].some((soft) => soft && !soft.isStill);
@@ -260,12 +264,24 @@ export class World {
     this.soft.poke(point, 0.16 * this.size, direction.map((d) => 0.1 * this.size * d));
     this.ask(false);
   }
-  /** Pokes the body where the ray meets it. Returns whether it does. */
+  /** Pokes the body at the point that the ray meets, or else near the vertex that is nearest to the ray. */
   poke(ray) {
-    if (!this.model || !this.soft) return false;
-    const direction = ray.direction.toArray();
-    const hit = this.morula.firstHit(this.model.body(this.state.get('rule')), ray.origin.toArray(), direction);
-    if (hit) this.pokeAt(hit.point, direction);
-    return hit !== null;
+    if (!this.model || !this.soft) return;
+    const body = this.model.body(this.state.get('rule'));
+    const [from, to] = [ray.origin.toArray(), ray.direction.toArray()];
+    const hit = this.morula.firstHit(body, from, to);
+    if (hit) this.pokeAt(hit.point, to);
+    else this.pokeAt(this.nearestVertex(from, to), to);
+  }
+  nearestVertex(from, to) {
+    const { x } = this.soft;
+    let [least, nearest] = [Infinity, 0];
+    for (let i = 0; i < x.length; i += 3) {
+      const [p, q, r] = [x[i] - from[0], x[i + 1] - from[1], x[i + 2] - from[2]];
+      const along = p * to[0] + q * to[1] + r * to[2];
+      const apart = p * p + q * q + r * r - along * along;
+      if (along > 0 && apart < least) [least, nearest] = [apart, i];
+    }
+    return [...x.subarray(nearest, nearest + 3)];
   }
 }
