@@ -13,9 +13,14 @@ const median = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.l
 const rows = [];
 const row = (name, value, unit) => rows.push(`| ${name} | ${Number(value.toPrecision(3))} ${unit} |`);
 
-/** Long tasks of the page's thread from here on, milliseconds. */
-const watchTasks = () =>
-  new PerformanceObserver((list) => (window.tasks ??= []).push(...list.getEntries().map((entry) => entry.duration))).observe({ type: 'longtask' });
+/** The longest task of the page's thread in a trace, milliseconds: of the clock, and of the processor alone. */
+function longestTask(trace) {
+  const { traceEvents } = JSON.parse(trace.toString());
+  const names = new Map(traceEvents.filter((event) => event.name === 'thread_name').map((event) => [`${event.pid}:${event.tid}`, event.args.name]));
+  const tasks = traceEvents.filter((event) => event.name.endsWith('RunTask') && names.get(`${event.pid}:${event.tid}`) === 'CrRendererMain');
+  const most = (of) => Math.max(...tasks.map((task) => (task[of] ?? 0) / 1000));
+  return { clock: most('dur'), processor: most('tdur') };
+}
 const isReady = () => document.body.dataset.building === 'false' && document.body.dataset.figures === 'done';
 
 // A file service that neither compresses nor keeps a connection quick.
@@ -45,20 +50,21 @@ const context = await browser.newContext({ viewport: { width: 1200, height: 760 
 const page = await context.newPage();
 await page.goto(`file://${file.startsWith('/') ? '' : `${process.cwd()}/`}${file}`);
 await page.waitForFunction(isReady, null, { timeout: 120_000 });
-await page.evaluate(watchTasks);
 const builds = [];
-let longest = 0;
+const longest = { clock: 0, processor: 0 };
 for (const shape of ['capsule', 'torus', 'limb']) {
-  await page.evaluate(() => (window.tasks = []));
+  await browser.startTracing(page, { categories: ['devtools.timeline', 'toplevel'] });
   await page.selectOption('#shape', shape);
   await page.waitForFunction(() => document.body.dataset.building === 'true');
   await page.waitForFunction(() => document.body.dataset.building === 'false', null, { timeout: 120_000 });
   const text = await page.locator('#figure-build').innerText();
   builds.push(Number.parseFloat(text) * (text.endsWith('ms') ? 1 : 1000));
-  longest = Math.max(longest, ...(await page.evaluate(() => window.tasks)));
+  const { clock, processor } = longestTask(await browser.stopTracing());
+  Object.assign(longest, { clock: Math.max(longest.clock, clock), processor: Math.max(longest.processor, processor) });
 }
 row('build of 5,000 facets, fast (median of three bodies)', median(builds), 'ms');
-row('longest task of the page meanwhile (0: none over 50 ms)', longest, 'ms');
+row('longest task of the page meanwhile, by the clock', longest.clock, 'ms');
+row('the same, time of the processor', longest.processor, 'ms');
 
 await page.waitForFunction(isReady, null, { timeout: 120_000 });
 await page.locator('#stage canvas').focus();
