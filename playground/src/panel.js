@@ -89,6 +89,9 @@ export class Panel {
     cell.dataset.bare = String(share > 0);
     cell.dataset.proven = String(proven);
     byId('figure-looseness').textContent = figure(loose);
+    this.speed(update);
+  }
+  speed(update) {
     byId('figure-update').textContent = update === null ? '–' : `${figure(update)} µs`;
   }
   contacts(touch, tests) {
