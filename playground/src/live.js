@@ -5,6 +5,7 @@ import { sphereGrid } from '../../viewer/src/uncovered.js';
 import { coverRules } from './choices.js';
 import { isClosed, looseness, uncoveredShare } from './figures.js';
 
+const mostFacetsOfLooseness = 50_000; // above, it would take longer than a frame may
 const pause = 250; // milliseconds between two computations
 
 export class Figures {
@@ -64,6 +65,7 @@ export class Figures {
   }
   loose(found) {
     const { world } = this;
+    if (world.model.facets.length / 3 > mostFacetsOfLooseness) return;
     this.closed ??= isClosed(world.model.facets);
     if (!this.closed) return;
     found.loose = looseness(world.shown.positions(), world.model.facets, world.shown.frames[0], world.shown.levelSets[world.level()]);

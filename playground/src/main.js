@@ -148,13 +148,13 @@ class Playground {
 
   adopt(made, file) {
     const { world, panel, stage } = this;
-    this.shownFile = file;
     const character = file?.moves ? file.character : null;
     if (!character && this.state.get('rule') === 'skinned') this.state.set({ rule: 'exact' });
     const isSame = world.made && world.made.positions.length === made.positions.length && world.made.positions.every((x, i) => x === made.positions[i]);
     world.adopt(made, character);
+    this.shownFile = file;
     const shape = shapes.find(([value]) => value === this.state.get('shape'));
-    panel.show(world.model, made, world.character, file ? file.name : shape[1]);
+    panel.show(world.model, made, world.character, file ? file.name : shape[1], (stretch) => world.deformer.bendLimit(stretch));
     if (!isSame) stage.fit();
     if (this.camera) stage.lookAs(this.camera);
     this.camera = null;

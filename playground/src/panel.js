@@ -37,7 +37,9 @@ export class Panel {
 
   tell() {
     const { state } = this;
-    byId('bend-value').textContent = degrees(state.get('bend'));
+    // A thick body bends less than the slider says: the text has the angle that it takes.
+    const limit = this.bendLimit?.(state.get('stretch')) ?? 180;
+    byId('bend-value').textContent = degrees(Math.max(-limit, Math.min(limit, state.get('bend'))));
     byId('twist-value').textContent = degrees(state.get('twist'));
     byId('stretch-value').textContent = `× ${state.get('stretch').toFixed(2)}`;
     byId('swing').textContent = state.get('playing') ? 'Stop' : 'Play';
@@ -54,8 +56,10 @@ export class Panel {
     byId('right-name').textContent = 'Exact';
   }
 
-  /** A new model. bendLimit: of the sliders. */
-  show(model, made, character, name) {
+  /** A new model. bendLimit: the largest angle by the stretch. */
+  show(model, made, character, name, bendLimit) {
+    this.bendLimit = bendLimit;
+    this.tell();
     const levels = byId('level');
     levels.max = String(model.levelCount - 1);
     levels.disabled = model.levelCount < 2;

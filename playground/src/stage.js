@@ -20,6 +20,8 @@ export class PlayStage extends Stage {
       body.group.visible = spheres.group.visible = false;
       this.scene.add(body.group, spheres.group);
     }
+    // No section plane.
+    for (const { spheres } of [this, this.twin, this.other]) spheres.cut([]);
     this.scene.add(this.crossings.mesh);
     /** Takes hold of a body that a ray meets: {move(ray), end(wasMoved)}, or null. */
     this.grasp = () => null;
