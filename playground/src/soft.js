@@ -49,6 +49,7 @@ export class SoftBody {
     this.last = new Float64Array(goal.length);
     this.steps = 0;
     this.isResting = false;
+    this.pushedAt = -Infinity;
     this.sum = new Float64Array(goal.length);
     this.share = new Float32Array(goal.length / 3);
     this.clusters = clusters.map((members) => ({ members, shape: new Float64Array(3 * members.length), rotation: [0, 0, 0, 1] }));
@@ -134,6 +135,7 @@ export class SoftBody {
     });
     this.asleep = false;
     this.wasPushed = true;
+    this.pushedAt = this.steps;
   }
 
   match({ members, shape, rotation }) {
@@ -199,13 +201,15 @@ export class SoftBody {
   wake() {
     this.isResting = false;
     this.steps = 0;
+    this.pushedAt = -Infinity;
   }
-  /** Half a second later: a body under pressure trembles by less than can be seen. */
+  /** Every half second: a body that something holds rests once it moves by less than can be seen. */
   compare() {
     let moved = 0;
     for (let i = 0; i < this.x.length; ++i) moved = Math.max(moved, Math.abs(this.x[i] - this.last[i]));
     this.last.set(this.x);
-    this.isResting = moved < 1.5e-3 * this.size;
+    const isHeld = this.held !== null || this.steps - this.pushedAt < 30;
+    this.isResting = isHeld && moved < 1.5e-3 * this.size;
   }
 
   /** Puts the body at its goal, at rest. */

@@ -103,6 +103,25 @@ await claim('a_soft_body_follows_a_drag_and_comes_back_exactly', () => {
   equal(most(soft.x, body.positions), 0, 'off the goal');
 });
 
+await claim('a_body_under_steady_pressure_rests_and_one_that_comes_back_does_not', () => {
+  const soft = new SoftBody(body.positions, clustersOf(body.positions, body.facets, 24));
+  // A floor below which no vertex stays.
+  const press = () => {
+    for (let v = 0; 3 * v < soft.x.length; ++v) if (soft.x[3 * v + 1] < -0.4) soft.push(v, 0, -0.4 - soft.x[3 * v + 1], 0);
+  };
+  press();
+  let steps = 0;
+  for (; steps < 1200 && !soft.isStill; ++steps) {
+    soft.step();
+    press();
+  }
+  check(soft.isStill, 'it rests on the floor');
+  check(most(soft.x, body.positions) > 0.02, 'off its goal');
+  soft.wake();
+  for (steps = 0; steps < 1500 && !soft.isStill; ++steps) soft.step();
+  equal(most(soft.x, body.positions), 0, 'off the goal when it is still again');
+});
+
 await claim('a_soft_body_survives_what_is_absurd', () => {
   const soft = new SoftBody(body.positions, clustersOf(body.positions, body.facets, 24));
   for (const push of [[1e3, 0, 0], [0, NaN, 0], [Infinity, 0, 0]]) {
