@@ -139,6 +139,7 @@ export class World {
     if (this.asked || !this.model) return;
     this.asked = true;
     document.body.dataset.figures = 'pending';
+    document.body.dataset.moving = 'true';
     requestAnimationFrame((now) => this.frame(now));
   }
 
@@ -164,6 +165,7 @@ export class World {
     this.last = goesOn ? now : 0;
     this.stage.ask();
     this.onframe();
+    document.body.dataset.moving = String(goesOn);
     if (goesOn) this.ask(false);
   }
 

@@ -28,9 +28,9 @@ export async function opened(hash, options, act) {
   equal(complaints.join('\n'), '', 'complaints');
   await close();
 }
-/** Once no tree is built, and the figures are those of what is seen. */
+/** Once no tree is built, nothing moves, and the figures are those of what is seen. */
 export async function idle(page) {
-  await page.waitForFunction(() => document.body.dataset.building === 'false' && document.body.dataset.figures === 'done');
+  await page.waitForFunction(() => document.body.dataset.building === 'false' && document.body.dataset.moving === 'false' && document.body.dataset.figures === 'done');
 }
 export const words = (page, selector) => page.locator(selector).innerText();
 export async function set(page, id, value) {
