@@ -15,10 +15,10 @@ if(NOT DEFINED ROOT)
   cmake_path(GET CMAKE_CURRENT_LIST_DIR PARENT_PATH ROOT)
 endif()
 
-set(folders include src extras toolbox apps tests bench scripts examples scenes cmake viewer docs python research packaging)
+set(folders include src extras toolbox apps tests bench scripts examples scenes cmake viewer playground docs python research packaging)
 set(endings "hpp|cpp|inl|cmake|mjs|md|py|tsv|bib")
 # Where names begin that do not begin at ROOT.
-set(starts include include/morula src apps/morula tests bench viewer/src docs)
+set(starts include include/morula src apps/morula tests bench viewer/src playground/src docs)
 foreach(extra grains page robot study)
   list(APPEND starts extras/${extra} extras/${extra}/include extras/${extra}/include/morula extras/${extra}/src extras/${extra}/tests)
 endforeach()

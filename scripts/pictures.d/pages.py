@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The Morula authors
 # SPDX-License-Identifier: Apache-2.0
-"""Photographs of the pages of `morula view` and `morula robot`, taken by a browser, in few enough colors to be small."""
+"""Photographs of the pages of `morula view` and `morula robot` and of the playground, taken by a browser, in few enough colors to be small."""
 from __future__ import annotations
 
 import functools
@@ -35,15 +35,27 @@ def taken():
     return folder
 
 
-def photograph(name):
+@functools.cache
+def taken_of_playground():
+    """One, in a folder. Needs the npm package of scripts/web."""
+    viewer, page = ROOT / "build/release/viewer", ROOT / "build/playground/index.html"
+    subprocess.run([ROOT / "scripts/playground"], check=True, stdout=subprocess.DEVNULL)
+    folder = pathlib.Path(tempfile.mkdtemp())
+    subprocess.run(["node", ROOT / "playground/pictures.mjs", viewer, page, folder, "beside-desk"], check=True)
+    (folder / "beside-desk.png").rename(folder / "playground.png")
+    return folder
+
+
+def photograph(name, place=taken):
     @bodies.picture(name)
     def take():
         from PIL import Image
 
-        with Image.open(taken() / name) as image:
+        with Image.open(place() / name) as image:
             few = image.convert("RGB").quantize(COLORS, method=Image.Quantize.MEDIANCUT, kmeans=6, dither=Image.Dither.NONE)
             few.save(ROOT / "docs/pictures" / name, optimize=True)
 
 
 for one in ("rules.png", "page.png", "robot_page.png"):
     photograph(one)
+photograph("playground.png", taken_of_playground)

@@ -3,7 +3,8 @@
 // Starts the page: data in, picture and controls out, failures said where the reader looks.
 import './style.css';
 import { PageError, readManifest } from './decode.js';
-import { SceneList, State } from './model.js';
+import { SceneList } from './model.js';
+import { State } from './state.js';
 import { Stage } from './stage.js';
 import { Panel } from './panel.js';
 import { Sliders } from './sliders.js';

@@ -6,26 +6,6 @@ import { Joints, inverse, placed, product } from './joints.js';
 import { overlappingPairs } from './pairs.js';
 import { sphereAround } from './refit.js';
 
-/** Named values with listeners: set() calls every listener with the names of the changed values. */
-export class State {
-  constructor(values) {
-    this.values = { ...values };
-    this.listeners = [];
-  }
-  get(name) {
-    return this.values[name];
-  }
-  listen(f) {
-    this.listeners.push(f);
-  }
-  set(values) {
-    const changed = new Set(Object.keys(values).filter((name) => this.values[name] !== values[name]));
-    if (changed.size === 0) return;
-    Object.assign(this.values, values);
-    for (const f of this.listeners) f(changed);
-  }
-}
-
 /** The motion's vertices and the spheres that follow them. Lengths are about `origin`. */
 class Scene {
   constructor(entry, motionEntry, motion, spheres) {

@@ -5,6 +5,7 @@ import { Curves } from './curves.js';
 import { byId, element } from './dom.js';
 import { css, kindColor, levelColors, mapGradient } from './colors.js';
 import { counted, figure, percent } from './numbers.js';
+import { bindBox, bindRange, segments } from './widgets.js';
 
 export const colorings = [
   ['level', 'Level', 'Every sphere in the color of its level'],
@@ -19,20 +20,6 @@ const measures = [
   ['growth', 'Growth'],
 ];
 
-/** Buttons of which one is pressed. */
-export function segments(place, options, state, name) {
-  const buttons = options.map(([value, label, title]) =>
-    element('button', { type: 'button', title, 'data-value': value, onclick: () => state.set({ [name]: value }) }, label),
-  );
-  place.replaceChildren(...buttons);
-  place.classList.add('segments');
-  place.setAttribute('role', 'group');
-  const press = () => buttons.forEach((b) => b.setAttribute('aria-pressed', String(b.dataset.value === state.get(name))));
-  state.listen((changed) => changed.has(name) && press());
-  press();
-  return buttons;
-}
-
 export class Panel {
   constructor(sceneList, state) {
     Object.assign(this, { sceneList, state });
@@ -42,33 +29,12 @@ export class Panel {
     this.measureButtons = segments(byId('measure'), measures, state, 'measure');
     segments(byId('section-axis'), [['', 'Off'], ['x', 'x'], ['y', 'y'], ['z', 'z']], state, 'sectionAxis');
     for (const [id, name] of [['show-body', 'body'], ['show-spheres', 'spheres'], ['show-uncovered', 'uncovered'], ['show-facets', 'facets'], ['show-contacts', 'contacts'], ['show-patches', 'patches'], ['section-flip', 'sectionFlip']]) {
-      this.bindBox(byId(id), name);
+      bindBox(byId(id), state, name);
     }
     for (const [id, name] of [['level', 'level'], ['frame', 'frame'], ['opacity', 'opacity'], ['section-at', 'sectionAt']]) {
-      this.bindRange(byId(id), name);
+      bindRange(byId(id), state, name, name === 'frame' ? { playing: false } : {});
     }
     byId('play').addEventListener('click', () => state.set({ playing: !state.get('playing') }));
-  }
-
-  bindBox(box, name) {
-    box.checked = this.state.get(name);
-    box.addEventListener('change', () => this.state.set({ [name]: box.checked }));
-    this.state.listen((changed) => changed.has(name) && (box.checked = this.state.get(name)));
-  }
-  bindRange(range, name) {
-    const paint = () => {
-      const share = (range.value - range.min) / (range.max - range.min || 1);
-      range.style.setProperty('--share', String(share));
-    };
-    range.addEventListener('input', () => {
-      this.state.set(name === 'frame' ? { frame: range.valueAsNumber, playing: false } : { [name]: range.valueAsNumber });
-    });
-    const take = () => {
-      range.value = String(this.state.get(name));
-      paint();
-    };
-    this.state.listen((changed) => (changed.has(name) || changed.has('scene')) && take());
-    range.take = take;
   }
 
   makeChoices() {
