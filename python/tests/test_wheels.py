@@ -103,3 +103,37 @@ def test_every_pinned_package_has_its_license(wheels):
         assert (sources / f"licenses/{licence}.txt").is_file()
         version, address, pin = wheels.pinned(name)
         assert version in address and re.fullmatch("[0-9a-f]{64}", pin)
+
+
+def published(version):
+    systems = ("manylinux_2_27_x86_64.manylinux_2_28_x86_64", "manylinux_2_28_aarch64", "musllinux_1_2_x86_64", "musllinux_1_2_aarch64",
+               "macosx_13_3_arm64", "macosx_13_3_x86_64", "win_amd64")
+    wheels = [f"morula-{version}-{python}-{system}.whl" for python in ("cp310-cp310", "cp311-cp311", "cp312-abi3") for system in systems]
+    return [f"morula-{version}.tar.gz", *wheels]
+
+
+def test_all_wheels_are_published_or_none(wheels, tmp_path):
+    version = re.search(r"project\(morula VERSION ([0-9.]+)", (sources / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+    names = published(version)
+    for name in names:
+        (tmp_path / name).touch()
+    assert wheels.incomplete(tmp_path) == []
+    for name in names:
+        (tmp_path / name).unlink()
+        assert len(wheels.incomplete(tmp_path)) == 1, name
+        (tmp_path / name).touch()
+    (tmp_path / f"morula-{version}-cp312-abi3-linux_x86_64.whl").touch()
+    assert len(wheels.incomplete(tmp_path)) == 1
+
+
+def test_the_workflow_names_the_systems_that_are_published(wheels):
+    """pyproject.toml and the workflow list what the check before publication expects."""
+    settings = (sources / "pyproject.toml").read_text(encoding="utf-8").partition("[tool.cibuildwheel]")[2]
+    pythons = re.findall(r'"(cp\d+)-\*"', settings)
+    assert pythons == [tag.split("-")[0] for tag in wheels.PUBLISHED_PYTHONS]
+    archs = {arch.lower() for listed in re.findall(r"archs = \[(.*)\]", settings) for arch in re.findall(r'"(\w+)"', listed)}
+    assert archs == {re.search("x86_64|aarch64|arm64|amd64", system)[0] for system in wheels.PUBLISHED_SYSTEMS}
+    jobs = (sources / ".github/workflows/wheels.yml").read_text(encoding="utf-8")
+    systems = re.search(r"system: \[(.*)\]", jobs)[1].split(", ")
+    assert [name.partition("-")[0] for name in systems] == ["ubuntu", "ubuntu", "macos", "macos", "windows"]
+    assert "scripts/wheels --complete dist" in jobs.partition("publish:")[2].partition("gh-action-pypi-publish")[0]
