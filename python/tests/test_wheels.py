@@ -149,8 +149,8 @@ def private_names(source):
             depth -= line.rstrip() == "}  // namespace"
         elif depth and (kind := re.match(r"(?:struct|class|enum class|enum) (\w+)[ {]", line)):
             found.append(kind[1])
-        elif depth and (value := re.match(r"(?:static |inline )*const(?:expr)? [\w:<>, *]*?\b(\w+)(?:\[.*?\])? ?[={;]", line)):
-            found.append(value[1])
+        elif depth and re.match(r"(?:static |inline )*const(?:expr)? [^()]*[={;]", line):
+            found += re.findall(r"\b([A-Za-z_]\w*)(?:\[[^]]*\])? ?[={;](?!=)", line.partition('"')[0] + " ")
         elif depth and (function := re.match(r"[A-Za-z](?:[\w:<>,&* ]*[ &*])?(\w+)\((.*)\)(?: const| noexcept)* \{$", line)):
             types = [re.sub(r"\b\w+$", "", part.partition("=")[0].strip()).strip() for part in function[2].split(",")]
             found.append(f"{function[1]}({', '.join(types)})")
