@@ -25,7 +25,7 @@ constexpr int bisections = 8;
 class AmountCurve {
  public:
   AmountCurve(const Plan& plan, const NamedMesh& body, const CoveredTree& model, Rule rule, const Deformations& motion,
-        std::string name)
+              std::string name)
       : plan_(plan),
         mesh_(body.mesh),
         motion_(motion),

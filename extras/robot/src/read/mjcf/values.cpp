@@ -84,8 +84,8 @@ void MjcfValues::read_default(const XMLElement& at, const std::string& parent, i
       continue;
     }
     MjcfAttributes& attributes = classes_[name][it->Name()];
-    const bool turned =
-        std::any_of(orientation_names.begin(), orientation_names.end(), [&](const char* t) { return it->Attribute(t) != nullptr; });
+    const bool turned = std::any_of(orientation_names.begin(), orientation_names.end(),
+                                    [&](const char* t) { return it->Attribute(t) != nullptr; });
     for (const char* t : orientation_names) {
       if (turned) attributes.erase(t);
     }
