@@ -103,3 +103,91 @@ def test_every_pinned_package_has_its_license(wheels):
         assert (sources / f"licenses/{licence}.txt").is_file()
         version, address, pin = wheels.pinned(name)
         assert version in address and re.fullmatch("[0-9a-f]{64}", pin)
+
+
+def published(version):
+    systems = ("manylinux_2_27_x86_64.manylinux_2_28_x86_64", "manylinux_2_28_aarch64", "musllinux_1_2_x86_64", "musllinux_1_2_aarch64",
+               "macosx_13_3_arm64", "macosx_13_3_x86_64", "win_amd64")
+    wheels = [f"morula-{version}-{python}-{system}.whl" for python in ("cp310-cp310", "cp311-cp311", "cp312-abi3") for system in systems]
+    return [f"morula-{version}.tar.gz", *wheels]
+
+
+def test_all_wheels_are_published_or_none(wheels, tmp_path):
+    version = re.search(r"project\(morula VERSION ([0-9.]+)", (sources / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
+    names = published(version)
+    for name in names:
+        (tmp_path / name).touch()
+    assert wheels.incomplete(tmp_path) == []
+    for name in names:
+        (tmp_path / name).unlink()
+        assert len(wheels.incomplete(tmp_path)) == 1, name
+        (tmp_path / name).touch()
+    (tmp_path / f"morula-{version}-cp312-abi3-linux_x86_64.whl").touch()
+    assert len(wheels.incomplete(tmp_path)) == 1
+
+
+def test_the_workflow_names_the_systems_that_are_published(wheels):
+    """pyproject.toml and the workflow list what the check before publication expects."""
+    settings = (sources / "pyproject.toml").read_text(encoding="utf-8").partition("[tool.cibuildwheel]")[2]
+    pythons = re.findall(r'"(cp\d+)-\*"', settings)
+    assert pythons == [tag.split("-")[0] for tag in wheels.PUBLISHED_PYTHONS]
+    archs = {arch.lower() for listed in re.findall(r"archs = \[(.*)\]", settings) for arch in re.findall(r'"(\w+)"', listed)}
+    assert archs == {re.search("x86_64|aarch64|arm64|amd64", system)[0] for system in wheels.PUBLISHED_SYSTEMS}
+    jobs = (sources / ".github/workflows/wheels.yml").read_text(encoding="utf-8")
+    systems = re.search(r"system: \[(.*)\]", jobs)[1].split(", ")
+    assert [name.partition("-")[0] for name in systems] == ["ubuntu", "ubuntu", "macos", "macos", "windows"]
+    assert "scripts/wheels --complete dist" in jobs.partition("publish:")[2].partition("gh-action-pypi-publish")[0]
+
+
+def private_names(source):
+    """What a source defines in namespaces without a name: names of types and constants; functions with their parameters' types."""
+    found, depth = [], 0
+    for line in source.read_text(encoding="utf-8").splitlines():
+        if line.startswith("namespace {"):
+            depth += 1
+        elif line.startswith("}  // namespace") and depth:
+            depth -= line.rstrip() == "}  // namespace"
+        elif depth and (kind := re.match(r"(?:struct|class|enum class|enum) (\w+)[ {]", line)):
+            found.append(kind[1])
+        elif depth and re.match(r"(?:static |inline )*const(?:expr)? [^()]*[={;]", line):
+            found += re.findall(r"\b([A-Za-z_]\w*)(?:\[[^]]*\])? ?[={;](?!=)", line.partition('"')[0] + " ")
+        elif depth and (function := re.match(r"[A-Za-z](?:[\w:<>,&* ]*[ &*])?(\w+)\((.*)\)(?: const| noexcept)* \{$", line)):
+            types = [re.sub(r"\b\w+$", "", part.partition("=")[0].strip()).strip() for part in function[2].split(",")]
+            found.append(f"{function[1]}({', '.join(types)})")
+    return found
+
+
+def batches():
+    """Sources that a package compiles in one go, by target; those that stand alone are left out."""
+    def below(*patterns):
+        return [path for pattern in patterns for path in sorted(sources.glob(pattern))]
+
+    yield "morula_io", [path for path in below("src/io/**/*.cpp") if path != sources / "src/io/gltf/model.cpp"]
+    yield "morula_commands", below("apps/morula/*/**/*.cpp", "extras/*/command/**/*.cpp")
+    yield "morula_python", below("python/src/**/*.cpp", "extras/*/python/**/*.cpp")
+    yield "morula_toolbox", below("toolbox/*.cpp")
+    for extra in ("grains", "page", "robot", "study"):
+        yield f"morula_{extra}", below(f"extras/{extra}/src/**/*.cpp")
+    core = (sources / "src/CMakeLists.txt").read_text(encoding="utf-8").partition("morula_compile_folders_together(morula_core")[2].partition(")")[0]
+    listed = re.findall(r"(\w+)\n", "".join(re.findall(r"foreach\(folder (.*)\)", (sources / "src/CMakeLists.txt").read_text())).replace(" ", "\n") + "\n")
+    for folder in sorted({path.parent for name in listed for path in below(f"src/{name}/**/*.cpp")}):
+        yield str(folder.relative_to(sources)), [path for path in below(f"{folder.relative_to(sources)}/*.cpp")
+                                                 if str(path.relative_to(sources / "src")) not in core.split()
+                                                 and "every_processor.inl" not in path.read_text(encoding="utf-8")]
+
+
+def test_names_are_private_to_a_source_that_is_compiled_with_others():
+    """Two sources of a batch share their namespaces without a name: a package would not compile. scripts/test does not build one."""
+    clashes, count = [], 0
+    for target, files in batches():
+        owners = {}
+        for path in files:
+            for name in set(private_names(path)):
+                count += 1
+                owners.setdefault(name, []).append(path.name)
+        # A function and a constant of one name, too.
+        plain = {name for name in owners if "(" not in name}
+        clashes += [f"{target}: {name} in {', '.join(paths)}" for name, paths in owners.items() if len(paths) > 1]
+        clashes += [f"{target}: {name} is a function, too" for name in {name.partition("(")[0] for name in owners if "(" in name} & plain]
+    assert count > 1000
+    assert clashes == []

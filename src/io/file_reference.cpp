@@ -50,7 +50,7 @@ std::size_t scheme_length(std::string_view text) {
   return end > 1 && text.substr(end).starts_with("://") ? end : 0;
 }
 
-std::string lower(std::string_view text) {
+std::string lower_case(std::string_view text) {
   std::string result(text);
   for (char& c : result) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -69,7 +69,7 @@ std::vector<std::string> distinct(std::string first, std::string second) {
 
 std::vector<std::string> paths_of_file_uri(std::string_view rest) {
   constexpr std::string_view host = "localhost";
-  if (lower(rest.substr(0, host.size() + 1)) == "localhost/") rest.remove_prefix(host.size());
+  if (lower_case(rest.substr(0, host.size() + 1)) == "localhost/") rest.remove_prefix(host.size());
   if (rest.size() > 1 && rest[0] == '/' && begins_with_drive(rest.substr(1))) rest.remove_prefix(1);
   return distinct(decoded(rest), std::string(rest));
 }
@@ -96,12 +96,12 @@ bool begins_with_drive(std::string_view path) {
 
 FileReference parse_file_reference(std::string_view text) {
   if (const std::size_t length = scheme_length(text); length > 0) {
-    std::string scheme = lower(text.substr(0, length));
+    std::string scheme = lower_case(text.substr(0, length));
     const std::string_view rest = text.substr(length + 3);
     if (scheme == "file") return {"", paths_of_file_uri(rest)};
     return {std::move(scheme), distinct(decoded(rest), std::string(rest))};
   }
-  if (lower(text.substr(0, 6)) == "file:/") return {"", paths_of_file_uri(text.substr(5))};
+  if (lower_case(text.substr(0, 6)) == "file:/") return {"", paths_of_file_uri(text.substr(5))};
   return {"", distinct(std::string(text), decoded(text))};
 }
 

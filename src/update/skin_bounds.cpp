@@ -18,7 +18,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr double least_reach = 0x1p-40, largest_reach = 0x1p50, largest_length = 0x1p55;
+constexpr double least_reach = 0x1p-40, largest_reach = 0x1p50, length_limit = 0x1p55;
 constexpr std::uint32_t most_clusters = 1u << 24, most_targets = 1u << 16;
 
 // The vertices of each cluster's facets, each once, in ascending order.
@@ -99,7 +99,7 @@ SkinBounds::SkinBounds(const MeshView& mesh, const Skin& skin, const Modes& targ
     if (data_.target_count > 0) data_.target_begin.push_back(static_cast<std::uint32_t>(data_.targets.size()));
     weight_sum = std::max(weight_sum, fit.weight_sum);
   }
-  data_.largest_size = static_cast<float>(largest_length / weight_sum * (1 - 0x1p-20));
+  data_.largest_size = static_cast<float>(length_limit / weight_sum * (1 - 0x1p-20));
   set_travels();
 }
 

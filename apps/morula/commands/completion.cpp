@@ -32,7 +32,7 @@ struct Command {
 };
 
 template <class Values>
-std::vector<std::string> names_of(const Values& values) {
+std::vector<std::string> choice_names(const Values& values) {
   std::vector<std::string> names;
   for (const auto value : values) names.emplace_back(name(value));
   return names;
@@ -40,12 +40,12 @@ std::vector<std::string> names_of(const Values& values) {
 
 std::vector<std::string> values_of(const std::string& command, const CLI::Option& option) {
   const std::string first = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
-  if (first == "method") return names_of(all_methods());
-  if (first == "quality") return names_of(all_qualities());
-  if (first == "optimizer") return names_of(all_optimizers());
-  if (first == "reducers") return names_of(all_reductions());
+  if (first == "method") return choice_names(all_methods());
+  if (first == "quality") return choice_names(all_qualities());
+  if (first == "optimizer") return choice_names(all_optimizers());
+  if (first == "reducers") return choice_names(all_reductions());
   if (first == "evaluator") return evaluator_names();
-  if (first == "rule" || first == "rules") return names_of(all_rules());
+  if (first == "rule" || first == "rules") return choice_names(all_rules());
   if (command == "sample" && option.get_positional()) return {sample_body_names().begin(), sample_body_names().end()};
   if (command == "completion" && option.get_positional()) return {"bash", "zsh", "fish", "man"};
   return {};

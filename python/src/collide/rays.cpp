@@ -19,7 +19,7 @@ struct RayHits {
   std::vector<Vec3> point, normal;
 };
 
-RayHits rows_of(const std::vector<RayPoint>& points) {
+RayHits hit_rows(const std::vector<RayPoint>& points) {
   RayHits hits;
   for (const RayPoint& hit : points) {
     hits.t.push_back(hit.t);
@@ -73,7 +73,7 @@ void bind_rays(nb::module_& m) {
         const auto side = side_of(given, "body");
         return without_gil([&] {
           const Reading reading({side.get()});
-          return rows_of(all_hits(side->current(), Ray{origin, direction, t_end}));
+          return hit_rows(all_hits(side->current(), Ray{origin, direction, t_end}));
         });
       },
       nb::arg("body"), nb::arg("origin"), nb::arg("direction"),

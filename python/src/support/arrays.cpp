@@ -122,7 +122,7 @@ double number(const Any& array, std::size_t i, std::size_t j) {
   return array.dtype().bits == 32 ? at<float>(array, index) : at<double>(array, index);
 }
 
-Any rows_of(nb::handle given, const char* name, std::size_t columns, const char* each) {
+Any given_rows(nb::handle given, const char* name, std::size_t columns, const char* each) {
   const std::string wanted = "an array of float32 or float64, shape (n, " + std::to_string(columns) + ")" + each + ",";
   Any array = array_of(given, name, wanted);
   if (array.ndim() != 2 || array.shape(1) != columns) reject(name, array, wanted);
@@ -216,7 +216,7 @@ void Positions::read(nb::handle given, const char* name, std::size_t axes) {
 }
 
 std::vector<Vec3> points_of(nb::handle given, const char* name) {
-  const Any array = rows_of(given, name, 3, "");
+  const Any array = given_rows(given, name, 3, "");
   std::vector<Vec3> points;
   points.reserve(array.shape(0));
   for (std::size_t i = 0; i < array.shape(0); ++i) {
@@ -227,7 +227,7 @@ std::vector<Vec3> points_of(nb::handle given, const char* name) {
 }
 
 std::vector<Sphere> spheres_of(nb::handle given, const char* name) {
-  const Any array = rows_of(given, name, 4, ", x y z radius");
+  const Any array = given_rows(given, name, 4, ", x y z radius");
   std::vector<Sphere> spheres;
   spheres.reserve(array.shape(0));
   for (std::size_t i = 0; i < array.shape(0); ++i) {

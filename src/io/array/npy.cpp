@@ -19,7 +19,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::string_view magic = "\x93NUMPY";
+constexpr std::string_view npy_magic = "\x93NUMPY";
 
 // The header is a Python dictionary of three entries, such as
 // {'descr': '<f4', 'fortran_order': False, 'shape': (25, 100, 3), }
@@ -211,8 +211,8 @@ Header read_header(const ByteSource& source) {
       12 + 65536;  // the limit of version 1; longer headers belong to tables with many columns
   const std::string start = source.read(0, std::min<std::uintmax_t>(size, longest_start));
   ByteReader in(source.name(), start, std::endian::little);
-  if (start.substr(0, magic.size()) != magic) in.fail("not a NumPy file; write one with numpy.save");
-  in.skip(magic.size(), "the .npy header");
+  if (start.substr(0, npy_magic.size()) != npy_magic) in.fail("not a NumPy file; write one with numpy.save");
+  in.skip(npy_magic.size(), "the .npy header");
   const int version = in.read<std::uint8_t>("the .npy header");
   in.skip(1, "the .npy header");
   if (version < 1 || version > 3)
@@ -306,7 +306,7 @@ std::string npy_start(std::string_view descr, std::span<const std::size_t> shape
   constexpr std::size_t before = 10;
   while ((before + dictionary.size() + 1) % 64 != 0) dictionary += ' ';
   dictionary += '\n';
-  std::string bytes(magic);
+  std::string bytes(npy_magic);
   bytes += '\x01';
   bytes += '\x00';
   store(bytes, static_cast<std::uint16_t>(dictionary.size()));

@@ -13,7 +13,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-void require_sound(const std::filesystem::path& path, const Mesh& mesh, const MeshInfo& info) {
+void require_sound_mesh(const std::filesystem::path& path, const Mesh& mesh, const MeshInfo& info) {
   if (mesh.facets.empty() && mesh.positions.empty())
     throw FileError(platform::text_of(path) +
                     ": has neither vertices nor facets: it is empty, or not what its name says" +
@@ -69,7 +69,7 @@ Mesh detail::mesh_of_bytes(const std::filesystem::path& path, std::string_view b
       throw FileError(platform::text_of(path) + ": " + foreign);
   }
   Mesh mesh = mesh_format(extension)->read(path, bytes, reading);
-  require_sound(path, mesh, reading.info);
+  require_sound_mesh(path, mesh, reading.info);
   return mesh;
 }
 

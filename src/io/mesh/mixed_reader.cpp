@@ -14,10 +14,10 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::string_view blanks = " \t\r\n\v\f";
+constexpr std::string_view blank_bytes = " \t\r\n\v\f";
 
 bool is_blank(char c) {
-  return blanks.find(c) != blanks.npos;
+  return blank_bytes.find(c) != blank_bytes.npos;
 }
 
 }  // namespace

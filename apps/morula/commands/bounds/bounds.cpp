@@ -110,13 +110,13 @@ void add_empty_clusters(SkinBoundsData& data, std::size_t cluster_count) {
     data.target_begin.resize(data.clusters.size() + 1, static_cast<std::uint32_t>(data.targets.size()));
 }
 
-struct Written {
+struct WrittenBounds {
   double read_seconds = 0, bounds_seconds = 0;
   std::size_t frames = 0;
   Tightness tightness{};
 };
 
-void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsData& data, Written& written) {
+void print_report(const BoundsArguments& o, const Mesh& mesh, const SkinBoundsData& data, WrittenBounds& written) {
   if (o.json) {
     Json report{{"mesh", o.mesh},
                 {"output", o.output},
@@ -168,7 +168,7 @@ int bounds_command(BoundsArguments o) {
   const Modes targets = modes.empty() ? Modes{} : read_modes(modes, mesh);
   const std::vector<std::uint32_t> clusters = requested_clusters(o, mesh, parts);
   const BoneFrames frames = requested_frames(o, skin, targets);
-  Written written{.read_seconds = watch.lap(), .frames = frames.frame_count()};
+  WrittenBounds written{.read_seconds = watch.lap(), .frames = frames.frame_count()};
   SkinBoundsData data = SkinBounds(mesh, skin, targets, clusters, workers).data();
   if (o.primitives) add_empty_clusters(data, parts.primitives.size());
   written.bounds_seconds = watch.lap();

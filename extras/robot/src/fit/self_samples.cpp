@@ -52,7 +52,7 @@ bool LinkSolids::collide(std::size_t a, const RigidTransform& at_a, std::size_t 
   const Solid &first = *solids_[a], &second = *solids_[b];
   Collider of_a(first.mesh, first.body), of_b(second.mesh, second.body);
   of_a.set_transform(relative_to(at_b, at_a));
-  const DistanceBounds bounds = distance(of_a, of_b, {.stop_above = 0});
+  const morula::DistanceBounds bounds = distance(of_a, of_b, {.stop_above = 0});
   if (bounds.crossing) return true;
   const auto contains = [](const Solid& outer, const Solid& inner, const RigidTransform& to_outer) {
     return outer.inside && std::any_of(inner.components.begin(), inner.components.end(), [&](std::uint32_t v) {

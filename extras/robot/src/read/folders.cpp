@@ -20,7 +20,7 @@ bool is_package(const fs::path& folder) {
 }
 
 /// Without a name at the end, "a/b/" would be a folder "" in a/b.
-fs::path plain(const fs::path& folder) {
+fs::path plain_path(const fs::path& folder) {
   std::error_code error;
   const fs::path path = fs::absolute(folder.empty() ? fs::path(".") : folder, error).lexically_normal();
   return path.has_filename() || !path.has_relative_path() ? path : path.parent_path();
@@ -57,14 +57,14 @@ fs::path package_around(const fs::path& folder) {
 }  // namespace
 
 RobotFolders::RobotFolders(const fs::path& robot_file, std::span<const fs::path> package_paths)
-    : own_(plain(plain(robot_file).parent_path())), levels_(levels_from(own_)) {
+    : own_(plain_path(plain_path(robot_file).parent_path())), levels_(levels_from(own_)) {
   if (levels_.empty()) levels_.push_back(own_);
   std::error_code error;
   const fs::path opened = fs::canonical(robot_file, error);
   roots_.add(package_around(own_));
   if (!error) roots_.add(package_around(opened.parent_path()));
   for (const fs::path& path : package_paths) {
-    package_paths_.push_back(plain(path));
+    package_paths_.push_back(plain_path(path));
     roots_.add(package_paths_.back());
   }
 }

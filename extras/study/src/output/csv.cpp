@@ -24,7 +24,7 @@ std::string cell_text(const TableValue& value) {
 }
 
 /// Empty for a tree without a seed.
-std::string seed_text(const Source& source) {
+std::string seed_cell(const Source& source) {
   return source.seed ? std::to_string(*source.seed) : std::string();
 }
 
@@ -75,7 +75,7 @@ std::string cells_csv(const Plan& plan, const Result& result) {
               digits(l.looseness()), digits(l.looseness_box()), digits(l.looseness_fixed()), digits(l.missed_volume()),
               exact_digits(l.uncovered_area()), exact_digits(l.uncovered_distance()), digits(l.protrusion_worst()),
               digits(l.protrusion_mean()), c.returns_to_rest ? (*c.returns_to_rest ? "yes" : "no") : "",
-              seed_text(plan.sources[c.key.source]), digits(l.error_on_half_grid(ErrorUnit::volume)));
+              seed_cell(plan.sources[c.key.source]), digits(l.error_on_half_grid(ErrorUnit::volume)));
           for (std::size_t i = 0; i < plan.metrics.size(); ++i)
             text += "," + (i < l.metrics.size() ? digits(l.metrics[i]) : std::string());
           text += '\n';

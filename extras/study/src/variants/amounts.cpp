@@ -22,10 +22,10 @@ namespace {
 constexpr int bisections = 8;
 
 /// One tree by one rule in one motion: values by the share of the full amount, each measured once.
-class Curve {
+class AmountCurve {
  public:
-  Curve(const Plan& plan, const NamedMesh& body, const CoveredTree& model, Rule rule, const Deformations& motion,
-        std::string name)
+  AmountCurve(const Plan& plan, const NamedMesh& body, const CoveredTree& model, Rule rule, const Deformations& motion,
+              std::string name)
       : plan_(plan),
         mesh_(body.mesh),
         motion_(motion),
@@ -80,11 +80,11 @@ char letter(FigurePart part) {
 
 /// The curves of Fig. 2 for one body and motion.
 struct Curves {
-  std::vector<Curve> rules, generators;
+  std::vector<AmountCurve> rules, generators;
 
   double largest(FigurePart part, std::size_t level, AmountUnit unit, double share) {
     double most = 0;
-    for (Curve& curve : is_of_rules(part) ? rules : generators)
+    for (AmountCurve& curve : is_of_rules(part) ? rules : generators)
       most = std::max(most, curve.at(share, level)[static_cast<std::size_t>(unit)]);
     return most;
   }
@@ -94,7 +94,7 @@ Curves curves_of(const Plan& plan, const Result& trees, std::size_t body, std::s
   Curves curves;
   for (std::size_t s = 0; s < plan.sources.size(); ++s) {
     if (plan.sources[s].body != body) continue;
-    const auto add = [&](std::vector<Curve>& list, Rule rule, std::string name) {
+    const auto add = [&](std::vector<AmountCurve>& list, Rule rule, std::string name) {
       list.emplace_back(plan, plan.bodies[body], trees.model[s], rule, plan.motions[motion], std::move(name));
     };
     if (plan.sources[s].named() == Method::medial) {
@@ -158,7 +158,7 @@ Figure panel(const Plan& plan, Curves& curves, const FoundAmount& found, bool fu
   figure.y_label = amount;
   figure.y_unit = text(found.unit);
   if (!full) figure.y_end = paper_axis_end;
-  for (Curve& curve : is_of_rules(found.part) ? curves.rules : curves.generators) {
+  for (AmountCurve& curve : is_of_rules(found.part) ? curves.rules : curves.generators) {
     Series series{curve.name(), SeriesRole::method, {}, {}};
     for (std::size_t i = 0; i < plan.samples; ++i) {
       const double t = share * static_cast<double>(i) / static_cast<double>(plan.samples - 1);

@@ -27,7 +27,7 @@ constexpr std::array default_attributes{"type",   "class",    "pos",      "quat"
                                         "euler",  "size",     "fromto",   "mesh",    "contype",     "group",  "axis",
                                         "range",  "limited",  "ref",      "refquat", "conaffinity", "scale",  "refpos",
                                         "hfield", "fitscale", "material", "file",    "builtin",     "vertex"};
-constexpr std::array turns{"quat", "axisangle", "xyaxes", "zaxis", "euler"};
+constexpr std::array orientation_names{"quat", "axisangle", "xyaxes", "zaxis", "euler"};
 
 RigidTransform from_matrix_columns(const Vec3& x, const Vec3& y, const Vec3& z) {
   return {.rows = {Vec3{x.x, y.x, z.x}, Vec3{x.y, y.y, z.y}, Vec3{x.z, y.z, z.z}}};
@@ -86,9 +86,9 @@ void MjcfValues::read_default(const XMLElement& at, const std::string& parent, i
       continue;
     }
     MjcfAttributes& attributes = classes_[name][it->Name()];
-    const bool turned =
-        std::any_of(turns.begin(), turns.end(), [&](const char* t) { return it->Attribute(t) != nullptr; });
-    for (const char* t : turns) {
+    const bool turned = std::any_of(orientation_names.begin(), orientation_names.end(),
+                                    [&](const char* t) { return it->Attribute(t) != nullptr; });
+    for (const char* t : orientation_names) {
       if (turned) attributes.erase(t);
     }
     for (const char* attribute : default_attributes) {
@@ -165,13 +165,13 @@ RigidTransform MjcfValues::turn_by_euler(const Vec3& angles) const {
 
 RigidTransform MjcfValues::turn(const MjcfElement& e) const {
   const char* given = nullptr;
-  for (const char* name : turns) {
+  for (const char* name : orientation_names) {
     if (e.own.Attribute(name) == nullptr) continue;
     if (given != nullptr)
       files_.fail(e.own, fmt::format("both {} and {} turn one <{}>: leave out one", given, name, e.own.Name()));
     given = name;
   }
-  for (const char* name : turns) {
+  for (const char* name : orientation_names) {
     if (given == nullptr && e.find(name) != nullptr) given = name;
   }
   if (given == nullptr) return {};
