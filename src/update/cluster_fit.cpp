@@ -62,7 +62,7 @@ Vec3 largest_components(std::span<const Vec3> points) {
   return extent;
 }
 
-double largest_length(std::span<const Vec3> points) {
+double length_of_farthest(std::span<const Vec3> points) {
   double farthest = 0;
   for (const Vec3& y : points) farthest = std::max(farthest, safe_length(y));
   return farthest;
@@ -91,7 +91,7 @@ ClusterFit::Result ClusterFit::fit(const Modes& targets, double reach) {
   cluster.row_count = static_cast<std::uint32_t>(of_bone_.size());
   cluster.center = Vec3f(enclosing_sphere(places_).center);
   for (Vec3& p : places_) p -= Vec3(cluster.center);
-  const double farthest = largest_length(places_);
+  const double farthest = length_of_farthest(places_);
   const Vec3 extent = largest_components(places_);
   // mutant skin-bounds-radius: `farthest * of_rest` -> `0.9 * farthest`
   cluster.radius = rounded_up(farthest * of_rest + reach * 0x1p-50);
@@ -191,7 +191,7 @@ void ClusterFit::add_targets(const Modes& targets, double reach, Result& result)
     const Vec3f shift(mode_row(displacements).shift);
     for (Vec3& u : displacements) u -= Vec3(shift);
     moving.push_back(
-        {static_cast<std::uint32_t>(j), shift, largest_length(displacements), largest_components(displacements)});
+        {static_cast<std::uint32_t>(j), shift, length_of_farthest(displacements), largest_components(displacements)});
   }
   if (moving.empty()) return;
   const double share = share_of_targets(moving.size());
