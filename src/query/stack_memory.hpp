@@ -64,10 +64,7 @@ struct StackAllocator {
   StackAllocator(StackMemory<size>* of) : memory(of) {}
   template <class Other>
   StackAllocator(const StackAllocator<Other, size>& other) : memory(other.memory) {}
-  T* allocate(std::size_t count) {
-    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(memory->allocate(count * sizeof(T), alignof(T)));
-  }
+  T* allocate(std::size_t count) { return static_cast<T*>(memory->allocate(count * sizeof(T), alignof(T))); }
   void deallocate(T* at, std::size_t count) noexcept { memory->deallocate(at, count * sizeof(T), alignof(T)); }
   template <class Other>
   bool operator==(const StackAllocator<Other, size>& other) const {

@@ -64,6 +64,7 @@ const char* past_exponent(const char* begin, const char* end) {
   const char* at = begin + 1;
   if (at != end && (*at == '+' || *at == '-')) ++at;
   const char* const last = past_digits(at, end);
+  // mutant decimal-exponent: `last == at ? begin : last` -> `last`
   return last == at ? begin : last;
 }
 
@@ -76,6 +77,7 @@ double rounded(const std::string& text) {
   static const locale_t c_locale = newlocale(LC_ALL_MASK, "C", nullptr);
   if (c_locale == nullptr) throw std::bad_alloc();
   const int mode = std::fegetround();
+  // mutant decimal-rounding: `std::fesetround(FE_TONEAREST)` -> ``
   std::fesetround(FE_TONEAREST);
   const double result = strtod_l(text.c_str(), nullptr, c_locale);
   std::fesetround(mode);
@@ -101,6 +103,7 @@ std::from_chars_result read_decimal(const char* begin, const char* end, double& 
   if (mantissa_end == nullptr) return {begin, std::errc::invalid_argument};
   const char* const last = past_exponent(mantissa_end, end);
   const double number = rounded(std::string(first, last));
+  // mutant decimal-vanishing: `number == 0` -> `false`
   const bool vanishes = number == 0 && !is_zero({first, static_cast<std::size_t>(mantissa_end - first)});
   if (vanishes || std::isinf(number)) return {last, std::errc::result_out_of_range};
   value = sign * number;
