@@ -65,6 +65,7 @@ std::string written(double value, Format... format) {
   return text;
 }
 
+#if MORULA_STANDARD_READS_DECIMALS
 std::vector<std::string> odd_texts() {
   const std::string zeros(400, '0');
   std::vector<std::string> texts{"",
@@ -166,7 +167,6 @@ std::string halfway(double value) {
   return text;
 }
 
-#if MORULA_STANDARD_READS_DECIMALS
 Read standard(const std::string& text) {
   return read_by([](const char* begin, const char* end, double& value) { return std::from_chars(begin, end, value); },
                  text);
