@@ -19,8 +19,8 @@
 namespace morula::platform {
 
 #if !defined(_WIN32)
-/// What std::from_chars does for a double, in every locale, by strtod_l: rounded to nearest, ties to even. Takes a copy
-/// of the digits. Not on Windows, whose libraries all have the function.
+/// std::from_chars for a double, by strtod_l: the same number, length and error in every locale and rounding mode. It
+/// copies the digits. Not on Windows, whose libraries all have the function.
 std::from_chars_result read_decimal(const char* begin, const char* end, double& value);
 #endif
 

@@ -72,7 +72,7 @@ bool is_zero(std::string_view mantissa) {
   return mantissa.find_first_not_of("0.") == std::string_view::npos;
 }
 
-/// What strtod makes of the text where numbers have a point, rounded to nearest whatever the thread's mode is.
+/// The double nearest to a number with a point, whatever the locale and the rounding mode of the thread are.
 double rounded(const std::string& text) {
   static const locale_t c_locale = newlocale(LC_ALL_MASK, "C", nullptr);
   if (c_locale == nullptr) throw std::bad_alloc();
