@@ -59,7 +59,7 @@ set(common_update fitted_body)
 set(common_study json words)
 set(common_collide require)
 set(common_geometry exact_predicates wide_integers)
-set(common_platform apart console files interrupt path_text process)
+set(common_platform apart console decimal files interrupt path_text process)
 set(common_io interruptible_text first_bytes byte_reader byte_source json_checks number_text text_scanner whole_file)
 
 if(NOT DEFINED ROOT)

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Contact patches of the C interface.
+#include <algorithm>
 #include <morula/collide/contact_patches.hpp>
 
 #include "c/handles.hpp"
@@ -32,7 +33,7 @@ namespace {
 void copy_point(const SurfacePoint& from, std::uint32_t& facet, double* point, double* barycentric) {
   facet = from.facet;
   copy(from.point, point);
-  std::ranges::copy(from.barycentric, barycentric);
+  std::copy(from.barycentric.begin(), from.barycentric.end(), barycentric);
 }
 
 morula_patch_point point_of(const PatchPoint& from) {

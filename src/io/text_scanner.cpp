@@ -8,6 +8,7 @@
 #include <morula/io/mesh_file.hpp>
 
 #include "io/whole_file.hpp"
+#include "platform/decimal.hpp"
 #include "platform/path_text.hpp"
 
 namespace morula::detail {
@@ -110,7 +111,7 @@ Value TextScanner::value(std::string_view what, const char* kind) {
   // from_chars takes no plus; "+-1" must not be accepted.
   if (*at_ == '+' && at_ + 1 < end_ && at_[1] != '-') ++at_;
   Value result{};
-  const std::from_chars_result parsed = std::from_chars(at_, end_, result);
+  const std::from_chars_result parsed = platform::read_number(at_, end_, result);
   at_ = parsed.ptr;
   const bool stops_well = at_ == end_ || ends_word(*at_);
   if (parsed.ec == std::errc() && stops_well) return result;

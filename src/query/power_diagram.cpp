@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <memory_resource>
 #include <morula/geometry/box.hpp>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/query/power_diagram.hpp>
 #include <numeric>
+#include <vector>
 
 #include "query/power_cell_of.hpp"
 #include "query/stack_memory.hpp"
@@ -86,8 +86,11 @@ class Cutter {
 
  private:
   // Most facets that are cut have a few parts of a few corners, which need no heap.
-  using Corners = std::pmr::vector<Corner>;
-  using Numbers = std::pmr::vector<std::uint32_t>;
+  static constexpr std::size_t scratch_bytes = 8192;
+  template <class Item>
+  using Items = std::vector<Item, detail::StackAllocator<Item, scratch_bytes>>;
+  using Corners = Items<Corner>;
+  using Numbers = Items<std::uint32_t>;
 
   Corners room_for_side(std::span<const Corner> polygon) {
     Corners side(&scratch_);
@@ -125,7 +128,7 @@ class Cutter {
 
   // Returns false when no corner lies strictly on the side of a, or a side is left without area.
   bool split(std::span<const Corner> polygon, std::uint32_t a, std::uint32_t b, Corners& side_a, Corners& side_b) {
-    std::pmr::vector<double> difference(&scratch_);
+    Items<double> difference(&scratch_);
     difference.reserve(polygon.size());
     for (const Corner& c : polygon) difference.push_back(power_difference(spheres_[a], spheres_[b], c.point));
     // mutant power-ties-on-both-sides: `make_two_sided(difference)` -> ``
@@ -237,7 +240,7 @@ class Cutter {
   const FacetGeometry& facet_;
   std::span<const Sphere> spheres_;
   CutFacet& result_;
-  detail::StackMemory<8192> scratch_;
+  detail::StackMemory<scratch_bytes> scratch_;
 };
 
 }  // namespace

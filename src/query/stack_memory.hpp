@@ -6,21 +6,37 @@
 #include <array>
 #include <cstddef>
 #include <functional>
-#include <memory_resource>
+#include <new>
 
 namespace morula::detail {
 
-/// A memory resource that allocates from a buffer inside itself, and from the heap when that is full. Memory that is
-/// freed last in, first out, as by locals of nested calls, is free again at once; memory freed in another order stays
-/// allocated. One thread may use it.
+/// Allocates from a buffer inside itself, and from the heap when that is full. Memory that is freed last in, first out,
+/// as by locals of nested calls, is free again at once; memory freed in another order stays allocated. One thread may
+/// use it. No std::pmr::memory_resource, which libc++ before version 16 lacks.
 template <std::size_t size>
-class StackMemory : public std::pmr::memory_resource {
+class StackMemory {
  public:
   StackMemory() = default;
   StackMemory(const StackMemory&) = delete;
   StackMemory& operator=(const StackMemory&) = delete;
   /// Allocated bytes of the buffer.
   std::size_t used() const { return used_; }
+
+  void* allocate(std::size_t bytes, std::size_t alignment) {
+    // The size is compared first: a size that does not fit might be rounded up beyond the largest number.
+    if (alignment > step || bytes > size - used_ || rounded(bytes) > size - used_)
+      return ::operator new(bytes, std::align_val_t(alignment));
+    void* const memory = memory_.data() + used_;
+    used_ += rounded(bytes);
+    return memory;
+  }
+  void deallocate(void* memory, std::size_t bytes, std::size_t alignment) noexcept {
+    if (!owns(memory)) return ::operator delete(memory, std::align_val_t(alignment));
+    const auto begin = static_cast<std::size_t>(static_cast<std::byte*>(memory) - memory_.data());
+    // mutant stack-memory-any-order: `if (begin + rounded(bytes) == used_) used_` -> `used_`
+    // mutant stack-memory-never-free: `if (begin + rounded(bytes) == used_) used_ = begin` -> ``
+    if (begin + rounded(bytes) == used_) used_ = begin;
+  }
 
  private:
   static constexpr std::size_t step = alignof(std::max_align_t);
@@ -32,25 +48,30 @@ class StackMemory : public std::pmr::memory_resource {
     return !before(memory, memory_.data()) && before(memory, memory_.data() + size);
   }
 
-  void* do_allocate(std::size_t bytes, std::size_t alignment) override {
-    // The size is compared first: a size that does not fit might be rounded up beyond the largest number.
-    if (alignment > step || bytes > size - used_ || rounded(bytes) > size - used_)
-      return std::pmr::new_delete_resource()->allocate(bytes, alignment);
-    void* const memory = memory_.data() + used_;
-    used_ += rounded(bytes);
-    return memory;
-  }
-  void do_deallocate(void* memory, std::size_t bytes, std::size_t alignment) override {
-    if (!owns(memory)) return std::pmr::new_delete_resource()->deallocate(memory, bytes, alignment);
-    const auto begin = static_cast<std::size_t>(static_cast<std::byte*>(memory) - memory_.data());
-    // mutant stack-memory-any-order: `if (begin + rounded(bytes) == used_) used_` -> `used_`
-    // mutant stack-memory-never-free: `if (begin + rounded(bytes) == used_) used_ = begin` -> ``
-    if (begin + rounded(bytes) == used_) used_ = begin;
-  }
-  bool do_is_equal(const std::pmr::memory_resource& other) const noexcept override { return this == &other; }
-
   alignas(std::max_align_t) std::array<std::byte, size> memory_;
   std::size_t used_ = 0;
+};
+
+/// Lets containers of the standard library allocate from a StackMemory, which outlives them.
+template <class T, std::size_t size>
+struct StackAllocator {
+  using value_type = T;
+  template <class Other>
+  struct rebind {
+    using other = StackAllocator<Other, size>;
+  };
+
+  StackAllocator(StackMemory<size>* of) : memory(of) {}
+  template <class Other>
+  StackAllocator(const StackAllocator<Other, size>& other) : memory(other.memory) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(memory->allocate(count * sizeof(T), alignof(T))); }
+  void deallocate(T* at, std::size_t count) noexcept { memory->deallocate(at, count * sizeof(T), alignof(T)); }
+  template <class Other>
+  bool operator==(const StackAllocator<Other, size>& other) const {
+    return memory == other.memory;
+  }
+
+  StackMemory<size>* memory;
 };
 
 }  // namespace morula::detail

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tree/region.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -105,7 +106,7 @@ std::optional<Barycentric> barycentric_on(const Cover& cover, const Facet& facet
   Barycentric b{0, 0, 0};
   const auto add = [&](std::uint32_t vertex, double weight) {
     if (weight == 0) return true;
-    const auto at = std::ranges::find(facet, vertex);
+    const auto at = std::find(facet.begin(), facet.end(), vertex);
     if (at == facet.end()) return false;
     b[static_cast<std::size_t>(at - facet.begin())] += weight;
     return true;

@@ -38,7 +38,7 @@ class Region {
     ++whole_count_;
   }
   void add(std::uint32_t of_facet, std::span<const Barycentric> polygon) {
-    if (std::ranges::equal(polygon, whole_facet)) return add_whole(of_facet);
+    if (std::equal(polygon.begin(), polygon.end(), whole_facet.begin(), whole_facet.end())) return add_whole(of_facet);
     facet.push_back(of_facet);
     cut_corners_.insert(cut_corners_.end(), polygon.begin(), polygon.end());
     cut_begin_.push_back(static_cast<std::uint32_t>(cut_corners_.size()));

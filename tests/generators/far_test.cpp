@@ -128,7 +128,7 @@ TEST(FarExchange, leaves_the_room_of_rounded_coordinates) {
                       corner_positions(mesh, before[i], own);
                       corner_positions(mesh, nodes[i].region, now);
                       for (const Vec3& p : now) {
-                        if (std::ranges::find(own, p) != own.end()) continue;
+                        if (std::find(own.begin(), own.end(), p) != own.end()) continue;
                         ++across;
                         for (const Sphere& a : nodes[i].ancestors)
                           EXPECT_LE(length(Wide(p) - Wide(a.center)) + rounding_of(mesh) / 4,

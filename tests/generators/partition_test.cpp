@@ -56,7 +56,8 @@ std::vector<std::vector<std::pair<std::uint32_t, std::vector<Barycentric>>>> div
       for (const Barycentric& b : polygon) corners.push_back(at_barycentric(geometry.corners, b));
       const Sphere& own = spheres[cut.owner[piece]];
       const double square = own.radius * own.radius;
-      if (std::ranges::any_of(corners, [&](const Vec3& p) { return squared_distance(own.center, p) > square; }))
+      if (std::any_of(corners.begin(), corners.end(),
+                      [&](const Vec3& p) { return squared_distance(own.center, p) > square; }))
         ++leftovers;
       else
         parts[cut.owner[piece]].push_back({facet, {polygon.begin(), polygon.end()}});
@@ -85,7 +86,8 @@ void expect_divided_as_one_by_one(const Mesh& mesh, const Region& region, std::s
 }
 
 bool has_repeated_vertex(const Mesh& mesh) {
-  return std::ranges::any_of(mesh.facets, [](const Facet& f) { return f[0] == f[1] || f[1] == f[2] || f[2] == f[0]; });
+  return std::any_of(mesh.facets.begin(), mesh.facets.end(),
+                     [](const Facet& f) { return f[0] == f[1] || f[1] == f[2] || f[2] == f[0]; });
 }
 
 TEST(Partition, divides_whole_and_cut_facets_as_one_by_one) {
@@ -126,7 +128,7 @@ TEST(Partition, keeps_facets_with_a_repeated_vertex_whole) {
           ASSERT_TRUE(divided.regions[i].is_whole(k));
           const double almost = 1 - 1e-12, hardly = 1 + 1e-12;
           const auto reach = [&](const Sphere& s) { return farthest_distance(s.center, mesh.corners(f)) / s.radius; };
-          if (std::ranges::none_of(spheres, [&](const Sphere& s) { return reach(s) <= almost; })) {
+          if (std::none_of(spheres.begin(), spheres.end(), [&](const Sphere& s) { return reach(s) <= almost; })) {
             ++not_reached;
             continue;
           }
@@ -159,7 +161,8 @@ TEST(Region, gives_back_what_was_added) {
   for (std::size_t k = 0; k < added.size(); ++k) {
     EXPECT_EQ(region.facet[k], added[k].first);
     EXPECT_EQ(polygon_of(region, k), added[k].second);
-    EXPECT_EQ(region.is_whole(k), std::ranges::equal(added[k].second, whole_facet));
+    EXPECT_EQ(region.is_whole(k),
+              std::equal(added[k].second.begin(), added[k].second.end(), whole_facet.begin(), whole_facet.end()));
     whole += region.is_whole(k);
   }
   EXPECT_GT(whole, 200u);

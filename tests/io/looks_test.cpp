@@ -75,7 +75,12 @@ TEST(Looks, files_of_trees_are_read_and_written_with_many) {
 }
 
 TEST(Looks, meshes_are_inspected_repaired_and_indexed_with_many) {
-  expect_questions("inspect", 276, [] { EXPECT_TRUE(inspect(large()).closed); });
+#ifdef _LIBCPP_VERSION
+  constexpr int inspecting = 265;  // its sort compares less
+#else
+  constexpr int inspecting = 276;
+#endif
+  expect_questions("inspect", inspecting, [] { EXPECT_TRUE(inspect(large()).closed); });
   expect_questions("repair", 339, [] { repair(large()); });
   expect_questions("connectivity", 25, [] { connectivity(large()); });
   expect_questions("components_by_vertices", 11, [] { components_by_vertices(large()); });

@@ -69,12 +69,14 @@ void expect_same_surface(const std::vector<Patch>& patches, const std::vector<Pa
     for (std::size_t k = 0; k < patch.size(); ++k)
       EXPECT_GE(twice_area(patch[k], patch[(k + 1) % patch.size()], patch[(k + 2) % patch.size()]), -rounding);
     for (const Barycentric& b : patch)
-      EXPECT_TRUE(std::ranges::any_of(patches, [&](const Patch& p) { return std::ranges::find(p, b) != p.end(); }))
-          << "a corner that no patch has";
+      EXPECT_TRUE(std::any_of(patches.begin(), patches.end(), [&](const Patch& p) {
+        return std::find(p.begin(), p.end(), b) != p.end();
+      })) << "a corner that no patch has";
   }
   for (const Patch& patch : patches)
-    EXPECT_TRUE(std::ranges::any_of(result, [&](const Patch& made) {
-      return std::ranges::all_of(patch, [&](const Barycentric& b) { return distance_outside(made, b) <= rounding; });
+    EXPECT_TRUE(std::any_of(result.begin(), result.end(), [&](const Patch& made) {
+      return std::all_of(patch.begin(), patch.end(),
+                         [&](const Barycentric& b) { return distance_outside(made, b) <= rounding; });
     })) << "a patch that is in no polygon as a whole";
 }
 

@@ -15,6 +15,7 @@
 #include <morula/query/power_diagram.hpp>
 #include <morula/update/body.hpp>
 
+#include "platform/decimal.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/figures.hpp"
@@ -177,7 +178,7 @@ std::vector<VtpData> read_contacts(const std::string& path) {
     const auto value = [&](std::size_t column) {
       const std::string& text = cell(column);
       double result = 0;
-      const std::from_chars_result read = std::from_chars(text.data(), text.data() + text.size(), result);
+      const std::from_chars_result read = platform::read_number(text.data(), text.data() + text.size(), result);
       if (read.ec != std::errc() || read.ptr != text.data() + text.size() || !std::isfinite(result)) {
         throw FileError(fmt::format("{}:{}: {} is '{}', not a number", path, number, wanted[column], text));
       }

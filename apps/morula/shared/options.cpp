@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "platform/decimal.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 
@@ -47,7 +48,7 @@ template <class Number>
 std::optional<Number> parse_number(const std::string& text) {
   Number value{};
   const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
+  const auto result = platform::read_number(text.data(), end, value);
   if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;
   return value;
 }

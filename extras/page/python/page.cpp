@@ -65,7 +65,8 @@ std::vector<std::vector<Sphere>> sphere_frames_of(nb::handle given, std::size_t 
 }
 
 void require_rest(const PageMotion& motion, const MeshView& rest) {
-  if (!std::ranges::equal(motion.facets, rest.facets) || motion.frames.front().size() != rest.vertex_count())
+  if (!std::equal(motion.facets.begin(), motion.facets.end(), rest.facets.begin(), rest.facets.end()) ||
+      motion.frames.front().size() != rest.vertex_count())
     throw std::invalid_argument("rest: another mesh than the motion's");
 }
 

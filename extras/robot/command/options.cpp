@@ -12,6 +12,7 @@
 #include <platform/files.hpp>
 
 #include "page.hpp"
+#include "platform/decimal.hpp"
 #include "shared/command.hpp"
 #include "shared/files.hpp"
 
@@ -31,7 +32,7 @@ std::vector<std::string> output_format_names() {
 /// A number above 0 at the end of an option, else UsageError.
 double length_or_share(const std::string& option, const std::string& text, std::string_view number) {
   double value = 0;
-  const std::from_chars_result read = std::from_chars(number.data(), number.data() + number.size(), value);
+  const std::from_chars_result read = platform::read_number(number.data(), number.data() + number.size(), value);
   if (read.ec != std::errc() || read.ptr != number.data() + number.size() || !(value > 0 && value < 1e30)) {
     throw UsageError(
         fmt::format("{} {}: give a length above 0, as 0.005, or a share of each link's size, as 1%", option, text));
@@ -47,7 +48,7 @@ std::pair<std::string, robot::ClipPlane> clip_plane(const std::string& text, con
   for (bool more = !rest.empty(); more;) {
     const std::size_t end = std::min(rest.find(','), rest.size());
     double value = 0;
-    const std::from_chars_result read = std::from_chars(rest.data(), rest.data() + end, value);
+    const std::from_chars_result read = platform::read_number(rest.data(), rest.data() + end, value);
     if (end == 0 || read.ec != std::errc() || read.ptr != rest.data() + end || !(std::abs(value) < 1e30)) {
       numbers.clear();
       break;

@@ -114,7 +114,8 @@ class NearBalls {
       const Words& at_vertex = at_vertices_.of(v, [&] {
         Words words{};
         const Vec3 vertex = mesh.positions[v];
-        std::ranges::copy(at_points({&vertex, 1}), words.begin());
+        const auto at_one = at_points({&vertex, 1});
+        std::copy(at_one.begin(), at_one.end(), words.begin());
         return words;
       });
       for (std::size_t word = 0; word < most_words; ++word) all[word] |= at_vertex[word];
@@ -213,7 +214,7 @@ class Exchange {
       const std::uint32_t facet = own.region.facet[k];
       const auto polygon = own.region.polygon(k);
       const auto with_less_power = balls.with_less_power(mesh_, facet);
-      if (std::ranges::none_of(with_less_power, [](std::uint64_t word) { return word != 0; })) {
+      if (std::none_of(with_less_power.begin(), with_less_power.end(), [](std::uint64_t word) { return word != 0; })) {
         gifts.add_polygon(from, k);
         continue;
       }
@@ -223,8 +224,9 @@ class Exchange {
       allowed.assign(1, from);
       each_bit(with_less_power, [&](std::size_t n) {
         const BuildNode& other = nodes_[near[n]];
-        const bool has_less_power = std::ranges::any_of(
-            corners, [&](const Vec3& p) { return power(spheres[near[n]], p) < power(spheres[from], p); });
+        const bool has_less_power = std::any_of(corners.begin(), corners.end(), [&](const Vec3& p) {
+          return power(spheres[near[n]], p) < power(spheres[from], p);
+        });
         if (!has_less_power) return;
         if (other.parent == own.parent || std::all_of(other.ancestors.begin(), other.ancestors.end(),
                                                       [&](const Sphere& a) { return contains(a, corners, pad_); }))
@@ -251,7 +253,8 @@ class Exchange {
       }
     }
     // A node that becomes empty is lost for the level: a node that would give everything keeps everything.
-    if (std::ranges::find(gifts.gifts, from, &Gifts::Gift::to) != gifts.gifts.end()) return gifts;
+    const auto is_own = [&](const Gifts::Gift& gift) { return gift.to == from; };
+    if (std::any_of(gifts.gifts.begin(), gifts.gifts.end(), is_own)) return gifts;
     gifts = {};
     for (std::size_t k = 0; k < own.region.size(); ++k) gifts.add_polygon(from, k);
     return gifts;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <numeric>
+#include <span>
 
 #include "query/power_cell_of.hpp"
 #include "tree/vertex_memo.hpp"
@@ -58,11 +59,12 @@ Partition partition(const MeshView& mesh, const Region& region, std::span<const 
     cut.clear();
     cut_by_power(facet, region.polygon(k), spheres, all, cut);
     for (std::size_t part = 0; part < cut.size(); ++part) {
-      const bool is_inside = std::ranges::all_of(cut.polygon(part), [&](const Barycentric& b) {
+      const std::span<const Barycentric> polygon = cut.polygon(part);
+      const bool is_inside = std::all_of(polygon.begin(), polygon.end(), [&](const Barycentric& b) {
         return contains(spheres[cut.owner[part]], at_barycentric(facet.corners, b));
       });
       Region& target = is_inside ? result.regions[cut.owner[part]] : leftovers;
-      target.add(region.facet[k], cut.polygon(part));
+      target.add(region.facet[k], polygon);
     }
   }
 

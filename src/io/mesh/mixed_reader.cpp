@@ -9,6 +9,7 @@
 
 #include "io/text_scanner.hpp"
 #include "io/whole_file.hpp"
+#include "platform/decimal.hpp"
 #include "platform/path_text.hpp"
 
 namespace morula::detail {
@@ -67,7 +68,7 @@ double MixedReader::text_number(std::string_view what) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   if (begins_with_old_nonfinite(text)) finite(std::numeric_limits<double>::quiet_NaN(), what);
   double value = 0;
-  const std::from_chars_result read = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::from_chars_result read = platform::read_number(text.data(), text.data() + text.size(), value);
   if (read.ptr != text.data() + text.size() || read.ec == std::errc::invalid_argument)
     fail(in_quotes(whole) + " is not a number, but " + std::string(what) + " should be here");
   // A number below the smallest double may be 0; one beyond the largest is an error.

@@ -17,6 +17,7 @@
 #include "io/paraview/vtp.hpp"
 #include "io/whole_file.hpp"
 #include "parallel/interruption.hpp"
+#include "platform/decimal.hpp"
 #include "platform/path_text.hpp"
 
 namespace morula::detail {
@@ -336,7 +337,7 @@ class XmlReader {
         if (at == text.npos) break;
         const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
         double value = 0;
-        const std::from_chars_result read = std::from_chars(text.data() + at, text.data() + end, value);
+        const std::from_chars_result read = platform::read_number(text.data() + at, text.data() + end, value);
         if (read.ec != std::errc() || read.ptr != text.data() + end)
           tags_.fail_at(tag.end + at, in_quotes(text.substr(at, end - at)) + " in array " + name + " is not a number");
         if (values.size() == most)

@@ -18,6 +18,7 @@
 #include "commands/collide/patches.hpp"
 #include "commands/collide/report.hpp"
 #include "commands/collide/scene.hpp"
+#include "platform/decimal.hpp"
 #include "shared/command.hpp"
 #include "shared/console.hpp"
 #include "shared/extension.hpp"
@@ -57,7 +58,7 @@ Budget parse_budget(const std::string& text) {
   if (text.empty()) return {};
   double value = 0;
   const char* const end = text.data() + text.size();
-  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  const auto [rest, error] = platform::read_number(text.data(), end, value);
   const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
   if (error == std::errc() && value >= 0 && value < 1e15) {
     const auto nanoseconds = [](double n) { return std::chrono::nanoseconds(static_cast<std::int64_t>(n)); };

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "platform/decimal.hpp"
+
 namespace morula::robot {
 
 namespace {
@@ -15,7 +17,7 @@ double in_decimals(double value, int digits) {
   char text[64];
   const auto written = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, digits);
   double result = value;
-  std::from_chars(text, written.ptr, result);
+  platform::read_number(text, written.ptr, result);
   return result == 0 ? 0 : result;
 }
 

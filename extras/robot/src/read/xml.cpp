@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "io/whole_file.hpp"
+#include "platform/decimal.hpp"
 #include "platform/path_text.hpp"
 
 namespace morula::robot {
@@ -195,7 +196,7 @@ bool read_numbers(std::string_view text, std::vector<double>& numbers) {
     if (at == end) return true;
     if (*at == '+' && at + 1 != end && at[1] != '-') ++at;
     double value = 0;
-    const std::from_chars_result read = std::from_chars(at, end, value);
+    const std::from_chars_result read = platform::read_number(at, end, value);
     if (read.ec == std::errc::result_out_of_range && read.ptr != at) {
       // Too small for a double is 0, as in every reader; too large is no number.
       const std::string_view word(at, static_cast<std::size_t>(read.ptr - at));
