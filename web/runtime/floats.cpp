@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// Two functions of std::to_chars for doubles with a given number of digits. Those of the standard library have tables of
-// 100 kB; these take the digits from snprintf, which computes them exactly, too.
+// Two functions of std::to_chars for doubles with a given number of digits. Those of the standard library have tables
+// of 100 kB; these take the digits from snprintf, which computes them exactly, too.
 #include <__algorithm/copy_n.h>
 #include <__charconv/to_chars_result.h>
+
 #include <__config>
 #include <cstdint>
 #include <cstdio>
