@@ -17,6 +17,7 @@ namespace morula {
 namespace {
 
 using test::base64;
+using test::can_make_links;
 using test::bending_arm;
 using test::expect_file_error;
 using test::GltfMaker;
