@@ -34,6 +34,9 @@ export function pairsOf(memory, Body, requireKind) {
   }
 
   class PairQuery extends Handle {
+    // Of a search that its budget ended: it reads their positions, which go with them.
+    #bodies = [];
+
     constructor() {
       super(memory, 'morula_pairs_destroy', memory.make('morula_pairs_create'));
     }
@@ -44,7 +47,9 @@ export function pairsOf(memory, Body, requireKind) {
       return this.#search('morula_pairs_crossing', a, b, options);
     }
     resume({boxTests, budgetMs} = {}) {
+      for (const body of this.#bodies) requireKind(body, Body, 'body');
       memory.call('morula_pairs_resume', this.handle, ...budgetOf(boxTests, budgetMs));
+      if (this.finished) this.#bodies = [];
       return this.pairs();
     }
     get count() {
@@ -73,6 +78,7 @@ export function pairsOf(memory, Body, requireKind) {
         data.setBigInt64(place + 48, nanoseconds, true);
         memory.call(name, first, second, place, this.handle);
       });
+      this.#bodies = this.finished ? [] : [a, b ?? a];
       return this.pairs();
     }
   }
