@@ -3,6 +3,7 @@
 // Pairs of features of one module. index.d.ts has the contracts; module.cpp checks the places of fields used here.
 import {budgetOf} from './budget.js';
 import {Handle} from './handle.js';
+import {signed} from './numbers.js';
 
 const pairSize = 144;
 const missing = 0xffffffff;
@@ -34,6 +35,8 @@ export function pairsOf(memory, Body, requireKind) {
   }
 
   class PairQuery extends Handle {
+    #bodies = []; // of a search that its budget has ended: it reads their positions, which free() and the collector take away
+
     constructor() {
       super(memory, 'morula_pairs_destroy', memory.make('morula_pairs_create'));
     }
@@ -44,7 +47,9 @@ export function pairsOf(memory, Body, requireKind) {
       return this.#search('morula_pairs_crossing', a, b, options);
     }
     resume({boxTests, budgetMs} = {}) {
+      for (const body of this.#bodies) body.handle;
       memory.call('morula_pairs_resume', this.handle, ...budgetOf(boxTests, budgetMs));
+      if (this.finished) this.#bodies = [];
       return this.pairs();
     }
     get count() {
@@ -65,7 +70,7 @@ export function pairsOf(memory, Body, requireKind) {
         const data = memory.data;
         data.setFloat64(place + 8, options.distance ?? 0, true);
         data.setInt32(place + 16, options.nearestFeaturesOnce ? 1 : 0, true);
-        data.setInt32(place + 20, options.rings ?? 0, true);
+        data.setInt32(place + 20, signed(options.rings ?? 0, 'rings'), true);
         data.setFloat64(place + 24, options.restDistance ?? 0, true);
         data.setInt32(place + 32, options.sameComponent ? 1 : 0, true);
         const [tests, nanoseconds] = budgetOf(options.boxTests, options.budgetMs);
@@ -73,6 +78,7 @@ export function pairsOf(memory, Body, requireKind) {
         data.setBigInt64(place + 48, nanoseconds, true);
         memory.call(name, first, second, place, this.handle);
       });
+      this.#bodies = this.finished ? [] : [a, b ?? a];
       return this.pairs();
     }
   }

@@ -297,6 +297,42 @@ test('facets that lie in one plane, twins and needles', () => {
   }
 });
 
+test('attributes of half precision', () => {
+  const geometry = arm();
+  const {position} = geometry.attributes;
+  geometry.setAttribute('position', new three.Float16BufferAttribute(Uint16Array.from(position.array, three.DataUtils.toHalfFloat), 3));
+  for (const mesh of [new Mesh(geometry, new MeshBasicMaterial()), character(geometry)]) {
+    const bounds = new MorulaBounds(morula, mesh);
+    requireCovered(bounds);
+    assert.ok(bounds.sphere.radius < 5);
+    assert.ok(compareRays(bounds, 60) > 20);
+  }
+});
+
+test('facets whose area rounding takes away, and groups that begin inside of a facet', () => {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute([0, 0, 0, 1, 0, 0, 0.5, 1e-9, 0], 3));
+  geometry.setAttribute('uv', new Float32BufferAttribute([0, 0, 1, 0, 0, 1], 2));
+  geometry.setAttribute('normal', new Float32BufferAttribute([0, 0, 1, 0, 0, 1, 0, 0, 1], 3));
+  const mesh = new Mesh(geometry, new MeshBasicMaterial());
+  const bounds = new MorulaBounds(morula, mesh);
+  const raycaster = new Raycaster(new Vector3(0.5, 3e-10, 1), new Vector3(0, 0, -1));
+  const hitsOf = () => {
+    const hits = [];
+    bounds.raycast(raycaster, hits);
+    return hits;
+  };
+  const expected = bruteHits(raycaster, mesh);
+  assert.equal(expected.length, 1);
+  assert.deepEqual(hitsOf(), expected);
+  mesh.material = [mesh.material];
+  geometry.addGroup(0, 3, 0);
+  geometry.addGroup(1, 0, 0); // without facets
+  assert.deepEqual(hitsOf(), expected);
+  geometry.addGroup(1, 2, 0);
+  assert.throws(hitsOf, MorulaError);
+});
+
 test('attached bounds serve culling and raycasters, and come off again', () => {
   const mesh = character();
   const before = Object.getOwnPropertyNames(mesh);
