@@ -34,8 +34,8 @@ export interface MorulaBoundsOptions {
  * A SkinnedMesh without morph targets follows its bones: update() reads no vertex, and rays compute the vertices of the facets
  * that they may hit. For all others, such as morph targets and positions that the program writes, update() computes every
  * vertex. The skin has the four influences of three.js, with weights of any sum. Positions may be interleaved, quantized,
- * normalized and of half precision, with an index or without. InstancedMesh and BatchedMesh are rejected; shaders that move vertices are not
- * followed. */
+ * normalized and of half precision, with an index or without. InstancedMesh and BatchedMesh are rejected; shaders that move
+ * vertices are not followed. */
 export class MorulaBounds {
   /** object: a mesh with up to date world matrices. The whole index is read, whatever the draw range. If index or skin change,
    * update() throws. */

@@ -300,7 +300,8 @@ test('facets that lie in one plane, twins and needles', () => {
 test('attributes of half precision', () => {
   const geometry = arm();
   const {position} = geometry.attributes;
-  geometry.setAttribute('position', new three.Float16BufferAttribute(Uint16Array.from(position.array, three.DataUtils.toHalfFloat), 3));
+  const halves = Uint16Array.from(position.array, (x) => three.DataUtils.toHalfFloat(x));
+  geometry.setAttribute('position', new three.Float16BufferAttribute(halves, 3));
   for (const mesh of [new Mesh(geometry, new MeshBasicMaterial()), character(geometry)]) {
     const bounds = new MorulaBounds(morula, mesh);
     requireCovered(bounds);
