@@ -59,7 +59,7 @@ export class MorulaBounds {
    * Throws if a draw range or a group begins inside of a facet, and after free(). */
   raycast: (raycaster: Raycaster, intersects: Intersection[]) => void;
   /** Sets raycast, boundingSphere and boundingBox of the object, so Raycaster, frustum culling and Box3.setFromObject() use these
-   * bounds. */
+   * bounds. Detaches other bounds of the object. */
   attach(): this;
   /** Sets them back. */
   detach(): this;

@@ -366,6 +366,18 @@ test('attached bounds serve culling and raycasters, and come off again', () => {
   assert.equal('boundingSphere' in still, false);
 });
 
+test('bounds of one object take turns, and freed ones do not attach', () => {
+  const mesh = new Mesh(knot(), new MeshBasicMaterial());
+  const [a, b] = [0, 1].map(() => new MorulaBounds(morula, mesh).attach());
+  assert.equal(mesh.raycast, b.raycast);
+  a.free();
+  assert.equal(mesh.raycast, b.raycast);
+  assert.throws(() => a.attach(), MorulaError);
+  b.free();
+  for (const name of ['raycast', 'boundingSphere', 'computeBoundingBox']) assert.ok(!Object.hasOwn(mesh, name), name);
+  assert.throws(() => new MorulaBounds(morula, new three.SkinnedMesh(arm(), new MeshBasicMaterial())), MorulaError);
+});
+
 test('culling under a matrix with shear', () => {
   for (const space of ['local', 'world']) {
     const parent = new three.Group();
