@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// The part of the module that the C interface lacks: the layout of its structs as web/src/layout.js writes and reads
+// The part of the module that the C interface lacks: the layout of its structs as web/src/*.js writes and reads
 // them, and a build whose progress JavaScript hears.
 #include <morula/morula.h>
 

@@ -2,13 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds in a worker of their own, so that the thread of the page stays free.
 import {MorulaError} from './errors.js';
-import {run} from './workers.js';
+import {reasonOf, run} from './workers.js';
+
+function requireGoing(signal) {
+  if (signal && typeof signal.addEventListener !== 'function') throw new MorulaError('signal is no AbortSignal');
+  if (signal?.aborted) throw reasonOf(signal);
+}
 
 /** Runs a job in the first of the given kinds of workers that starts here. */
 async function runInAny(starts, jobOf, signal, heard) {
   const reasons = [];
   for (const start of starts) {
-    signal?.throwIfAborted();
+    requireGoing(signal);
     let worker = null;
     try {
       worker = await start();
@@ -16,9 +21,15 @@ async function runInAny(starts, jobOf, signal, heard) {
       reasons.push(reason.message);
       continue;
     }
-    if (signal?.aborted) worker.terminate();
-    signal?.throwIfAborted();
-    const {job, moved} = jobOf();
+    let work = null;
+    try {
+      requireGoing(signal);
+      work = jobOf();
+    } catch (reason) {
+      worker.terminate();
+      throw reason;
+    }
+    const {job, moved} = work;
     try {
       return await run(worker, job, moved, signal, heard);
     } catch (reason) {
@@ -32,7 +43,7 @@ async function runInAny(starts, jobOf, signal, heard) {
 /** Makes buildAsync() of a module. starts: functions that start a worker, the preferred one first. */
 export function buildAsyncOf(module, starts, {requireBuilder, Tree}) {
   return async function buildAsync(mesh, {progress = null, signal = null, ...options} = {}) {
-    signal?.throwIfAborted();
+    requireGoing(signal);
     requireBuilder(mesh);
     const jobOf = () => {
       const positions = mesh.positions.slice();

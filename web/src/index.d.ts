@@ -4,11 +4,12 @@
 // Morula for browsers, workers and node: sphere trees that cover triangle meshes while they deform.
 //
 // Lengths are in mesh units, indices start at 0, coordinates are x, y, z. Every function throws a MorulaError for bad
-// input, and then nothing has changed.
+// input, and then nothing has changed. After a rejected update the queries of a body throw, until an update is not rejected.
 //
 // Views. Properties such as Body.positions are arrays over the module's own memory: nothing is copied. When the memory
 // grows, which any call that allocates may cause, the engine detaches old views: their length becomes 0. So read the
-// property again instead of keeping its value; that costs nothing.
+// property again instead of keeping its value; that costs nothing. A view is valid until its object is freed, so keep the
+// object, too: the garbage collector does not see that a view needs it.
 
 /** An array of numbers: a typed array or a plain one. */
 export type Numbers = ArrayLike<number>;
@@ -51,7 +52,7 @@ export interface MeshConstructor {
   new (positions: Numbers, facets: Numbers): Mesh;
   /** Reads the bytes of an OBJ, OFF, PLY, STL, VTK (.vtk, .vtp, .vtu) or Gmsh (.msh) file; the extension of the name is
    * the format. */
-  fromBytes(name: string, bytes: ArrayBuffer | Uint8Array): Mesh;
+  fromBytes(name: string, bytes: ArrayBufferLike | ArrayBufferView): Mesh;
   /** Generates a sample: bar, capsule, limb, torus, blob, plate, two, tool, hand or vessel. resolution: edges around it,
    * 3 to 4096. */
   sample(name: string, resolution: number): Mesh;
@@ -76,7 +77,7 @@ export interface Tree extends Handle {
 }
 export interface TreeStatic {
   /** Reads the bytes of a .morula file that was built for exactly this mesh, by any build of Morula. */
-  fromBytes(bytes: ArrayBuffer | Uint8Array, mesh: Mesh): Tree;
+  fromBytes(bytes: ArrayBufferLike | ArrayBufferView, mesh: Mesh): Tree;
 }
 
 export interface BuildOptions {
@@ -94,6 +95,7 @@ export interface BuildOptions {
   /** Time limit, by at most one of the two: nodes that are not divided then stay leaves, and cover. */
   timeLimitSeconds?: number;
   budgetMs?: number;
+  /** 0 to 2^64 - 1; a number to 2^53 - 1. */
   seed?: number | bigint;
   /** Whether every sphere contains its children's. */
   nested?: boolean;

@@ -25,6 +25,6 @@ const starts = [
 ];
 
 export async function load({variant = 'full', simd = hasVectors(), source} = {}) {
-  if (!(variant in places)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
+  if (!Object.keys(places).includes(variant)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
   return loadFrom(source ?? places[variant][simd ? 'simd' : 'plain'](), starts);
 }

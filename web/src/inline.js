@@ -21,7 +21,7 @@ const files = {
 const starts = [async () => workerOf((await import('../dist/worker-text.js')).default)];
 
 export async function load({variant = 'full', simd = hasVectors(), source} = {}) {
-  if (!(variant in files)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
+  if (!Object.keys(files).includes(variant)) throw new MorulaError(`variant is ${variant}, neither full nor runtime`);
   if (source !== undefined) return loadFrom(source, starts);
   const kind = simd ? 'simd' : 'plain';
   await files[variant][kind]();

@@ -5,6 +5,7 @@ import {buildAsyncOf} from './build_async.js';
 import {MorulaError} from './errors.js';
 import {Handle} from './handle.js';
 import {Block} from './memory.js';
+import {bytesOf, indices, signed, whole, wide} from './numbers.js';
 import {pairsOf} from './pairs.js';
 import {queriesOf} from './queries.js';
 
@@ -26,14 +27,6 @@ function requireMultiple(numbers, width, name) {
   return numbers.length / width;
 }
 
-/** Indices as 32-bit numbers: a number that is none would wrap around to one that is. */
-function indices(numbers, name) {
-  const result = Uint32Array.from(numbers);
-  for (let i = 0; i < result.length; ++i)
-    if (result[i] !== numbers[i]) throw new MorulaError(`${name}[${i}] is ${numbers[i]}, no index`);
-  return result;
-}
-
 /** Makes the classes and functions over the exports of a module. state: {progress, failure}, of the import `progress`. module,
  * starts: the compiled module, and functions that start a worker for it. */
 export function libraryOf(memory, state, {module, starts}) {
@@ -42,12 +35,14 @@ export function libraryOf(memory, state, {module, starts}) {
       super(memory, 'morula_mesh_destroy', positions instanceof Made ? positions.handle : createMesh(positions, facets));
     }
     static fromBytes(name, bytes) {
-      return new Mesh(new Made(memory.withTexts([name], (text) =>
-        memory.withNumbers(Uint8Array, new Uint8Array(bytes), (begin) =>
-          memory.make('morula_mesh_from_bytes', text, begin, bytes.byteLength)))));
+      const given = bytesOf(bytes, 'bytes');
+      const size = given.length;
+      return new Mesh(new Made(memory.withNumbers(Uint8Array, given, (begin) => memory.withTexts([name], (text) =>
+        memory.make('morula_mesh_from_bytes', text, begin, size)))));
     }
     static sample(name, resolution) {
-      return new Mesh(new Made(memory.withTexts([name], (text) => memory.make('morula_mesh_sample', text, resolution))));
+      const edges = signed(resolution, 'resolution');
+      return new Mesh(new Made(memory.withTexts([name], (text) => memory.make('morula_mesh_sample', text, edges))));
     }
     get vertexCount() {
       return memory.get('morula_mesh_vertex_count', this.handle);
@@ -87,8 +82,10 @@ export function libraryOf(memory, state, {module, starts}) {
     }
     static fromBytes(bytes, mesh) {
       const of = requireKind(mesh, Mesh, 'mesh');
-      return new Tree(new Made(memory.withNumbers(Uint8Array, new Uint8Array(bytes), (begin) =>
-        memory.make('morula_model_from_bytes', begin, bytes.byteLength, of))));
+      const given = bytesOf(bytes, 'bytes');
+      const size = given.length;
+      return new Tree(new Made(memory.withNumbers(Uint8Array, given, (begin) =>
+        memory.make('morula_model_from_bytes', begin, size, of))));
     }
     toBytes() {
       const size = memory.withBlock(4, (count) => {
@@ -122,8 +119,9 @@ export function libraryOf(memory, state, {module, starts}) {
       return this.#nodes('morula_model_child_count');
     }
     levelSet(level) {
+      const number = whole(level, 'level');
       return indicesFrom((list, capacity, count) =>
-        memory.call('morula_model_level_set', this.handle, level, list, capacity, count), 1);
+        memory.call('morula_model_level_set', this.handle, number, list, capacity, count), 1);
     }
     #nodes(name) {
       return new Uint32Array(memory.buffer, memory.get(name, this.handle), this.nodeCount);
@@ -142,12 +140,13 @@ export function libraryOf(memory, state, {module, starts}) {
 
   class Skin extends Handle {
     constructor(influences, bones, weights, boneCount) {
-      const vertices = requireMultiple(bones, influences, 'bones');
+      const vertices = requireMultiple(bones, whole(influences, 'influences', 1), 'bones');
+      const count = whole(boneCount, 'boneCount');
       requireLength(weights, bones.length, 'weights');
       const copy = Float64Array.from(weights);
       super(memory, 'morula_skin_destroy', memory.withNumbers(Uint32Array, indices(bones, 'bones'), (list) =>
         memory.withNumbers(Float64Array, copy, (numbers) =>
-          memory.make('morula_skin_create', vertices, influences, list, numbers, boneCount))));
+          memory.make('morula_skin_create', vertices, influences, list, numbers, count))));
     }
     get boneCount() {
       return memory.get('morula_skin_bone_count', this.handle);
@@ -190,25 +189,19 @@ export function libraryOf(memory, state, {module, starts}) {
       return this.#transforms?.view ?? null;
     }
     update(positions) {
-      if (positions !== undefined && positions !== this.#positions.view) {
-        requireLength(positions, this.#positions.length, 'positions');
-        this.positions.set(positions);
-      }
-      memory.call(this.#isDouble ? 'morula_body_update_double' : 'morula_body_update_float', this.handle,
-        this.#positions.begin, this.#vertexCount, 0);
+      this.#move(this.#positions, positions, 'positions', () =>
+        memory.call(this.#isDouble ? 'morula_body_update_double' : 'morula_body_update_float', this.handle,
+          this.#positions.begin, this.#vertexCount, 0));
     }
     updateSkinned(transforms) {
       if (this.#transforms === null) throw new MorulaError('the body has no skin');
-      if (transforms !== undefined && transforms !== this.#transforms.view) {
-        requireLength(transforms, this.#transforms.length, 'transforms');
-        this.transforms.set(transforms);
-      }
-      memory.call('morula_body_update_skinned', this.handle, this.#transforms.begin, this.#transforms.length / 12);
+      this.#move(this.#transforms, transforms, 'transforms', () =>
+        memory.call('morula_body_update_skinned', this.handle, this.#transforms.begin, this.#transforms.length / 12));
     }
     setTransform(rotation, translation) {
       requireLength(rotation, 9, 'rotation');
       requireLength(translation, 3, 'translation');
-      memory.withNumbers(Float64Array, [...rotation, ...translation], (begin) =>
+      memory.withNumbers(Float64Array, [rotation, translation].flatMap((numbers) => Array.from(numbers)), (begin) =>
         memory.call('morula_body_set_transform', this.handle, begin, begin + 72));
     }
     spheres() {
@@ -221,6 +214,20 @@ export function libraryOf(memory, state, {module, starts}) {
         memory.call('morula_body_certify', this.handle, begin, this.#vertexCount, covered);
         return memory.data.getInt32(covered, true) === 1;
       }));
+    }
+    /** Copies numbers, if there are any, into a block, and moves the body. If that fails, the block has its old numbers. */
+    #move(block, numbers, name, run) {
+      this.handle;
+      if (numbers === undefined || numbers === block.view) return run();
+      requireLength(numbers, block.length, name);
+      const before = block.view.slice();
+      try {
+        block.view.set(numbers);
+        run();
+      } catch (error) {
+        block.view.set(before);
+        throw error;
+      }
     }
     selfCrossings() {
       return indicesFrom((list, capacity, count) =>
@@ -250,12 +257,12 @@ export function libraryOf(memory, state, {module, starts}) {
         const data = memory.data;
         data.setUint32(place + 4, methodText, true);
         data.setUint32(place + 8, qualityText, true);
-        if (options.branching !== undefined) data.setInt32(place + 12, options.branching, true);
-        if (options.depth !== undefined) data.setInt32(place + 16, options.depth, true);
-        if (options.spheres !== undefined) data.setUint32(place + 20, options.spheres, true);
+        if (options.branching !== undefined) data.setInt32(place + 12, signed(options.branching, 'branching'), true);
+        if (options.depth !== undefined) data.setInt32(place + 16, signed(options.depth, 'depth'), true);
+        if (options.spheres !== undefined) data.setUint32(place + 20, whole(options.spheres, 'spheres'), true);
         if (options.maxProtrusion !== undefined) data.setFloat64(place + 24, options.maxProtrusion, true);
         if (seconds !== undefined) data.setFloat64(place + 32, seconds, true);
-        if (options.seed !== undefined) data.setBigUint64(place + 40, BigInt(options.seed), true);
+        if (options.seed !== undefined) data.setBigUint64(place + 40, wide(options.seed, 'seed'), true);
         data.setInt32(place + 52, options.nested ? 1 : 0, true);
         return withProgress(progress, () => memory.make('morula_web_build', of, place, progress ? 1 : 0));
       }))));
@@ -290,7 +297,7 @@ export function libraryOf(memory, state, {module, starts}) {
     Body,
     build,
     buildAsync: buildAsyncOf(module, starts, {requireBuilder, Tree}),
-    ...queriesOf(memory, Body, requireKind, requireMultiple, indicesFrom),
+    ...queriesOf(memory, Body, {requireKind, requireLength, requireMultiple, indicesFrom}),
     ...pairsOf(memory, Body, requireKind),
   };
 }

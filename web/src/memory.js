@@ -51,7 +51,7 @@ export class Memory {
   }
 
   allocate(size) {
-    const begin = this.get('malloc', Math.max(size, 8));
+    const begin = size < 2 ** 32 ? this.get('malloc', Math.max(size, 8)) : 0;
     if (begin === 0) throw new MorulaError(`${size} bytes are more than the module's memory has`, 'out_of_memory');
     return begin;
   }

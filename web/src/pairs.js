@@ -3,6 +3,7 @@
 // Pairs of features of one module. index.d.ts has the contracts; module.cpp checks the places of fields used here.
 import {budgetOf} from './budget.js';
 import {Handle} from './handle.js';
+import {signed} from './numbers.js';
 
 const pairSize = 144;
 const missing = 0xffffffff;
@@ -70,7 +71,7 @@ export function pairsOf(memory, Body, requireKind) {
         const data = memory.data;
         data.setFloat64(place + 8, options.distance ?? 0, true);
         data.setInt32(place + 16, options.nearestFeaturesOnce ? 1 : 0, true);
-        data.setInt32(place + 20, options.rings ?? 0, true);
+        data.setInt32(place + 20, signed(options.rings ?? 0, 'rings'), true);
         data.setFloat64(place + 24, options.restDistance ?? 0, true);
         data.setInt32(place + 32, options.sameComponent ? 1 : 0, true);
         const [tests, nanoseconds] = budgetOf(options.boxTests, options.budgetMs);

@@ -3,13 +3,14 @@
 // The queries of one module. index.d.ts has their contracts; module.cpp checks the places of fields used here.
 import {budgetOf} from './budget.js';
 import {Handle} from './handle.js';
+import {signed} from './numbers.js';
 
 const contactSize = 80;
 const hitSize = 88;
 const locationSize = 16;
 const missing = 0xffffffff;
 
-export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFrom) {
+export function queriesOf(memory, Body, {requireKind, requireLength, requireMultiple, indicesFrom}) {
   const handlesOf = (a, b) => [requireKind(a, Body, 'a'), requireKind(b, Body, 'b')];
   const vector = (begin) => [0, 8, 16].map((offset) => memory.data.getFloat64(begin + offset, true));
 
@@ -30,7 +31,7 @@ export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFro
       memory.withBlock(40, (options) => {
         memory.get('morula_contact_options_defaults', options, 40);
         memory.data.setFloat64(options + 8, margin, true);
-        memory.data.setInt32(options + 16, level, true);
+        memory.data.setInt32(options + 16, signed(level, 'level'), true);
         const [tests, nanoseconds] = budgetOf(pairTests, budgetMs);
         memory.data.setBigInt64(options + 24, tests, true);
         memory.data.setBigInt64(options + 32, nanoseconds, true);
@@ -119,7 +120,11 @@ export function queriesOf(memory, Body, requireKind, requireMultiple, indicesFro
       return Array.from({length: count}, (_, i) => hitAt(hits + hitSize * i));
     }));
   }
-  const firstHit = (body, origin, direction, tEnd) => firstHits(body, [...origin, ...direction], tEnd)[0];
+  function firstHit(body, origin, direction, tEnd) {
+    requireLength(origin, 3, 'origin');
+    requireLength(direction, 3, 'direction');
+    return firstHits(body, [origin, direction].flatMap((numbers) => Array.from(numbers)), tEnd)[0];
+  }
 
   function locate(body, points) {
     const of = requireKind(body, Body, 'body');

@@ -33,9 +33,9 @@ export interface MorulaBoundsOptions {
  *
  * A SkinnedMesh without morph targets follows its bones: update() reads no vertex, and rays compute the vertices of the facets
  * that they may hit. For all others, such as morph targets and positions that the program writes, update() computes every
- * vertex. The skin has the four influences of three.js, with weights of any sum. Positions may be interleaved, quantized and
- * normalized, with an index or without. InstancedMesh and BatchedMesh are rejected; shaders that move vertices are not
- * followed. */
+ * vertex. The skin has the four influences of three.js, with weights of any sum. Positions may be interleaved, quantized,
+ * normalized and of half precision, with an index or without. InstancedMesh and BatchedMesh are rejected; shaders that move
+ * vertices are not followed. */
 export class MorulaBounds {
   /** object: a mesh with up to date world matrices. The whole index is read, whatever the draw range. If index or skin change,
    * update() throws. */
@@ -55,10 +55,11 @@ export class MorulaBounds {
   /** x, y, z, radius of the nodes of a level, in the order of Tree.levelSet(); without a level of all nodes. */
   spheres(level?: number): Float64Array;
   /** Appends the hits of a ray as Mesh.raycast does: hits and all their numbers are equal to its. With
-   * raycaster.firstHitOnly, as three-mesh-bvh has it, the nearest alone. May be assigned: object.raycast = bounds.raycast. */
+   * raycaster.firstHitOnly, as three-mesh-bvh has it, the nearest alone. May be assigned: object.raycast = bounds.raycast.
+   * Throws if a draw range or a group begins inside of a facet, and after free(). */
   raycast: (raycaster: Raycaster, intersects: Intersection[]) => void;
   /** Sets raycast, boundingSphere and boundingBox of the object, so Raycaster, frustum culling and Box3.setFromObject() use these
-   * bounds. */
+   * bounds. Detaches other bounds of the object. */
   attach(): this;
   /** Sets them back. */
   detach(): this;

@@ -8,6 +8,8 @@ const threads = () => import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:
 /** A worker of node with the interface of one of a page, as far as run() uses it. */
 function asOfPage(worker) {
   const own = {
+    onmessage() {},
+    onerror() {},
     postMessage: (message, moved) => worker.postMessage(message, moved),
     terminate: () => void worker.terminate(),
   };
@@ -43,6 +45,9 @@ export async function workerOf(text) {
   return worker;
 }
 
+/** The reason of an aborted signal; the first browsers with exceptions of WebAssembly have none. */
+export const reasonOf = (signal) => signal.reason ?? new DOMException('the build was aborted', 'AbortError');
+
 /** Runs a job in a worker. Resolves to its last message, or rejects with `unstarted` if the worker never answered. signal:
  * ends the worker, and rejects with its reason. heard: called with each message, and may throw to end the worker. */
 export function run(worker, job, moved, signal, heard) {
@@ -54,7 +59,7 @@ export function run(worker, job, moved, signal, heard) {
       worker.terminate();
       settle(value);
     };
-    const abort = () => end(reject, signal.reason);
+    const abort = () => end(reject, reasonOf(signal));
     worker.onmessage = ({data}) => {
       hasAnswered = true;
       try {

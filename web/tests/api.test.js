@@ -249,6 +249,58 @@ test('bad input throws the text of the library, and changes nothing', () => {
   assert.throws(() => body.update(), thrown('bad_argument', /freed/));
 });
 
+test('numbers that 32 bits do not hold, and arrays of other types, do not become others', () => {
+  const {mesh, tree, body} = sample('limb', 8);
+  for (const bad of [2 ** 32, 0.5, NaN, -1, undefined, '1']) {
+    assert.throws(() => tree.levelSet(bad), thrown('bad_argument', /level/));
+    assert.throws(() => new Skin(bad, [0, 0], [1, 1], 1), thrown('bad_argument', /influences/));
+    assert.throws(() => new Skin(1, [0, 0], [1, 1], bad), thrown('bad_argument', /boneCount/));
+    assert.throws(() => new Mesh([0, 0, 0], [0, 0, bad]), thrown('bad_argument', /facets\[2\]/));
+  }
+  for (const bad of [2 ** 32 + 4, 4.5, NaN]) {
+    for (const name of ['branching', 'depth', 'spheres'])
+      assert.throws(() => build(mesh, {method: 'octree', [name]: bad}), thrown('bad_argument', new RegExp(name)));
+    assert.throws(() => Mesh.sample('limb', bad), thrown('bad_argument', /resolution/));
+    assert.throws(() => new ContactQuery().run(body, body, {level: bad}), thrown('bad_argument', /level/));
+    assert.throws(() => morula.proximity(body, null, {distance: 0, rings: bad}), thrown('bad_argument', /rings/));
+  }
+  for (const bad of [-1, 1.5, 2 ** 53, 2n ** 64n, -1n, '7'])
+    assert.throws(() => build(mesh, {seed: bad}), thrown('bad_argument', /seed/));
+  assert.ok(build(mesh, {method: 'octree', seed: 2n ** 64n - 1n}).nodeCount > 1);
+  assert.throws(() => new Mesh([0, 0, 0], new BigUint64Array(3)), thrown('bad_argument', /no index/));
+  assert.throws(() => morula.firstHit(body, [0, 0], [5, 0, 0, -1]), thrown('rejected', /origin has 2/));
+  assert.throws(() => morula.firstHit(body, [0, 0, 5], [0, 0, -1, 0, 0, 5, 0, 0, -1]), thrown('rejected', /direction has 9/));
+  assert.throws(() => morula.locate(body, {length: 3 * 2 ** 29}), thrown('out_of_memory', /bytes/));
+  body.setTransform({length: 9, ...[1, 0, 0, 0, 1, 0, 0, 0, 1]}, {length: 3, ...[0, 0, 0]}); // any ArrayLike
+
+  const bytes = tree.toBytes();
+  const shared = new Uint8Array(new SharedArrayBuffer(bytes.length));
+  shared.set(bytes);
+  const padded = new Uint8Array(bytes.length + 8);
+  padded.set(bytes, 8);
+  for (const form of [bytes.buffer, new DataView(padded.buffer, 8), shared, shared.buffer])
+    assert.deepEqual(Tree.fromBytes(form, mesh).toBytes(), bytes);
+  for (const form of [null, undefined, 5, [...bytes]])
+    assert.throws(() => Tree.fromBytes(form, mesh), thrown('bad_argument', /ArrayBuffer/));
+});
+
+test('a rejected update leaves positions and transforms', () => {
+  const {mesh, tree, body} = sample('limb', 8);
+  const ray = [body, [0.3, 0.1, 5], [0, 0, -1]];
+  const hit = morula.firstHit(...ray);
+  const before = body.positions.slice();
+  assert.throws(() => body.update(before.map((x) => 2 * x).fill(NaN, 9)), thrown('rejected', /not finite/));
+  assert.throws(() => body.update(Array.from(before, (x, i) => (i < 9 ? 0 : Symbol()))), TypeError);
+  assert.deepEqual(body.positions, before);
+  body.update();
+  assert.deepEqual(morula.firstHit(...ray), hit);
+  const {vertexCount} = mesh;
+  const skin = new Skin(1, new Uint32Array(vertexCount), new Float64Array(vertexCount).fill(1), 1);
+  const follower = new Body(mesh, tree, {rules: 'skinned', skin});
+  assert.throws(() => follower.updateSkinned(new Float64Array(12).fill(NaN)), thrown('rejected', /not finite/));
+  assert.deepEqual([...follower.transforms], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]);
+});
+
 test('progress is told, stops a build, and may throw', () => {
   const mesh = Mesh.sample('limb', 16);
   const shares = [];
@@ -394,6 +446,47 @@ test('a search for pairs that its budget ended ends for good with its bodies', (
   assert.equal(pairs.finished, true);
 });
 
+test('a search does not continue on positions of a freed body', () => {
+  const {mesh, tree} = sample('limb', 24);
+  const a = new Body(mesh, tree);
+  const b = new Body(mesh, tree);
+  for (const body of [a, b]) body.update();
+  const query = new PairQuery();
+  query.near(a, b, {distance: 0.05, boxTests: 10});
+  assert.equal(query.finished, false);
+  b.free();
+  new Body(mesh, tree).positions.fill(7); // in the place of the freed ones
+  assert.throws(() => query.resume(), thrown('bad_argument', /freed/));
+  assert.ok(query.near(a, null, {distance: 0.05}).length > 0);
+  a.free();
+  assert.throws(() => query.resume(), thrown('bad_argument', /budget/));
+});
+
+test('workers end with the builds that do not begin', {timeout: 60000}, async () => {
+  const mesh = Mesh.sample('limb', 16);
+  const ports = () => process.getActiveResourcesInfo().filter((name) => name === 'MessagePort').length;
+  const before = ports();
+  const reason = new Error('of the page');
+  // While the worker starts: an exception in its events would end the process.
+  for (const later of [(abort) => abort(), queueMicrotask, setImmediate]) {
+    const stop = new AbortController();
+    const pending = morula.buildAsync(mesh, {quality: 'draft', signal: stop.signal});
+    later(() => stop.abort(reason));
+    await assert.rejects(pending, (error) => error === reason);
+  }
+  const freed = Mesh.sample('limb', 16);
+  const pending = morula.buildAsync(freed, {quality: 'draft'});
+  freed.free();
+  await assert.rejects(pending, thrown('bad_argument', /freed/));
+  assert.ok((await morula.buildAsync(mesh, {quality: 'draft'})).nodeCount > 1);
+  for (let wait = 0; ports() > before && wait < 500; ++wait) await new Promise((resolve) => setTimeout(resolve, 10));
+  assert.equal(ports(), before);
+  await assert.rejects(morula.buildAsync(mesh, {signal: {}}), thrown('bad_argument', /AbortSignal/));
+  // Signals of browsers before Chrome 98 and Safari 15.4 have neither a reason nor throwIfAborted.
+  const old = Object.assign(new EventTarget(), {aborted: true});
+  await assert.rejects(morula.buildAsync(mesh, {signal: old}), {name: 'AbortError'});
+});
+
 test('buildAsync builds the same tree in a worker, tells progress, and stops', async () => {
   const inline = await packageModule('src/inline.js');
   for (const own of [morula, await inline.load()]) {
@@ -416,6 +509,7 @@ test('buildAsync builds the same tree in a worker, tells progress, and stops', a
     await assert.rejects(pending, (error) => error === reason);
     await assert.rejects(own.buildAsync(mesh, {method: 'magic'}), thrown('bad_argument', /magic/));
     await assert.rejects(own.buildAsync(mesh, {seed: () => 1}), /clone/);
+    await assert.rejects(own.buildAsync(mesh, {seed: 1.5}), thrown('bad_argument', /seed/));
     await assert.rejects(own.buildAsync({}), thrown('bad_argument', /no Mesh/));
     const two = await Promise.all([0, 1].map(() => own.buildAsync(mesh, {quality: 'draft'})));
     for (const one of two) assert.deepEqual(one.toBytes(), bytes);
@@ -479,6 +573,12 @@ test('the memory is flat: builds and frees, failures, and what the garbage colle
     await settle();
   }
   assert.ok(own.memory().byteLength <= 2 * kept, `${kept} became ${own.memory().byteLength}`);
+});
+
+test('a variant is one of two', async () => {
+  const inline = await packageModule('src/inline.js');
+  for (const own of [load, inline.load])
+    for (const variant of ['toString', 'tiny', null]) await assert.rejects(own({variant}), thrown('bad_argument', /variant/));
 });
 
 test('modules come as bytes, as a compiled module, and as text in JavaScript', async () => {

@@ -297,6 +297,43 @@ test('facets that lie in one plane, twins and needles', () => {
   }
 });
 
+test('attributes of half precision', () => {
+  const geometry = arm();
+  const {position} = geometry.attributes;
+  const halves = Uint16Array.from(position.array, (x) => three.DataUtils.toHalfFloat(x));
+  geometry.setAttribute('position', new three.Float16BufferAttribute(halves, 3));
+  for (const mesh of [new Mesh(geometry, new MeshBasicMaterial()), character(geometry)]) {
+    const bounds = new MorulaBounds(morula, mesh);
+    requireCovered(bounds);
+    assert.ok(bounds.sphere.radius < 5);
+    assert.ok(compareRays(bounds, 60) > 20);
+  }
+});
+
+test('facets whose area rounding takes away, and groups that begin inside of a facet', () => {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute([0, 0, 0, 1, 0, 0, 0.5, 1e-9, 0], 3));
+  geometry.setAttribute('uv', new Float32BufferAttribute([0, 0, 1, 0, 0, 1], 2));
+  geometry.setAttribute('normal', new Float32BufferAttribute([0, 0, 1, 0, 0, 1, 0, 0, 1], 3));
+  const mesh = new Mesh(geometry, new MeshBasicMaterial());
+  const bounds = new MorulaBounds(morula, mesh);
+  const raycaster = new Raycaster(new Vector3(0.5, 3e-10, 1), new Vector3(0, 0, -1));
+  const hitsOf = () => {
+    const hits = [];
+    bounds.raycast(raycaster, hits);
+    return hits;
+  };
+  const expected = bruteHits(raycaster, mesh);
+  assert.equal(expected.length, 1);
+  assert.deepEqual(hitsOf(), expected);
+  mesh.material = [mesh.material];
+  geometry.addGroup(0, 3, 0);
+  geometry.addGroup(1, 0, 0); // without facets
+  assert.deepEqual(hitsOf(), expected);
+  geometry.addGroup(1, 2, 0);
+  assert.throws(hitsOf, MorulaError);
+});
+
 test('attached bounds serve culling and raycasters, and come off again', () => {
   const mesh = character();
   const before = Object.getOwnPropertyNames(mesh);
@@ -327,6 +364,18 @@ test('attached bounds serve culling and raycasters, and come off again', () => {
   const still = new Mesh(knot(), new MeshBasicMaterial());
   new MorulaBounds(morula, still).attach().free();
   assert.equal('boundingSphere' in still, false);
+});
+
+test('bounds of one object take turns, and freed ones do not attach', () => {
+  const mesh = new Mesh(knot(), new MeshBasicMaterial());
+  const [a, b] = [0, 1].map(() => new MorulaBounds(morula, mesh).attach());
+  assert.equal(mesh.raycast, b.raycast);
+  a.free();
+  assert.equal(mesh.raycast, b.raycast);
+  assert.throws(() => a.attach(), MorulaError);
+  b.free();
+  for (const name of ['raycast', 'boundingSphere', 'computeBoundingBox']) assert.ok(!Object.hasOwn(mesh, name), name);
+  assert.throws(() => new MorulaBounds(morula, new three.SkinnedMesh(arm(), new MeshBasicMaterial())), MorulaError);
 });
 
 test('culling under a matrix with shear', () => {

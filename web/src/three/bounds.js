@@ -11,9 +11,13 @@ const inverse = new Matrix4();
 const point = new Vector3();
 const patched = ['raycast', 'computeBoundingSphere', 'computeBoundingBox', 'boundingSphere', 'boundingBox'];
 
+/** The bounds that each object has. */
+const attached = new WeakMap();
+
 function requireObject(object) {
   if (!object?.isMesh || object.isInstancedMesh || object.isBatchedMesh)
     throw new MorulaError('bounds are made of a Mesh or a SkinnedMesh, not of an InstancedMesh or a BatchedMesh');
+  if (object.isSkinnedMesh && !object.skeleton) throw new MorulaError('the SkinnedMesh has no skeleton: bind one first');
 }
 
 export class MorulaBounds {
@@ -90,8 +94,11 @@ export class MorulaBounds {
   };
 
   attach() {
+    this.#live();
     if (this.#saved) return this;
     const {object} = this;
+    attached.get(object)?.detach();
+    attached.set(object, this);
     this.#saved = patched.map((name) => [name, Object.getOwnPropertyDescriptor(object, name)]);
     object.raycast = this.raycast;
     object.computeBoundingSphere = object.computeBoundingBox = () => this.#patchBounds();
@@ -103,6 +110,7 @@ export class MorulaBounds {
       if (descriptor) Object.defineProperty(this.object, name, descriptor);
       else delete this.object[name];
     }
+    if (this.#saved) attached.delete(this.object);
     this.#saved = null;
     return this;
   }

@@ -4,13 +4,16 @@
 import {MorulaError} from '../errors.js';
 import {completedSkin, welded} from '../weld.js';
 
+// getComponent of a Float16BufferAttribute returns its bits.
+const components = ['getX', 'getY', 'getZ', 'getW'];
+
 /** The numbers of an attribute as shaders read them: interleaved, quantized and normalized ones in double. */
 export function numbersOf(attribute, width, name) {
-  if (!attribute?.getComponent || !(attribute.itemSize >= width))
+  if (!attribute?.getX || !(attribute.itemSize >= width))
     throw new MorulaError(`the geometry has no attribute ${name} of ${width} numbers that the processor can read`);
   const numbers = new Float64Array(width * attribute.count);
   for (let i = 0; i < attribute.count; ++i)
-    for (let k = 0; k < width; ++k) numbers[width * i + k] = attribute.getComponent(i, k);
+    for (let k = 0; k < width; ++k) numbers[width * i + k] = attribute[components[k]](i);
   return numbers;
 }
 

@@ -15,10 +15,11 @@ function drawnRanges({geometry, material}, cornerCount) {
   const whole = {start: 0, count: cornerCount, materialIndex: 0};
   return (Array.isArray(material) ? geometry.groups : [whole]).map((group) => {
     const begin = Math.max(group.start, start);
-    if (begin % 3 !== 0) throw new MorulaError(`a draw range begins at corner ${begin}, inside of a facet`);
+    const end = Math.min(group.start + group.count, start + count, cornerCount);
+    if (begin < end && begin % 3 !== 0) throw new MorulaError(`a draw range begins at corner ${begin}, inside of a facet`);
     return {
       begin,
-      end: Math.min(group.start + group.count, start + count, cornerCount),
+      end,
       material: Array.isArray(material) ? material[group.materialIndex] : material,
       materialIndex: group.materialIndex,
     };
@@ -41,7 +42,8 @@ export function facetTester(object, raycaster) {
     const point = local.clone().applyMatrix4(matrixWorld);
     const distance = raycaster.ray.origin.distanceTo(point);
     if (distance < raycaster.near || distance > raycaster.far) return null;
-    const barycoord = Triangle.getBarycoord(local, ...corners, new Vector3());
+    const barycoord = new Vector3();
+    Triangle.getBarycoord(local, ...corners, barycoord); // 0 if rounding takes the area away
     const hit = {distance, point, object, barycoord};
     if (uv) hit.uv = Triangle.getInterpolatedAttribute(uv, ...indices, barycoord, new Vector2());
     if (uv1) hit.uv1 = Triangle.getInterpolatedAttribute(uv1, ...indices, barycoord, new Vector2());
