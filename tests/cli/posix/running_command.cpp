@@ -28,15 +28,16 @@ bool RunningCommand::can_send() {
 RunningCommand::RunningCommand(const Workbench& bench, const std::vector<std::string>& arguments,
                                const std::filesystem::path& errors)
     : state_(std::make_unique<State>()) {
-  const std::string program = command_path().string();
-  std::vector<std::string> words = arguments;
-  words.insert(words.begin(), program);
+  // Changing the folder of a program that is spawned is not in POSIX, and not in glibc 2.28.
+  const std::string shell = "/bin/sh";
+  std::vector<std::string> words{shell, "-c", "cd \"$0\" && exec \"$@\"", bench.folder().string(),
+                                 command_path().string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addchdir_np(&files, bench.folder().c_str());
   posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&files, 2, errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   // A test run in the background has SIGINT ignored, which children would inherit.
@@ -47,7 +48,7 @@ RunningCommand::RunningCommand(const Workbench& bench, const std::vector<std::st
   for (const auto& [signal, code] : requests_to_end()) sigaddset(&defaults, signal);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
-  EXPECT_EQ(posix_spawn(&state_->id, program.c_str(), &files, &attributes, argv.data(), environ), 0);
+  EXPECT_EQ(posix_spawn(&state_->id, shell.c_str(), &files, &attributes, argv.data(), environ), 0);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
 }
