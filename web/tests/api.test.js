@@ -465,6 +465,33 @@ test('workers end with the builds that do not begin', {timeout: 60000}, async ()
   await assert.rejects(morula.buildAsync(mesh, {signal: old}), {name: 'AbortError'});
 });
 
+test('a worker that fails in a build ends it, and no other begins', async () => {
+  const {run} = await packageModule('src/workers.js');
+  for (const isReady of [false, true]) {
+    let ended = 0;
+    const worker = {
+      postMessage() {
+        if (isReady) worker.onmessage({data: {isReady}});
+        worker.onerror({message: 'full'});
+        worker.onmessage({data: {bytes: null}}); // too late
+      },
+      terminate: () => ++ended,
+    };
+    const result = run(worker, {}, [], null, (message) => !message.isReady);
+    await assert.rejects(result, (error) => thrown('internal', /full/)(error) && error.unstarted === !isReady);
+    assert.equal(ended, 1);
+  }
+  // The worker of the package says when its module is loaded.
+  const {workerAt} = await packageModule('src/workers.js');
+  const worker = await workerAt(packageFile('src/worker.js'));
+  const heard = [];
+  const mesh = octahedron();
+  const job = {module: await WebAssembly.compile(await readFile(packageFile('dist/morula-full-plain.wasm'))),
+    positions: mesh.positions.slice(), facets: mesh.facets.slice(), options: {method: 'octree'}, hasProgress: false};
+  await run(worker, job, [], null, (message) => heard.push(Object.keys(message)[0]) === 2);
+  assert.deepEqual(heard, ['isReady', 'bytes']);
+});
+
 test('buildAsync builds the same tree in a worker, tells progress, and stops', async () => {
   const inline = await packageModule('src/inline.js');
   for (const own of [morula, await inline.load()]) {
