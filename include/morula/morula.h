@@ -3,8 +3,9 @@
 /* Morula from C, and from all languages that can call C: opaque handles, status codes, no exceptions.
  *
  * Every function that can fail returns a morula_status and writes its result through the last pointer, which is first
- * set to NULL or 0. After a failure nothing has changed, and morula_message() returns the error as text. Lengths are in
- * mesh units, indices start at 0, coordinates are x, y, z. Strings are UTF-8.
+ * set to NULL or 0. After a failure nothing has changed, except that queries reject a body whose last update was
+ * rejected; morula_message() returns the error as text. Lengths are in mesh units, indices start at 0, coordinates are
+ * x, y, z. Strings are UTF-8.
  *
  * Options are structs that begin with their size: call their _init function, then set single fields. A program that was
  * compiled with an older header keeps working: fields that it does not have keep their defaults. The _init functions
@@ -39,7 +40,8 @@ typedef enum morula_status {
   MORULA_OK = 0,
   MORULA_BAD_ARGUMENT = 1, /* a NULL pointer, an option or index out of range, a mesh that is not usable */
   MORULA_BAD_FILE = 2,     /* a file that cannot be read or written */
-  MORULA_REFUSED = 3,      /* positions that are not finite or not one per vertex: the body is unchanged */
+  MORULA_REFUSED = 3,      /* positions that are not finite or not one per vertex, a body whose last update was
+                            * rejected, a search whose bodies have moved */
   MORULA_STOPPED = 4,      /* a callback requested it */
   MORULA_OUT_OF_MEMORY = 5,
   MORULA_INTERNAL = 6 /* a defect of Morula: please report the message */
@@ -217,8 +219,9 @@ MORULA_API morula_status morula_body_create(const morula_mesh* mesh, const morul
                                             const morula_body_options* options, morula_body** body);
 MORULA_API void morula_body_destroy(morula_body* body);
 /* Moves every sphere to the positions, in mesh order: vertex i begins stride_bytes * i bytes after the first; 0 means
- * no gaps. The positions are borrowed until the next update, because queries on facets read them. Rejected, with no
- * change: positions that are not one per vertex, or not finite. Allocates nothing. Cost: linear in vertices. */
+ * no gaps. The positions are borrowed until the next update, because queries on facets read them; after
+ * morula_body_destroy, as long as another handle keeps the body alive. Rejected: positions that are not one per vertex,
+ * or not finite; queries then reject the body until an update succeeds. Allocates nothing. Cost: linear in vertices. */
 MORULA_API morula_status morula_body_update_double(morula_body* body, const double* positions, size_t vertex_count,
                                                    size_t stride_bytes);
 MORULA_API morula_status morula_body_update_float(morula_body* body, const float* positions, size_t vertex_count,

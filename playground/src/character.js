@@ -99,6 +99,7 @@ class Collector {
       const corners = [0, 1, 2].map((k) => index[list ? list.getX(i + k) : i + k]);
       if (new Set(corners).size === 3) this.facets.push(...corners);
     }
+    checkFacetCount(this.facets.length / 3); // a scene may place one mesh many times
   }
 }
 

@@ -46,6 +46,6 @@ export function within(values) {
     ...values,
     ...clamp('bend', -180, 180), ...clamp('twist', -360, 360), ...clamp('stretch', 0.5, 2), ...clamp('level', 0, 8), ...clamp('flat', 0, 2000), ...clamp('tour', 0, 5),
     ...(values.opacity === undefined ? {} : { opacity: Math.max(0.05, values.opacity) }),
-    ...(values.place && values.place.length !== 3 ? { place: [0, 0, 0] } : {}),
+    ...(values.place ? { place: values.place.length === 3 ? values.place.map((x) => Math.min(10, Math.max(-10, x))) : [0, 0, 0] } : {}),
   };
 }

@@ -5,12 +5,14 @@
 
 export function volumeOf(positions, facets) {
   let sum = 0;
+  const o = 3 * facets[0];
+  const [ox, oy, oz] = [positions[o], positions[o + 1], positions[o + 2]]; // about a vertex: far from the origin, terms about that would cancel
   for (let i = 0; i < facets.length; i += 3) {
     const [a, b, c] = [3 * facets[i], 3 * facets[i + 1], 3 * facets[i + 2]];
-    sum +=
-      positions[a] * (positions[b + 1] * positions[c + 2] - positions[b + 2] * positions[c + 1]) +
-      positions[a + 1] * (positions[b + 2] * positions[c] - positions[b] * positions[c + 2]) +
-      positions[a + 2] * (positions[b] * positions[c + 1] - positions[b + 1] * positions[c]);
+    const [px, py, pz] = [positions[a] - ox, positions[a + 1] - oy, positions[a + 2] - oz];
+    const [qx, qy, qz] = [positions[b] - ox, positions[b + 1] - oy, positions[b + 2] - oz];
+    const [rx, ry, rz] = [positions[c] - ox, positions[c + 1] - oy, positions[c + 2] - oz];
+    sum += px * (qy * rz - qz * ry) + py * (qz * rx - qx * rz) + pz * (qx * ry - qy * rx);
   }
   return sum / 6;
 }

@@ -32,7 +32,7 @@ export function bindKeys(state, actions) {
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || (help.open && event.key !== '?')) return;
     const at = event.target;
-    if (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && at.type === 'number')) return;
+    if (event.key !== 'Escape' && (at instanceof HTMLSelectElement || (at instanceof HTMLInputElement && at.type === 'number'))) return;
     // A slider keeps its own arrows, a button its own space.
     if (at instanceof HTMLInputElement && at.type === 'range' && /^(Arrow|Home|End)/.test(event.key)) return;
     if (event.key === ' ' && (at instanceof HTMLButtonElement || (at instanceof HTMLInputElement && at.type === 'checkbox'))) return;

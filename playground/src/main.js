@@ -65,7 +65,9 @@ class Playground {
   goTo(hash) {
     const wanted = readAddress(hash, kinds);
     if (!wanted) return;
-    this.state.set({ ...beginning, ...this.valuesOf(wanted) });
+    const values = { ...beginning, ...this.valuesOf(wanted) };
+    if (values.rule === 'skinned' && !this.world.character) values.rule = 'exact';
+    this.state.set(values);
     if (wanted.camera) this.stage.lookAs(wanted.camera);
   }
   remember() {
@@ -98,12 +100,14 @@ class Playground {
 
   follow(changed) {
     const has = (names) => names.some((name) => changed.has(name));
-    if (has(meshNames)) this.file = null;
-    if (has(meshNames) || has(treeNames)) this.rebuild();
+    if (!this.isGoingBack) {
+      if (has(meshNames)) this.takeSample();
+      if (has(meshNames) || has(treeNames)) this.rebuild();
+    }
     this.stage.showTwin(this.state.get('beside'));
     if (!this.world.model) return;
     if (changed.has('level')) this.panel.level(this.world.model);
-    if (changed.has('touch') && !this.building) this.touch();
+    if (changed.has('touch')) this.touch();
     if (changed.has('place')) this.world.movedOther();
     this.press();
     this.remember();
@@ -121,11 +125,29 @@ class Playground {
     return { shape: this.state.get('shape'), detail: Number(this.state.get('detail')) };
   }
 
+  takeSample() {
+    this.file = null;
+    this.opens = (this.opens ?? 0) + 1; // a file that is still read comes too late
+  }
+  /** To mesh and choices of the tree that is shown, after a build that failed or was canceled. */
+  goBack() {
+    if (!this.world.model) return;
+    this.file = this.shownFile;
+    this.isGoingBack = true;
+    this.state.set(this.shownValues);
+    this.isGoingBack = false;
+    this.showSample();
+  }
+  showSample() {
+    byId('shape').value = this.shownFile ? '' : this.state.get('shape');
+  }
+
   /** Builds the tree of the present mesh; the one before stays until then, and where the build fails or is canceled. */
   async rebuild() {
     if (!this.world.morula) return;
     const { panel, world } = this;
     const file = this.file;
+    const values = Object.fromEntries([...meshNames, ...treeNames].map((name) => [name, this.state.get(name)]));
     this.building = true;
     document.body.dataset.building = 'true';
     panel.message('');
@@ -134,46 +156,57 @@ class Playground {
     try {
       const made = await this.builder.build(this.source(), this.options(), (share) => panel.status('Building the tree', share, world.model !== null));
       if (mine !== this.builds) return;
-      if (made) this.adopt(made, file);
+      if (made) this.adopt(made, file, values);
+      else this.goBack();
     } catch (error) {
       if (mine !== this.builds) return;
       panel.message(`${file ? `${file.name}: ` : ''}${error.message}`);
-      if (file && this.shownFile !== file) this.file = this.shownFile ?? null;
+      this.goBack();
     }
     this.building = false;
+    if (world.model && this.touched !== this.state.get('touch')) this.touch();
     document.body.dataset.building = 'false';
     panel.status('');
     document.body.dataset.builds = String(mine);
   }
 
-  adopt(made, file) {
+  adopt(made, file, values) {
     const { world, panel, stage } = this;
     const character = file?.moves ? file.character : null;
     if (!character && this.state.get('rule') === 'skinned') this.state.set({ rule: 'exact' });
     const isSame = world.made && world.made.positions.length === made.positions.length && world.made.positions.every((x, i) => x === made.positions[i]);
     world.adopt(made, character);
     this.shownFile = file;
+    this.shownValues = values;
+    this.touched = 'none';
+    this.showSample();
     const shape = shapes.find(([value]) => value === this.state.get('shape'));
     panel.show(world.model, made, world.character, file ? file.name : shape[1], (stretch) => world.deformer.bendLimit(stretch));
     if (!isSame) stage.fit();
     if (this.camera) stage.lookAs(this.camera);
     this.camera = null;
     this.figures.restart();
-    if (this.state.get('touch') !== 'none') this.touch();
   }
 
-  /** The tool, built on first use, or the body's own tree once more. */
+  /** The tool, built on first use, or the body's own tree once more; after the build of a body, if there is one. */
   async touch() {
+    if (this.building) return;
     const { world, state } = this;
     const kind = state.get('touch');
+    const mine = (this.touches = (this.touches ?? 0) + 1);
     if (kind === 'none') {
       world.dropOther();
       world.ask();
     } else {
       const made = kind === 'body' ? world.made : await this.tool();
-      if (!made || state.get('touch') !== kind || !world.model) return;
+      if (mine !== this.touches || this.building) return;
+      if (!made) {
+        state.set({ touch: 'none' });
+        return;
+      }
       world.touchWith(made, kind);
     }
+    this.touched = kind;
     this.stage.surround(world.box());
     if (!this.stage.turned) {
       if (kind === 'none') this.stage.fit();
@@ -197,7 +230,12 @@ class Playground {
       for (let k = 0; k < 3; ++k) positions[i + k] *= scale;
       if (along !== press) [positions[i + along], positions[i + press]] = [positions[i + press], -positions[i + along]];
     }
-    const made = await this.builder.build({ mesh: { positions, facets } }, { quality: 'draft' }, () => {});
+    let made = null;
+    try {
+      made = await this.builder.build({ mesh: { positions, facets } }, { quality: 'draft' }, () => {});
+    } catch (error) {
+      this.panel.message(`The tool: ${error.message}`);
+    }
     if (made) this.madeTool = { size, press, made };
     return made;
   }
@@ -218,7 +256,7 @@ class Playground {
     };
     const cancel = () => {
       panel.message('');
-      this.builder?.cancel();
+      if (world.model) this.builder.cancel();
     };
     const zoom = (by) => {
       stage.camera.position.sub(stage.controls.target).multiplyScalar(by).add(stage.controls.target);
@@ -265,6 +303,12 @@ class Playground {
 
   bindFiles() {
     const stage = byId('stage');
+    // The same sample as before the file: no value of the state changes.
+    byId('shape').addEventListener('change', () => {
+      if (!this.file) return;
+      this.takeSample();
+      this.rebuild();
+    });
     byId('open').addEventListener('click', () => byId('file').click());
     byId('file').addEventListener('change', () => {
       const [file] = byId('file').files;
@@ -283,15 +327,18 @@ class Playground {
   }
   async open(file) {
     this.panel.message('');
+    const mine = (this.opens = (this.opens ?? 0) + 1);
     try {
       checkFile(file);
       const isScene = endingOf(file.name) === 'glb';
       const character = isScene ? await readCharacter(file.name, await file.arrayBuffer()) : null;
+      if (mine !== this.opens) return;
       const moves = character !== null && character.duration > 0;
       this.file = { name: file.name, character, moves, blob: isScene ? null : file };
       this.state.set({ tour: 0, ...(moves ? { playing: true } : {}) });
       await this.rebuild();
     } catch (error) {
+      if (mine !== this.opens) return;
       this.panel.message(error instanceof InputError ? error.message : `${file.name} cannot be read: ${error.message}`);
     }
   }

@@ -84,7 +84,8 @@ export class Shown {
     this.motion = { frames: [Float32Array.from(model.rest)], facets: model.facets };
     this.step = [1, 1, 1];
     this.origin = [0, 0, 0];
-    this.tolerance = 2e-6 * size;
+    // The picture has single precision: far from the origin it rounds more.
+    this.tolerance = 2e-6 * size + 5e-7 * model.rest.reduce((most, x) => Math.max(most, Math.abs(x)), 0);
     this.frames = [model.restSpheres.slice()];
     this.levelSets = model.levelSets;
   }

@@ -28,7 +28,10 @@ export class Panel {
       bindRange(range, state, id, ['bend', 'twist', 'stretch'].includes(id) ? { playing: false } : {});
       return range;
     });
-    byId('flat').addEventListener('change', () => state.set({ flat: Math.max(0, Math.min(2000, Math.round(byId('flat').valueAsNumber) || 0)) }));
+    byId('flat').addEventListener('change', () => {
+      state.set({ flat: Math.max(0, Math.min(2000, Math.round(byId('flat').valueAsNumber) || 0)) });
+      this.tell(); // also where the text changes and the value does not
+    });
     byId('swing').addEventListener('click', () => state.set({ playing: !state.get('playing') }));
     state.listen(() => this.tell());
     for (const range of this.ranges) range.take();

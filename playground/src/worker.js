@@ -48,7 +48,7 @@ async function run({ id, source, options }) {
   }
 }
 
-addEventListener('message', async ({ data }) => {
+async function take(data) {
   try {
     if (data.module) {
       const module = typeof data.module === 'string' ? await unpack(data.module) : data.module;
@@ -60,4 +60,10 @@ addEventListener('message', async ({ data }) => {
   } catch (error) {
     postMessage({ id: data.id ?? 0, error: error.message, code: error.code ?? error.name });
   }
+}
+
+// In order: a job may come before the module is ready.
+let last = Promise.resolve();
+addEventListener('message', ({ data }) => {
+  last = last.then(() => take(data));
 });

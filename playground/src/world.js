@@ -247,17 +247,18 @@ export class World {
   }
   pull(point, direction) {
     const at = this.stage.planeThrough(point);
-    this.soft.hold(point, 0.14 * this.size);
+    const { soft } = this; // a build may end, and bring another, before the reader lets go
+    soft.hold(point, 0.14 * this.size);
     this.ask(false);
     return {
       move: (ray) => {
         const to = at(ray);
-        if (to) this.soft.drag(to);
+        if (to) soft.drag(to);
         this.ask(false);
       },
       end: (wasMoved) => {
-        this.soft.release();
-        if (!wasMoved) this.pokeAt(point, direction);
+        soft.release();
+        if (!wasMoved && soft === this.soft) this.pokeAt(point, direction);
         this.ask(false);
       },
     };

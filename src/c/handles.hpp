@@ -69,9 +69,9 @@ struct morula_body {
 };
 
 struct morula_contacts {
-  std::shared_ptr<morula_body> a, b;  // declared ahead of the query, which borrows their colliders for a resume
-  morula::ContactQuery query;
-  std::vector<morula_contact> found;
+  std::shared_ptr<morula_body> a, b;  // declared ahead of the queries, which borrow their colliders for a resume
+  morula::ContactQuery query, other;  // other: for a search that may be rejected, while `query` has one to continue
+  std::vector<morula_contact> found, next;  // next: memory for the contacts of a call
   bool finished = false;
 };
 
@@ -105,6 +105,8 @@ morula_status fails(morula_status code, const char* words) noexcept;
 
 /// Converts a status of the library into a code, with its message.
 morula_status code_of(const Status& status);
+/// The same for a search that cannot continue.
+morula_status code_of_resume(const Status& status);
 
 /// Converts a contact of the library.
 morula_contact contact_of(const Contact& contact);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of features of the C interface.
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <morula/surface/proximity.hpp>
@@ -17,8 +18,8 @@ struct morula_pairs {
   std::shared_ptr<morula_body> a, b;  // declared ahead of the queries, which borrow their surfaces for a resume
   ProximityQuery near;
   SurfaceCrossingQuery crossing;
-  bool is_near = true;  // the query of the last search
-  std::vector<morula_pair> found;
+  bool is_near = true;                   // the query of the last search
+  std::vector<morula_pair> found, next;  // next: memory for the pairs of a call
   bool finished = false;
 };
 
@@ -31,8 +32,8 @@ enum class FeatureKind : std::uint8_t { vertex, edge, facet };
 void write_vertices(const SurfaceTree& surface, FeatureKind kind, std::uint32_t feature, std::uint32_t* vertices) {
   std::fill_n(vertices, 3, none);
   if (kind == FeatureKind::vertex) vertices[0] = feature;
-  if (kind == FeatureKind::edge) std::ranges::copy(surface.edges()[feature], vertices);
-  if (kind == FeatureKind::facet) std::ranges::copy(surface.facets()[feature], vertices);
+  if (kind == FeatureKind::edge) std::copy_n(surface.edges()[feature].data(), 2, vertices);
+  if (kind == FeatureKind::facet) std::copy_n(surface.facets()[feature].data(), 3, vertices);
 }
 
 morula_pair pair_of(const FeaturePair& pair, const SurfaceTree& a, const SurfaceTree& b) {
@@ -51,8 +52,8 @@ morula_pair pair_of(const FeaturePair& pair, const SurfaceTree& a, const Surface
 morula_pair pair_of(const ProximityPair& pair, const SurfaceTree& a, const SurfaceTree& b) {
   morula_pair to = pair_of(static_cast<const FeaturePair&>(pair), a, b);
   to.distance = pair.distance;
-  std::ranges::copy(pair.weights_a, to.weights_a);
-  std::ranges::copy(pair.weights_b, to.weights_b);
+  std::copy(pair.weights_a.begin(), pair.weights_a.end(), to.weights_a);
+  std::copy(pair.weights_b.begin(), pair.weights_b.end(), to.weights_b);
   copy(pair.point_a, to.point_a);
   copy(pair.point_b, to.point_b);
   return to;
@@ -82,12 +83,11 @@ Wanted pair_options(const morula_pair_options* given) {
 /// Copies the pairs of a call that was not rejected.
 template <class Query>
 morula_status read(morula_pairs& pairs, const Query& query, const SurfaceQueryStatus& status) {
-  if (!status) return code_of(status);
   const SurfaceTree& a = *pairs.a->surface;
   const SurfaceTree& b = *pairs.b->surface;
-  std::vector<morula_pair> found;
-  for (const auto& pair : query.pairs()) found.push_back(pair_of(pair, a, b));
-  pairs.found.swap(found);
+  pairs.next.clear();
+  for (const auto& pair : query.pairs()) pairs.next.push_back(pair_of(pair, a, b));
+  pairs.found.swap(pairs.next);
   pairs.finished = status.finished;
   if (status.finished) pairs.a.reset(), pairs.b.reset();
   return MORULA_OK;
@@ -119,11 +119,13 @@ morula_status resume(morula_pairs& pairs, Query& query, const Budget& budget) {
   // The query itself sees deformations alone: its surfaces keep the transforms of the search.
   for (const morula_body* body : {pairs.a.get(), pairs.b.get()})
     // mutant c-pairs-moved: `body->surface_transform != body->collider.transform()` -> `body == nullptr`
-    if (body->surface_transform != body->collider.transform()) return code_of(Status{Status::Code::other_transform});
+    if (body->surface_transform != body->collider.transform()) return code_of_resume({Status::Code::other_transform});
   auto options = query.options();
   options.budget = budget;
   query.set_options(std::move(options));
-  return read(pairs, query, query.resume(pairs.a->workers));
+  const SurfaceQueryStatus status = query.resume(pairs.a->workers);
+  if (!status) return code_of_resume(status);
+  return read(pairs, query, status);
 }
 
 }  // namespace

@@ -32,12 +32,9 @@ void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pair
 
 /// Copies the contacts of a call that was not rejected.
 morula_status read(morula_contacts& contacts, const ContactStatus& status) {
-  if (!status) return code_of(status);
-  std::vector<morula_contact> found;
-  found.swap(contacts.found);
-  found.clear();
-  for (const Contact& contact : contacts.query.contacts().contacts) found.push_back(contact_of(contact));
-  contacts.found.swap(found);
+  contacts.next.clear();
+  for (const Contact& contact : contacts.query.contacts().contacts) contacts.next.push_back(contact_of(contact));
+  contacts.found.swap(contacts.next);
   contacts.finished = status.finished;
   if (status.finished) {
     contacts.query.clear();
@@ -104,14 +101,24 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
   return guarded([&]() -> morula_status {
     require_pointer(contacts, "contacts");
     require_bodies(a, b);
-    ContactQuery& query = contacts->query;
+    // mutant c-contacts-rejected: `contacts->a ? contacts->other` -> `contacts->a ? contacts->query`
+    ContactQuery& query = contacts->a ? contacts->other : contacts->query;
     CollideOptions wanted = contact_options<CollideOptions>(options);
     const bool has_budget = !wanted.budget.is_unlimited();
     query.set_options(std::move(wanted));
     query.clear();
-    contacts->a = a->of_caller, contacts->b = b->of_caller;
     query.add(a->collider, b->collider);
-    return read(*contacts, has_budget ? start_for_resume(query) : query.run());
+    const ContactStatus status = has_budget ? start_for_resume(query) : query.run();
+    if (!status) {
+      query.clear();
+      return code_of(status);
+    }
+    if (&query == &contacts->other) {
+      std::swap(contacts->query, contacts->other);
+      contacts->other.clear();
+    }
+    contacts->a = a->of_caller, contacts->b = b->of_caller;
+    return read(*contacts, status);
   });
 }
 
@@ -122,7 +129,9 @@ morula_status morula_contacts_resume(morula_contacts* contacts, int64_t pair_tes
     wanted.budget = budget_of(pair_tests, nanoseconds, "pair_tests");
     if (!contacts->a) throw std::invalid_argument("contacts: no budget has ended their last search");
     contacts->query.set_options(std::move(wanted));
-    return read(*contacts, contacts->query.resume());
+    const ContactStatus status = contacts->query.resume();
+    if (!status) return code_of_resume(status);
+    return read(*contacts, status);
   });
 }
 

@@ -23,7 +23,14 @@ morula_status fails(morula_status code, const char* words) noexcept {
 }
 
 morula_status code_of(const Status& status) {
-  return status ? MORULA_OK : fails(MORULA_REFUSED, message(status).c_str());
+  if (status) return MORULA_OK;
+  const bool is_argument = status.code == Status::Code::bad_option || status.code == Status::Code::bad_level;
+  return fails(is_argument ? MORULA_BAD_ARGUMENT : MORULA_REFUSED, message(status).c_str());
+}
+
+morula_status code_of_resume(const Status& status) {
+  const bool has_moved = status.code == Status::Code::other_frame || status.code == Status::Code::other_transform;
+  return has_moved ? fails(MORULA_REFUSED, "a body has moved since the search began: begin it again") : code_of(status);
 }
 
 morula_status of_current_exception() noexcept {

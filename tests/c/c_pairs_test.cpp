@@ -301,6 +301,8 @@ TEST(CPairs, a_search_is_not_continued_after_a_motion) {
   EXPECT_EQ(morula_pairs_resume(pairs, 5, -1), MORULA_OK) << morula_message();
   torus.move({0.2, 0.1, 0.2});
   EXPECT_EQ(morula_pairs_resume(pairs, -1, -1), MORULA_REFUSED);
+  const std::string words = morula_message();
+  EXPECT_EQ(words, "a body has moved since the search began: begin it again");
   EXPECT_FALSE(morula_pairs_finished(pairs));
   morula_contact_options few;
   morula_contact_options_init(&few);
@@ -310,6 +312,7 @@ TEST(CPairs, a_search_is_not_continued_after_a_motion) {
   ASSERT_EQ(morula_collide(limb.body, torus.body, &few, contacts), MORULA_OK);
   torus.move({0.2, 0.1, 0.1});
   EXPECT_EQ(morula_contacts_resume(contacts, -1, -1), MORULA_REFUSED);
+  EXPECT_EQ(words, morula_message());
   morula_pairs_destroy(pairs);
   morula_contacts_destroy(contacts);
 }
@@ -346,6 +349,37 @@ TEST(CPairs, contacts_continue_to_those_of_a_complete_search) {
     ASSERT_EQ(morula_contacts_resume(contacts, 200, -1), MORULA_OK) << morula_message();
   EXPECT_GT(resumed, 1);
   EXPECT_EQ(nodes_of(contacts), all);
+  morula_contacts_destroy(contacts);
+}
+
+TEST(CPairs, a_rejected_search_for_contacts_leaves_the_one_before_to_be_continued) {
+  const PairBody limb("limb", 16), plate("plate", 16);
+  PairBody torus("torus", 16);
+  torus.move({0.2, 0.1, 0.1});
+  morula_contacts* contacts = nullptr;
+  ASSERT_EQ(morula_contacts_create(&contacts), MORULA_OK);
+  ASSERT_EQ(morula_collide(limb.body, torus.body, nullptr, contacts), MORULA_OK);
+  const std::size_t all = morula_contacts_count(contacts);
+  morula_contact_options options;
+  morula_contact_options_init(&options);
+  options.pair_tests = 100;
+  morula_contact_options bad = options;
+  bad.level = 50;
+  EXPECT_EQ(morula_collide(limb.body, torus.body, &bad, contacts), MORULA_BAD_ARGUMENT) << "no level of either tree";
+  EXPECT_EQ(morula_contacts_resume(contacts, -1, -1), MORULA_BAD_ARGUMENT) << "nothing is left to be continued";
+  ASSERT_EQ(morula_collide(limb.body, torus.body, &options, contacts), MORULA_OK);
+  const std::size_t some = morula_contacts_count(contacts);
+  ASSERT_LT(some, all);
+  EXPECT_EQ(morula_collide(plate.body, torus.body, &bad, contacts), MORULA_BAD_ARGUMENT);
+  EXPECT_EQ(morula_contacts_count(contacts), some);
+  EXPECT_FALSE(morula_contacts_finished(contacts));
+  ASSERT_EQ(morula_contacts_resume(contacts, -1, -1), MORULA_OK) << morula_message();
+  EXPECT_EQ(morula_contacts_count(contacts), all);
+  // A search that is not rejected takes its place.
+  ASSERT_EQ(morula_collide(plate.body, torus.body, &options, contacts), MORULA_OK);
+  ASSERT_EQ(morula_collide(limb.body, torus.body, &options, contacts), MORULA_OK);
+  ASSERT_EQ(morula_contacts_resume(contacts, -1, -1), MORULA_OK);
+  EXPECT_EQ(morula_contacts_count(contacts), all);
   morula_contacts_destroy(contacts);
 }
 
@@ -388,7 +422,7 @@ TEST(CPairs, bounds_contain_the_distance) {
   morula_distance_options_init(&options);
   morula_distance result;
   options.tolerance = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(morula_distance_bounds(limb.body, torus.body, &options, &result, &complete), MORULA_OK);
+  EXPECT_EQ(morula_distance_bounds(limb.body, torus.body, &options, &result, &complete), MORULA_BAD_ARGUMENT);
   EXPECT_EQ(morula_distance_bounds(limb.body, torus.body, nullptr, &result, nullptr), MORULA_BAD_ARGUMENT);
   EXPECT_EQ(morula_distance_bounds(limb.body, nullptr, nullptr, &result, &complete), MORULA_BAD_ARGUMENT);
   options.tolerance = 0, options.pair_tests = 1, options.nanoseconds = 1;

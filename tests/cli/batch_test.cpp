@@ -213,6 +213,7 @@ TEST(Batch, killed_at_any_instant_and_resumed_ends_with_the_same_table) {
 }
 
 TEST(Batch, keeps_what_is_done_when_it_is_interrupted) {
+  if (!RunningCommand::can_send()) GTEST_SKIP() << RunningCommand::cannot_send;
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 96");
   bench.require("sample bar -o bar.obj --resolution 4");

@@ -14,6 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 TEST(Interrupt, ends_a_build_with_nothing_left_behind) {
+  if (!RunningCommand::can_send()) GTEST_SKIP() << RunningCommand::cannot_send;
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 24");
   bench.write("old.morula", "an older result");
@@ -44,6 +45,7 @@ std::size_t hidden_in(const Workbench& bench) {
 }
 
 TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
+  if (!RunningCommand::can_send()) GTEST_SKIP() << RunningCommand::cannot_send;
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 24");
   bench.require("build limb.obj -o limb.morula --method octree --depth 3");
@@ -77,6 +79,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_writes_for_a_while) {
 }
 
 TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
+  if (!RunningCommand::can_send()) GTEST_SKIP() << RunningCommand::cannot_send;
   const Workbench bench;
   bench.require("sample limb -o limb.obj --resolution 400");
   bench.require("sample limb -o small.obj --resolution 24");
@@ -130,6 +133,7 @@ TEST(Interrupt, leaves_nothing_of_any_command_that_computes_for_a_while) {
 }
 
 TEST(LongInterrupt, leaves_finished_cells_of_a_study_to_go_on_from) {
+  if (!RunningCommand::can_send()) GTEST_SKIP() << RunningCommand::cannot_send;
   if (!has_extra("study")) GTEST_SKIP() << "the command was built without the study";
   const Workbench bench;
   bench.require("sample limb -o body.obj --resolution 8");

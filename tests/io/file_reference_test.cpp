@@ -5,7 +5,11 @@
 #include <fstream>
 #include <morula/io/file_reference.hpp>
 #include <morula/io/mesh_file.hpp>
+#include <morula/io/motion_file.hpp>
 #include <morula/io/whole_output.hpp>
+#include <support/npy.hpp>
+#include <support/zip.hpp>
+#include <vector>
 
 #include "files.hpp"
 
@@ -113,6 +117,15 @@ TEST(FileNames, are_utf8_in_messages_and_in_references_whatever_their_letters) {
         << error.what();
   }
   EXPECT_NE(FileRoots({folder}).refusal(scratch.path(), "--root").value().find(name + "; allow"), std::string::npos);
+  // An archive's arrays are named after it.
+  const fs::path archive = folder / (letters + u8".npz");
+  std::ofstream(archive, std::ios::binary) << zip({{"positions.npy", npy("<f8", "(1, 1, 3)", std::vector<double>(3))}});
+  try {
+    const Motion motion(archive, mesh);
+    ADD_FAILURE() << "was read";
+  } catch (const FileError& error) {
+    EXPECT_NE(std::string(error.what()).find(name + ".npz: positions.npy: "), std::string::npos) << error.what();
+  }
 }
 
 TEST(FileNames, may_be_longer_than_260_characters) {

@@ -17,8 +17,8 @@ namespace morula {
 namespace {
 
 using test::base64;
-using test::can_make_links;
 using test::bending_arm;
+using test::can_make_links;
 using test::expect_file_error;
 using test::GltfMaker;
 using test::Json;

@@ -15,6 +15,10 @@
 #include <string>
 #include <vector>
 
+#if defined(__SSE2__) && !defined(__APPLE__)
+#include <xmmintrin.h>
+#endif
+
 // Windows has no other than that of the standard library.
 #if !defined(_WIN32)
 
@@ -249,6 +253,19 @@ TEST(Decimal, is_rounded_to_nearest_in_every_mode) {
     expect_same(third, {-1.0 / 3, 25, {}}, "a third");
   }
 }
+
+#if defined(__SSE2__) && !defined(__APPLE__)
+// Nor does its flushing of denormal numbers, as of audio threads and programs built with -ffast-math.
+TEST(Decimal, denormal_numbers_are_read_where_they_are_flushed) {
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040);
+  const Read least = read("5e-324"), negative = read("-1e-310"), none = read("1e-400");
+  _mm_setcsr(before);
+  expect_same(least, {std::numeric_limits<double>::denorm_min(), 6, {}}, "the least");
+  expect_same(negative, {-1e-310, 7, {}}, "a negative one");
+  expect_same(none, {untouched, 6, std::errc::result_out_of_range}, "too small");
+}
+#endif
 
 // The function that readers call takes integers, too.
 TEST(Decimal, read_number_reads_integers_and_decimals) {

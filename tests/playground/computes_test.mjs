@@ -139,6 +139,7 @@ await claim('a_soft_body_survives_what_is_absurd', () => {
 await claim('figures_are_those_of_shapes_whose_volume_is_known', () => {
   check(isClosed(body.facets) && !isClosed(body.facets.subarray(3)), 'closed, and open without a facet');
   const volume = volumeOf(body.positions, body.facets);
+  near(volumeOf(body.positions.map((x) => x + 2 ** 20), body.facets), volume, 1e-6, 'volume far from the origin');
   const sphere = Float32Array.from([0, 0, 0, 2.2]);
   near(looseness(body.positions, body.facets, sphere, [0]), ((4 / 3) * Math.PI * 2.2 ** 3 - volume) / volume, 0.15, 'one sphere around');
   near(looseness(body.positions, body.facets, Float32Array.from([0, 0, 0, 0.45]), [0]), 0, 1e-12, 'a sphere inside');
@@ -170,6 +171,7 @@ await claim('an_address_keeps_what_was_set_and_passes_nonsense_over', () => {
   for (const name of Object.keys(kinds)) equal(JSON.stringify(back[name]), JSON.stringify(now[name]), name);
   const odd = within(readAddress('#bend=1e9&twist=NaN&stretch=-3&rule=none&level=99&place=1,2&tour=77&flat=1e99&shape=../x', kinds).values);
   equal(JSON.stringify(odd), JSON.stringify({ tour: 5, stretch: 0.5, level: 8, place: [0, 0, 0] }), 'what is left of nonsense');
+  equal(within({ place: [1e300, -1e300, 0.5] }).place.join(), '10,-10,0.5', 'a place out of reach');
 });
 
 await claim('a_saved_mesh_has_all_digits', () => {

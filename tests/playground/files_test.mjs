@@ -74,6 +74,13 @@ const refused = [
   ['hole.glb', packed({ asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], accessors: [{ count: 3, type: 'VEC3', componentType: 5126, bufferView: 7 }] }, new Uint8Array(0)), 'damaged'],
   ['many.glb', packed({ asset: { version: '2.0' }, meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], accessors: [{ count: 9 }, { count: 30_000_000 }] }, new Uint8Array(0)), '10,000,000 facets'],
 ];
+// Few triangles, and a scene with more than a thousand places of them.
+const corners = Float32Array.from({ length: 1800 }, (_, i) => Math.sin(i * i));
+refused.push(['places.glb', packed({
+  asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: Array.from({ length: 1100 }, (_, i) => i) }], nodes: Array.from({ length: 1100 }, (_, i) => ({ mesh: 0, translation: [i, 0, 0] })),
+  meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], accessors: [{ bufferView: 0, componentType: 5126, type: 'VEC3', count: 600, min: [-1, -1, -1], max: [1, 1, 1] }],
+  bufferViews: [{ buffer: 0, byteOffset: 0, byteLength: 7200 }], buffers: [{ byteLength: 7200 }],
+}, new Uint8Array(corners.buffer)), '200,200 facets']);
 for (const [name, content] of refused) writeFileSync(at(name), content);
 /** A file of a size that takes no room on the disk. */
 function sparse(name, size, head = Buffer.alloc(0)) {

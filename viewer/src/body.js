@@ -67,7 +67,8 @@ export class BodyView {
         )
         .replace('#include <emissivemap_fragment>', '#include <emissivemap_fragment>\ntotalEmissiveRadiance += 0.22 * uncoveredShare * uncoveredColor;');
     };
-    this.inside = new MeshBasicMaterial({ side: BackSide });
+    // Well behind the front, which is itself set back: at an outline both have nearly the same depth, and the dark inside would dot it.
+    this.inside = new MeshBasicMaterial({ side: BackSide, polygonOffset: true, polygonOffsetFactor: 8, polygonOffsetUnits: 8 });
     this.lines = new MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.16, color: 0x000000, depthWrite: false });
     this.material.polygonOffset = true;
     this.material.polygonOffsetFactor = 1;

@@ -277,7 +277,7 @@ export interface PairQuery extends Handle {
   /** Pairs of facets that intersect, decided exactly. */
   crossing(a: Body, b: Body | null, options?: PairOptions): FeaturePair[];
   /** Continues a search that its budget ended, with a new budget or to the end, and returns all pairs so far. Throws if the
-   * bodies have moved or were freed since. */
+   * bodies have moved since, or have been freed. */
   resume(budget?: PairBudget): FeaturePair[] | NearPair[];
   readonly count: number;
   /** Whether the last search is complete. */

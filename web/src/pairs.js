@@ -35,7 +35,8 @@ export function pairsOf(memory, Body, requireKind) {
   }
 
   class PairQuery extends Handle {
-    #bodies = []; // of a search that its budget has ended: it reads their positions, which free() and the collector take away
+    // Of a search that its budget ended: it reads their positions, which go with them.
+    #bodies = [];
 
     constructor() {
       super(memory, 'morula_pairs_destroy', memory.make('morula_pairs_create'));
@@ -47,7 +48,7 @@ export function pairsOf(memory, Body, requireKind) {
       return this.#search('morula_pairs_crossing', a, b, options);
     }
     resume({boxTests, budgetMs} = {}) {
-      for (const body of this.#bodies) body.handle;
+      for (const body of this.#bodies) requireKind(body, Body, 'body');
       memory.call('morula_pairs_resume', this.handle, ...budgetOf(boxTests, budgetMs));
       if (this.finished) this.#bodies = [];
       return this.pairs();

@@ -424,6 +424,28 @@ test('budgets end queries, whose answers then hold, and the rest follows', () =>
   assert.throws(() => build(a.mesh, {budgetMs: 1, timeLimitSeconds: 1}), thrown('bad_argument', /one limit/));
 });
 
+test('a search for pairs that its budget ended ends for good with its bodies', () => {
+  const a = sample('limb', 16);
+  const b = sample('torus', 16);
+  b.body.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], [0.2, 0.1, 0.1]);
+  for (const {body} of [a, b]) body.update();
+  const pairs = new PairQuery();
+  const all = pairs.near(a.body, b.body, {distance: 0.05});
+  assert.ok(all.length > 10);
+  pairs.near(a.body, b.body, {distance: 0.05, boxTests: 20});
+  assert.throws(() => pairs.near(a.body, b.body, {distance: -1}), thrown('bad_argument', /distance/));
+  assert.deepEqual(pairs.resume(), all);
+  pairs.near(a.body, b.body, {distance: 0.05, boxTests: 20});
+  b.body.free();
+  assert.throws(() => pairs.resume(), thrown('bad_argument', /freed/));
+  assert.equal(pairs.finished, false);
+  // The next search needs no body of this one.
+  pairs.near(a.body, null, {distance: 0.05, rings: 2, boxTests: 20});
+  pairs.resume();
+  a.body.free();
+  assert.equal(pairs.finished, true);
+});
+
 test('a search does not continue on positions of a freed body', () => {
   const {mesh, tree} = sample('limb', 24);
   const a = new Body(mesh, tree);

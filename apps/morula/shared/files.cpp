@@ -33,6 +33,15 @@ const MeshFileKind* mesh_kind(const std::string& ending) {
   return nullptr;
 }
 
+/// Throws UsageError if it is certain that there is no such folder. A trial says why others cannot be reached, such as
+/// those that this user may not see.
+void require_parent(const fs::path& path, const fs::path& folder) {
+  std::error_code error;
+  const fs::file_status found = fs::status(folder, error);
+  if (!folder.empty() && fs::status_known(found) && !fs::is_directory(found))
+    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
+}
+
 }  // namespace
 
 std::string extension(const fs::path& path) {
@@ -107,10 +116,7 @@ std::string motion_kinds() {
 void require_output_place(const fs::path& path) {
   std::error_code error;  // Windows: of devices
   if (fs::is_directory(path, error)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
-  const fs::path folder = path.parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error)) {
-    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
-  }
+  require_parent(path, path.parent_path());
   // The file is begun and abandoned: only a trial finds all obstacles.
   const WholeFile tried(path);
 }

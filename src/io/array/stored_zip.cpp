@@ -220,8 +220,8 @@ std::vector<ZipEntry> zip_entries(const ByteSource& archive) {
 
 ByteSource zip_part(const ByteSource& archive, const ZipEntry& entry) {
   const std::string quoted = in_quotes(entry.name);
-  return archive.part(platform::text_of(archive.name()) + ": " + quoted.substr(1, quoted.size() - 2), entry.offset,
-                      entry.size);
+  const std::string name = platform::text_of(archive.name()) + ": " + quoted.substr(1, quoted.size() - 2);
+  return archive.part(platform::path_of(name), entry.offset, entry.size);
 }
 
 void require_sound(const ByteSource& archive, const ZipEntry& entry) {

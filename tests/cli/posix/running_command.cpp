@@ -21,6 +21,10 @@ std::vector<std::pair<int, int>> requests_to_end() {
   return {{SIGINT, 130}, {SIGTERM, 143}, {SIGHUP, 129}};
 }
 
+bool RunningCommand::can_send() {
+  return true;
+}
+
 RunningCommand::RunningCommand(const Workbench& bench, const std::vector<std::string>& arguments,
                                const std::filesystem::path& errors)
     : state_(std::make_unique<State>()) {

@@ -85,7 +85,7 @@ bool find_in_package(Search& search, const PackageFile& file, const RobotFolders
   const FileRoots roots = folders.roots_for_package(file.package);
   for (const fs::path& path : folders.package_paths()) {
     if (search.finds(path / platform::path_of(file.package) / file.path, roots)) return true;
-    if (path.filename() == file.package && search.finds(path / file.path, roots)) return true;
+    if (path.filename() == platform::path_of(file.package) && search.finds(path / file.path, roots)) return true;
   }
   // The robot's file lies in a package, and packages lie side by side.
   for (const fs::path& up : folders.levels()) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "platform/files.hpp"
+#include "platform/path_text.hpp"
 
 namespace morula::robot {
 
@@ -79,10 +80,11 @@ std::vector<fs::path> RobotFolders::open_levels() const {
 
 FileRoots RobotFolders::roots_for_package(const std::string& name) const {
   FileRoots roots = roots_;
+  const fs::path folder = platform::path_of(name);
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     const fs::path& up = levels_[i];
-    if (i <= most_named_levels && up.filename() == name && !is_too_wide(up)) roots.add(up);
-    if (is_package(up / name)) roots.add(up / name);
+    if (i <= most_named_levels && up.filename() == folder && !is_too_wide(up)) roots.add(up);
+    if (is_package(up / folder)) roots.add(up / folder);
   }
   return roots;
 }

@@ -60,7 +60,7 @@ fs::path MjcfFiles::find_included(const XMLElement& at, const std::string& name)
   for (const std::string& spelling : reference.paths) {
     // Relative to the robot's file, or to the one that includes it.
     for (const Xml* from : {&main_, &file_of(at)}) {
-      const fs::path path = (from->file().parent_path() / spelling).lexically_normal();
+      const fs::path path = (from->file().parent_path() / platform::path_of(spelling)).lexically_normal();
       std::error_code error;
       if (!fs::is_regular_file(path, error)) {
         if (const std::string text = " " + platform::text_of(path); searched.find(text) == std::string::npos)

@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The Morula authors
+# SPDX-License-Identifier: Apache-2.0
+"""scripts/platforms sees planted faults and records what it ran; a stopped run records nothing.
+
+usage: platforms_test.py REPOSITORY FOLDER       exit code: 0 as promised, 1 otherwise
+
+A copy of the script runs in FOLDER with a cmake of its own, whose programs print the hashes that a variable of the environment gives.
+"""
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+repository, folder = (pathlib.Path(argument).resolve() for argument in sys.argv[1:])
+TARGET = "x86_64-linux-libcxx"
+# Hashes of the reference, and of the target with the fault of PLANTED. A build with "slow" says where it is and waits.
+CMAKE = """#!/bin/sh
+if [ "$1" = --preset ]; then mkdir -p "build/$2/bin"; touch "build/$2/CMakeCache.txt"; exit 0; fi
+case $2-$PLANTED in
+*libcxx-broken) echo "a.cpp:1:1: error: planted"; exit 1 ;;
+*libcxx-ended) kill -TERM $$ ;;
+*libcxx-slow) echo $$ >slow; sleep 600 ;;
+*libcxx-wrong) two=ffffffffffffffff ;;
+*) two=2222222222222222 ;;
+esac
+printf '#!/bin/sh\\necho "1111111111111111 a tree"\\necho "%s an update"\\n' $two >"$2/bin/morula_bits"
+chmod +x "$2/bin/morula_bits"
+"""
+OLD = "# a comment\n`windows-gnu`\tanother target\n`" + TARGET + "`\tan older result\n"
+
+
+def plant():
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in ("scripts", "bin", "docs/_data", "build/third_party"):
+        (folder / name).mkdir(parents=True)
+    shutil.copy(repository / "scripts/platforms", folder / "scripts/platforms")
+    for path, text in (("scripts/zig", "#!/bin/sh\n"), ("bin/cmake", CMAKE)):
+        (folder / path).write_text(text)
+        (folder / path).chmod(0o755)
+    (folder / "docs/_data/targets.tsv").write_text(OLD)
+
+
+def start(planted):
+    plant()
+    environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "PLANTED": planted}
+    return subprocess.Popen([sys.executable, folder / "scripts/platforms", "--hashes", "--record", TARGET], cwd=folder, env=environment,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def table():
+    return (folder / "docs/_data/targets.tsv").read_text()
+
+
+faults = []
+# A test in the background has it ignored, which programs inherit.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def expect(what, holds, output=""):
+    if not holds:
+        faults.append(f"{what}\n{output}")
+
+
+def expect_row(planted, code, *columns):
+    run = start(planted)
+    output = run.communicate()[0]
+    lines = table().splitlines()
+    expect(f"{planted}: exit code {run.returncode}", run.returncode == code, output)
+    expect(f"{planted}: other rows", lines[:-1] == OLD.splitlines()[:-1], table())
+    cells = lines[-1].split("\t")
+    expect(f"{planted}: the row", cells[:1] + cells[2:] == [f"`{TARGET}`", *columns], table())
+
+
+expect_row("nothing", 0, "the core", "not run", "not run", "2 of 2", "all but the core's hashes (--hashes)")
+expect_row("wrong", 1, "the core", "not run", "not run", "1 of 2", "all but the core's hashes (--hashes)")
+expect_row("broken", 1, "no", "not run", "not run", "not run", "morula_bits does not compile; all but the core's hashes (--hashes)")
+
+ended = start("ended")
+output = ended.communicate()[0]
+expect("a compiler that somebody ended", ended.returncode == 130 and table() == OLD, output + table())
+
+for number in (signal.SIGTERM, signal.SIGINT):
+    stopped = start("slow")
+    while not (folder / "slow").exists() or not (folder / "slow").read_text().endswith("\n"):
+        time.sleep(0.01)
+    compiler = int((folder / "slow").read_text())
+    stopped.send_signal(number)
+    output = stopped.communicate()[0]
+    expect(f"a run ended by {number.name}", stopped.returncode == 130 and table() == OLD, output + table())
+    try:
+        os.kill(compiler, 0)
+        expect(f"{number.name}: its compiler still runs", False)
+    except ProcessLookupError:
+        pass
+
+print("\n".join(faults) or "as promised")
+sys.exit(1 if faults else 0)
