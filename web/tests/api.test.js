@@ -446,22 +446,6 @@ test('a search for pairs that its budget ended ends for good with its bodies', (
   assert.equal(pairs.finished, true);
 });
 
-test('a search does not continue on positions of a freed body', () => {
-  const {mesh, tree} = sample('limb', 24);
-  const a = new Body(mesh, tree);
-  const b = new Body(mesh, tree);
-  for (const body of [a, b]) body.update();
-  const query = new PairQuery();
-  query.near(a, b, {distance: 0.05, boxTests: 10});
-  assert.equal(query.finished, false);
-  b.free();
-  new Body(mesh, tree).positions.fill(7); // in the place of the freed ones
-  assert.throws(() => query.resume(), thrown('bad_argument', /freed/));
-  assert.ok(query.near(a, null, {distance: 0.05}).length > 0);
-  a.free();
-  assert.throws(() => query.resume(), thrown('bad_argument', /budget/));
-});
-
 test('workers end with the builds that do not begin', {timeout: 60000}, async () => {
   const mesh = Mesh.sample('limb', 16);
   const ports = () => process.getActiveResourcesInfo().filter((name) => name === 'MessagePort').length;
