@@ -54,6 +54,7 @@ export function buildAsyncOf(module, starts, {requireBuilder, Tree}) {
       };
     };
     const last = await runInAny(starts, jobOf, signal, (message) => {
+      if (message.isReady) return false;
       if ('share' in message && progress(message.share) === false)
         throw new MorulaError('build: stopped on request', 'stopped');
       return !('share' in message);

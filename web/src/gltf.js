@@ -80,8 +80,8 @@ export async function readGltf(bytes, {io = new WebIO(), resources = {}, maxByte
     // Buffers under names of their own: the library reads no address again.
     const named = data.map((_, b) => `__buffer${b}.bin`);
     const document = await io.readJSON({
-      json: {...json, buffers: json.buffers?.map((buffer, b) => ({...buffer, uri: named[b]}))},
-      resources: {...resources, ...Object.fromEntries(data.map((part, b) => [named[b], part]))},
+      json: {...json, buffers: json.buffers?.map((buffer, b) => (data[b] ? {...buffer, uri: named[b]} : buffer))},
+      resources: {...resources, ...Object.fromEntries(data.flatMap((part, b) => (part ? [[named[b], part]] : [])))},
     });
     checkMatrices(json, document.getRoot());
     return new GltfFile(io, document, maxBytes);

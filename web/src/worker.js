@@ -3,10 +3,12 @@
 // The worker of Morula.buildAsync(): one build, whose progress and result it posts.
 import {loadFrom} from './load.js';
 
-/** Answers one job {module, positions, facets, options, hasProgress} by messages {share}, and then {bytes} or {error}. */
+/** Answers one job {module, positions, facets, options, hasProgress} by messages {isReady} before the build, {share}, and
+ * then {bytes} or {error}. */
 async function answer(job, post) {
   try {
     const {Mesh, build} = await loadFrom(job.module);
+    post({isReady: true}, []);
     const progress = job.hasProgress ? (share) => post({share}, []) : null;
     const bytes = build(new Mesh(job.positions, job.facets), {...job.options, progress}).toBytes();
     post({bytes}, [bytes.buffer]);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // Starts the workers of Morula.buildAsync(), in pages, in node and in hosts like them.
+import {MorulaError} from './errors.js';
 
 const isNode = () => typeof Worker === 'undefined' && globalThis.process?.versions?.node !== undefined;
 const threads = () => import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:worker_threads');
@@ -70,7 +71,8 @@ export function run(worker, job, moved, signal, heard) {
     };
     worker.onerror = (event) => {
       event.preventDefault?.();
-      end(reject, Object.assign(new Error(event.message || 'the worker failed'), {unstarted: !hasAnswered}));
+      const text = event.message || 'the worker failed';
+      end(reject, Object.assign(new MorulaError(text, 'internal'), {unstarted: !hasAnswered}));
     };
     signal?.addEventListener('abort', abort);
     try {

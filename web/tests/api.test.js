@@ -446,22 +446,6 @@ test('a search for pairs that its budget ended ends for good with its bodies', (
   assert.equal(pairs.finished, true);
 });
 
-test('a search does not continue on positions of a freed body', () => {
-  const {mesh, tree} = sample('limb', 24);
-  const a = new Body(mesh, tree);
-  const b = new Body(mesh, tree);
-  for (const body of [a, b]) body.update();
-  const query = new PairQuery();
-  query.near(a, b, {distance: 0.05, boxTests: 10});
-  assert.equal(query.finished, false);
-  b.free();
-  new Body(mesh, tree).positions.fill(7); // in the place of the freed ones
-  assert.throws(() => query.resume(), thrown('bad_argument', /freed/));
-  assert.ok(query.near(a, null, {distance: 0.05}).length > 0);
-  a.free();
-  assert.throws(() => query.resume(), thrown('bad_argument', /budget/));
-});
-
 test('workers end with the builds that do not begin', {timeout: 60000}, async () => {
   const mesh = Mesh.sample('limb', 16);
   const ports = () => process.getActiveResourcesInfo().filter((name) => name === 'MessagePort').length;
@@ -485,6 +469,33 @@ test('workers end with the builds that do not begin', {timeout: 60000}, async ()
   // Signals of browsers before Chrome 98 and Safari 15.4 have neither a reason nor throwIfAborted.
   const old = Object.assign(new EventTarget(), {aborted: true});
   await assert.rejects(morula.buildAsync(mesh, {signal: old}), {name: 'AbortError'});
+});
+
+test('a worker that fails in a build ends it, and no other begins', async () => {
+  const {run} = await packageModule('src/workers.js');
+  for (const isReady of [false, true]) {
+    let ended = 0;
+    const worker = {
+      postMessage() {
+        if (isReady) worker.onmessage({data: {isReady}});
+        worker.onerror({message: 'full'});
+        worker.onmessage({data: {bytes: null}}); // too late
+      },
+      terminate: () => ++ended,
+    };
+    const result = run(worker, {}, [], null, (message) => !message.isReady);
+    await assert.rejects(result, (error) => thrown('internal', /full/)(error) && error.unstarted === !isReady);
+    assert.equal(ended, 1);
+  }
+  // The worker of the package says when its module is loaded.
+  const {workerAt} = await packageModule('src/workers.js');
+  const worker = await workerAt(packageFile('src/worker.js'));
+  const heard = [];
+  const mesh = octahedron();
+  const job = {module: await WebAssembly.compile(await readFile(packageFile('dist/morula-full-plain.wasm'))),
+    positions: mesh.positions.slice(), facets: mesh.facets.slice(), options: {method: 'octree'}, hasProgress: false};
+  await run(worker, job, [], null, (message) => heard.push(Object.keys(message)[0]) === 2);
+  assert.deepEqual(heard, ['isReady', 'bytes']);
 });
 
 test('buildAsync builds the same tree in a worker, tells progress, and stops', async () => {

@@ -11,7 +11,7 @@ import {peer, peerFile} from './peers.js';
 const {load, MorulaError} = await packageModule();
 const {readGltf} = await packageModule('src/gltf.js');
 const {MorulaBounds} = await packageModule('src/three.js');
-const {Document, Primitive, WebIO} = await peer('@gltf-transform/core');
+const {Document, Extension, Primitive, WebIO} = await peer('@gltf-transform/core');
 const {GLTFLoader} = await import(peerFile('three/examples/jsm/loaders/GLTFLoader.js'));
 const morula = await load();
 const {AnimationMixer, Vector3} = three;
@@ -154,6 +154,58 @@ test('a .gltf with data URIs, and with files beside it', async () => {
   await check(await readGltf(textOf(inside)));
   await assert.rejects(readGltf(textOf(json)), rejected(/needs the file "arm.bin"/));
   await assert.rejects(readGltf(textOf(json), {resources: {[uri]: data.subarray(0, 100)}}), rejected(/100 are there/));
+});
+
+test('views in compressed form, of a buffer without bytes', async () => {
+  const name = 'EXT_meshopt_compression';
+  /** Reads views that are stored as they are. */
+  class Stored extends Extension {
+    static EXTENSION_NAME = name;
+    extensionName = name;
+    prereadTypes = ['Buffer'];
+    preread(context) {
+      const {json, resources} = context.jsonDoc;
+      json.bufferViews.forEach(({extensions}, v) => {
+        const {buffer, byteOffset, byteLength} = extensions[name];
+        context.bufferViews[v] = resources[json.buffers[buffer].uri].slice(byteOffset, byteOffset + byteLength);
+      });
+      return this;
+    }
+    read() {
+      return this;
+    }
+    write() {
+      return this;
+    }
+  }
+  const io = new WebIO().registerExtensions([Stored]);
+  const {json, resources} = await new WebIO().writeJSON(sampleDocument(), {basename: 'arm'});
+  const text = (change = () => {}) => {
+    const copy = structuredClone(json);
+    copy.extensionsUsed = copy.extensionsRequired = [name];
+    const {byteLength} = copy.buffers[0];
+    copy.buffers.push({byteLength, extensions: {[name]: {fallback: true}}});
+    for (const view of copy.bufferViews) {
+      const {byteOffset = 0, byteLength: size} = view;
+      Object.assign(view, {buffer: 1, extensions: {[name]: {buffer: 0, byteOffset, byteLength: size, byteStride: 1, count: size}}});
+    }
+    change(copy);
+    return new TextEncoder().encode(JSON.stringify(copy));
+  };
+  const whole = await readGltf(bytes);
+  const file = await readGltf(text(), {io, resources});
+  assert.deepEqual(file.parts[0].positionsAt(file.pose()), whole.parts[0].positionsAt(whole.pose()));
+  await assert.rejects(readGltf(text(), {resources}), rejected(/extension/));
+  const faults = [
+    [(j) => (j.buffers[1].byteLength = 2 ** 31), /announces/],
+    [(j) => (j.buffers[1].extensions = {}), /no bytes/],
+    [(j) => delete j.bufferViews[0].extensions, /no bytes/],
+    [(j) => (j.bufferViews[0].extensions[name].buffer = 1), /not in its buffer/],
+    [(j) => (j.bufferViews[0].extensions[name].buffer = 9), /there are 2/],
+    [(j) => (j.bufferViews[0].extensions[name].byteOffset = 1e7), /not in its buffer/],
+    [(j) => (j.bufferViews[0].extensions[name].count = 1e9), /larger than its view/],
+  ];
+  for (const [change, message] of faults) await assert.rejects(readGltf(text(change), {io, resources}), rejected(message), String(change));
 });
 
 test('images may be missing until the file is written', async () => {

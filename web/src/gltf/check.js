@@ -55,9 +55,13 @@ function requireIndex(value, list, what) {
   if (!whole(value) || value >= list.length) fail(`${what} is ${value}, and there are ${list.length}`);
 }
 
-/** The bytes of each buffer: the chunk of a .glb, a data URI, or one of the given files. */
+const meshopt = ['EXT_meshopt_compression', 'KHR_meshopt_compression'];
+
+/** The bytes of each buffer: the chunk of a .glb, a data URI, or one of the given files; null for a buffer that only says how much
+ * its compressed views take. */
 export function dataOfBuffers(json, binary, resources) {
-  return listOf(json, 'buffers').map(({uri}, b) => {
+  return listOf(json, 'buffers').map(({uri, extensions}, b) => {
+    if (uri === undefined && meshopt.some((name) => extensions?.[name]?.fallback === true)) return null;
     if (uri === undefined && b === 0 && binary) return binary;
     if (typeof uri !== 'string') fail(`buffer ${b} has no bytes`);
     if (uri.startsWith('data:')) {
@@ -71,12 +75,20 @@ export function dataOfBuffers(json, binary, resources) {
   });
 }
 
-/** Checks buffers, views and accessors. data: the bytes of each buffer. */
+/** Checks what a view has in place of bytes of its buffer. sizes: of the buffers. */
+function checkCompressed({buffer, byteOffset = 0, byteLength, byteStride, count}, view, sizes, what) {
+  requireIndex(buffer, sizes, `the buffer of ${what}`);
+  if (!whole(byteOffset) || !whole(byteLength) || !(byteOffset + byteLength <= sizes[buffer]) || !whole(count) || !whole(byteStride) ||
+    count * byteStride > view.byteLength) fail(`${what} is not in its buffer, or larger than its view`);
+}
+
+/** Checks buffers, views and accessors. data: the bytes of each buffer, or null. */
 export function checkData(json, data, maxBytes) {
   const buffers = listOf(json, 'buffers');
-  const sizes = data.map((bytes) => bytes.byteLength);
+  const sizes = data.map((bytes) => bytes?.byteLength ?? 0);
   const views = listOf(json, 'bufferViews');
   buffers.forEach((buffer, b) => {
+    if (data[b] === null && whole(buffer.byteLength) && buffer.byteLength <= maxBytes) return;
     if (!whole(buffer.byteLength) || buffer.byteLength > sizes[b])
       fail(`buffer ${b} announces ${buffer.byteLength} bytes, and ${sizes[b]} are there`);
   });
@@ -86,6 +98,9 @@ export function checkData(json, data, maxBytes) {
       fail(`view ${v} goes beyond its buffer`);
     if (view.byteStride !== undefined && !(whole(view.byteStride) && view.byteStride >= 4 && view.byteStride <= 252))
       fail(`view ${v} has the stride ${view.byteStride}`);
+    const packed = meshopt.map((name) => view.extensions?.[name]).filter((one) => one);
+    for (const one of packed) checkCompressed(one, view, sizes, `the compressed view ${v}`);
+    if (packed.length === 0 && data[view.buffer] === null) fail(`view ${v} has no bytes`);
   });
   const requireRange = (at, count, size, stride, what) => {
     requireIndex(at.bufferView, views, `the view of ${what}`);
