@@ -12,11 +12,11 @@ export const qualities = [['draft', 'Draft'], ['fast', 'Fast'], ['default', 'Def
 export const depths = [['auto', 'Automatic'], ...[1, 2, 3, 4, 5].map((depth) => [String(depth), String(depth)])];
 export const details = [['1500', '1.5k', 'About 1,500 facets'], ['5000', '5k', 'About 5,000 facets'], ['20000', '20k', 'About 20,000 facets']];
 export const rules = [
-  ['exact', 'Exact', 'Every sphere encloses its part of the surface: proven in every frame'],
+  ['exact', 'Exact', 'Every sphere encloses its part of the surface: the figures say whether it is proven'],
   ['approach2', 'Approach 2', 'The paper: a sphere follows the box of its vertices'],
   ['approach1', 'Approach 1', 'The paper: a sphere follows the mean of its vertices, and grows with the farthest'],
   ['traditional', 'Traditional', 'A sphere follows the vertices that it enclosed at rest'],
-  ['skinned', 'Skinned', 'Spheres follow the bones, and no vertex is read: proven too'],
+  ['skinned', 'Skinned', 'Spheres follow the bones, and no vertex is read: covers as long as only the bones move the body'],
   ['rest', 'Not updated', 'Spheres stay where they were at rest'],
 ];
 export const coverRules = ['exact', 'skinned'];
