@@ -131,7 +131,8 @@ TEST(Early, what_can_be_known_is_known_before_any_work) {
   bench.expect_refused("collide limb.obj bar.obj --motion-b missing", "missing: there is no such folder");
   bench.expect_refused("collide limb.obj bar.obj --rotate-b 0,0,0,3", "no direction");
   bench.expect_refused(slow + "missing/x.morula", "there is no folder missing");
-  bench.expect_refused(slow + std::string(300, 'x') + ".morula", "");
+  bench.expect_refused(slow + std::string(300, 'x') + ".morula", "the name is too long");
+  bench.expect_refused("update bar.obj bar.morula motion -o " + std::string(300, 'x'), "the name is too long");
   if (Workbench::has_shell() &&
       bench.shell("mkdir closed && chmod 500 closed && touch closed/x 2>/dev/null").exit_code != 0) {
     bench.expect_refused(slow + "closed/x.morula", "cannot make a file in this folder");

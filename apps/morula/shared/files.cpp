@@ -33,6 +33,16 @@ const MeshFileKind* mesh_kind(const std::string& ending) {
   return nullptr;
 }
 
+/// What is at a path. Throws UsageError for a name that no file can have: a trial, which has a name of its own, would
+/// not notice it. Other errors are left to the trial.
+fs::file_status found_at(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status found = fs::status(path, error);
+  if (error == std::errc::filename_too_long)
+    throw UsageError(fmt::format("{}: the name is too long; choose a shorter one", path.string()));
+  return found;
+}
+
 /// Throws UsageError if it is certain that there is no such folder. A trial says why others cannot be reached, such as
 /// those that this user may not see.
 void require_parent(const fs::path& path, const fs::path& folder) {
@@ -114,24 +124,21 @@ std::string motion_kinds() {
 }
 
 void require_output_place(const fs::path& path) {
-  std::error_code error;  // Windows: of devices
-  if (fs::is_directory(path, error)) throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
+  if (fs::is_directory(found_at(path)))
+    throw UsageError(fmt::format("{}: is a folder; name a file in it", path.string()));
   require_parent(path, path.parent_path());
   // The file is begun and abandoned: only a trial finds all obstacles.
   const WholeFile tried(path);
 }
 
 void require_folder_place(const fs::path& path) {
-  std::error_code error;
-  if (fs::exists(path, error)) {
-    if (!fs::is_directory(path, error)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
+  if (const fs::file_status found = found_at(path); fs::exists(found)) {
+    if (!fs::is_directory(found)) throw UsageError(fmt::format("{}: is a file; name a folder", path.string()));
     const WholeFolder tried(path);
     return;
   }
   const fs::path folder = (path.has_filename() ? path : path.parent_path()).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error)) {
-    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
-  }
+  require_parent(path, folder);
   const WholeFolder tried(path);
 }
 
