@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A command that runs beside the test, which can ask it to end as a person at a terminal does.
+// A command that runs while the test goes on. The test can send it Ctrl-C and the other requests to end.
 #pragma once
 
 #include <memory>
@@ -35,7 +35,7 @@ class RunningCommand {
   bool is_running() const;
   /// The exit code; -1 when it did not end by itself.
   int wait();
-  /// Ends it at once; nothing of it goes on.
+  /// Ends the command at once, so that it cannot clean up.
   void kill();
 
  private:
