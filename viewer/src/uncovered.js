@@ -5,12 +5,8 @@
 /** Cells along the longest side of the box, at most; more would cost memory and save nothing. */
 const mostCells = 32;
 
-/**
- * positions: of all vertices; spheres: x, y, z, r per node; nodes: those to look at.
- * Returns {low, edge, size, first, items}: cell (x, y, z) has the spheres first[c] to first[c + 1] of items (x, y, z, r
- * each), c = (z * size[1] + y) * size[0] + x: all that reach into it, or come within a quarter of its edge.
- */
-export function sphereGrid(positions, spheres, nodes) {
+/** The axis-aligned box {low, high} of points, x, y, z each. */
+export function boxOf(positions) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < positions.length; i += 3) {
@@ -19,6 +15,16 @@ export function sphereGrid(positions, spheres, nodes) {
       if (positions[i + k] > high[k]) high[k] = positions[i + k];
     }
   }
+  return { low, high };
+}
+
+/**
+ * positions: of all vertices; spheres: x, y, z, r per node; nodes: those to look at.
+ * Returns {low, edge, size, first, items}: cell (x, y, z) has the spheres first[c] to first[c + 1] of items (x, y, z, r
+ * each), c = (z * size[1] + y) * size[0] + x: all that reach into it, or come within a quarter of its edge.
+ */
+export function sphereGrid(positions, spheres, nodes) {
+  const { low, high } = boxOf(positions);
   const longest = Math.max(high[0] - low[0], high[1] - low[1], high[2] - low[2], 1e-30);
   const cells = Math.max(1, Math.min(mostCells, Math.ceil(2 * Math.cbrt(nodes.length))));
   const edge = longest / cells;
