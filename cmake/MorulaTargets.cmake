@@ -10,8 +10,12 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang|AppleClang)$" AND NOT MSVC)
   set(MORULA_GNU_LIKE ON)
   set(MORULA_LESS_OPTIMIZED -O1)
   if(SKBUILD)
-    # As long to compile, and half the code of the command: wheels are small.
+    # As long to compile, and half the code of the command: wheels are small. Clang's -Oz takes a fifth less than its -Os; zig takes one
+    # for the other unless it hands it on.
     set(MORULA_LESS_OPTIMIZED -Os)
+    if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+      set(MORULA_LESS_OPTIMIZED "SHELL:-Xclang -Oz")
+    endif()
   endif()
   set(MORULA_NOT_OPTIMIZED -O0)
 endif()
