@@ -285,6 +285,12 @@ export interface PairQuery extends Handle {
   pairs(): FeaturePair[] | NearPair[];
 }
 
+/** Milliseconds after which a query over many things returns the results of those that are done. It can exceed them by the
+ * time of 512 of them. */
+export interface TimeBudget {
+  budgetMs?: number;
+}
+
 export interface RayHit {
   /** Distance from the origin in lengths of the direction. */
   t: number;
@@ -331,8 +337,9 @@ export interface Morula {
   proximity(a: Body, b: Body | null, options: NearOptions): NearPair[];
   /** The first facet that a ray hits, in world coordinates; null: none. tEnd: the ray ends at origin + tEnd direction. */
   firstHit(body: Body, origin: Numbers, direction: Numbers, tEnd?: number): RayHit | null;
-  /** The same for many rays: origin and direction, 6 numbers each. */
-  firstHits(body: Body, rays: Numbers, tEnd?: number): (RayHit | null)[];
-  /** Whether points, 3 numbers each, are inside the closed surface of a body, exactly. */
-  locate(body: Body, points: Numbers): Location[];
+  /** The same for many rays: origin and direction, 6 numbers each. With a budget: the hits of the first rays, of some at least. */
+  firstHits(body: Body, rays: Numbers, tEnd?: number, budget?: TimeBudget): (RayHit | null)[];
+  /** Whether points, 3 numbers each, are inside the closed surface of a body, exactly. With a budget: of the first points, of some
+   * at least. */
+  locate(body: Body, points: Numbers, budget?: TimeBudget): Location[];
 }

@@ -120,6 +120,30 @@ test('points are inside by the solid angle of all facets', () => {
   assert.ok(inside > 5 && inside < 115);
 });
 
+test('rays and points in parts, as budgets end them, give the results of one call', () => {
+  const scene = sample('limb', 12);
+  const rays = Array.from({length: 1500}, (_, i) => [Math.sin(3 * i), Math.cos(5 * i), 3, 0.2 * Math.cos(7 * i), 0.2 * Math.sin(i), -1]);
+  const points = rays.map(([x, y, z]) => [x, y, z / 9]);
+  const inParts = (items, query) => {
+    const all = [];
+    let calls = 0;
+    for (; all.length < items.length; ++calls) {
+      const some = query(items.slice(all.length).flat(), {budgetMs: calls % 3 === 0 ? 0 : 0.05});
+      assert.ok(some.length > 0);
+      if (calls % 3 === 0) assert.ok(some.length <= 8); // the first slice alone
+      all.push(...some);
+    }
+    assert.ok(calls > 1);
+    return all;
+  };
+  for (const tEnd of [undefined, 2.9])
+    assert.deepEqual(inParts(rays, (some, budget) => morula.firstHits(scene.body, some, tEnd, budget)), morula.firstHits(scene.body, rays.flat(), tEnd));
+  assert.deepEqual(inParts(points, (some, budget) => morula.locate(scene.body, some, budget)), morula.locate(scene.body, points.flat()));
+  assert.equal(morula.firstHits(scene.body, rays.flat(), Infinity, {budgetMs: 1e9}).length, 1500);
+  assert.deepEqual(morula.firstHits(scene.body, [], Infinity, {budgetMs: 0}), []);
+  for (const budgetMs of [-1, NaN, 1e10]) assert.throws(() => morula.locate(scene.body, [0, 0, 0], {budgetMs}), thrown('bad_argument', /budgetMs/));
+});
+
 test('crossings, overlap, contacts and distance of two bodies agree with all pairs of facets', () => {
   const a = sample('blob', 8);
   const b = sample('capsule', 8);
