@@ -105,6 +105,32 @@ def test_every_pinned_package_has_its_license(wheels):
         assert version in address and re.fullmatch("[0-9a-f]{64}", pin)
 
 
+@pytest.mark.parametrize(("packaged", "source", "expected"), [(True, True, "compiled"), (True, False, "headers"), (False, True, "headers")])
+def test_a_package_compiles_the_functions_of_fmt_once(tmp_path, packaged, source, expected):
+    """As headers they are compiled with every batch. Where their source is not at hand, and in an installed library, they are headers."""
+    for name in ("fmt/include/fmt/format.h", *["fmt/src/format.cc"] * source):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("")
+    lines = [
+        "cmake_minimum_required(VERSION 3.24)",
+        "project(p LANGUAGES CXX)",
+        *["set(SKBUILD 2)"] * packaged,
+        f"include({sources}/cmake/MorulaTargets.cmake)",
+        f"include({sources}/cmake/MorulaThirdParty.cmake)",
+        f"morula_target_of_fmt({tmp_path}/fmt)",
+        "get_target_property(as_headers fmt::fmt-header-only INTERFACE_COMPILE_DEFINITIONS)",
+        'if(as_headers MATCHES "FMT_HEADER_ONLY" AND NOT TARGET morula_fmt)',
+        '  message(STATUS "fmt: headers")',
+        "elseif(NOT as_headers AND TARGET morula_fmt)",
+        '  message(STATUS "fmt: compiled")',
+        "endif()",
+    ]
+    (tmp_path / "CMakeLists.txt").write_text("\n".join(lines) + "\n")
+    made = subprocess.run(["cmake", "-S", tmp_path, "-B", tmp_path / "build"], capture_output=True, text=True)
+    assert made.returncode == 0, made.stderr
+    assert f"-- fmt: {expected}\n" in made.stdout
+
+
 def published(version):
     systems = ("manylinux_2_27_x86_64.manylinux_2_28_x86_64", "manylinux_2_28_aarch64", "musllinux_1_2_x86_64", "musllinux_1_2_aarch64",
                "macosx_13_3_arm64", "macosx_13_3_x86_64", "win_amd64")
