@@ -23,7 +23,8 @@ export interface LoadOptions {
   variant?: 'full' | 'runtime';
   /** Whether to load the module with vector instructions; by default, if the engine has them. Results are the same. */
   simd?: boolean;
-  /** Where the module is: an address, a response, bytes or a compiled module; by default the package's file. */
+  /** Where the module is: an address (relative to the page, or in node to the working directory), a response, bytes or a
+   * compiled module; by default the package's file. */
   source?: URL | string | Response | BufferSource | WebAssembly.Module;
 }
 
