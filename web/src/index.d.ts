@@ -19,7 +19,8 @@ export class MorulaError extends Error {
 }
 
 export interface LoadOptions {
-  /** `runtime` has no generators and reads no mesh files: Mesh.fromBytes, Mesh.sample and build then throw. */
+  /** `runtime` is smaller: Mesh.fromBytes, Mesh.sample, build, buildAsync, Tree.toBytes and rules other than `exact` and `skinned`
+   * then throw. */
   variant?: 'full' | 'runtime';
   /** Whether to load the module with vector instructions; by default, if the engine has them. Results are the same. */
   simd?: boolean;
