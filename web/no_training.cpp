@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// In place of src/update/rules/skin_training.cpp: bodies of the C interface have no training poses, so they measure no nodes.
+// In place of src/update/rules/skin_training.cpp: bodies of the C interface have no training poses, so they measure no
+// nodes.
 #include <stdexcept>
 
 #include "update/rules/skin_training.hpp"
