@@ -19,11 +19,13 @@ export class MorulaError extends Error {
 }
 
 export interface LoadOptions {
-  /** `runtime` has no generators and reads no mesh files: Mesh.fromBytes, Mesh.sample and build then throw. */
+  /** `runtime` is smaller: Mesh.fromBytes, Mesh.sample, build, buildAsync, Tree.toBytes and rules other than `exact` and `skinned`
+   * then throw. */
   variant?: 'full' | 'runtime';
   /** Whether to load the module with vector instructions; by default, if the engine has them. Results are the same. */
   simd?: boolean;
-  /** Where the module is: an address, a response, bytes or a compiled module; by default the package's file. */
+  /** Where the module is: an address (relative to the page, or in node to the working directory), a response, bytes or a
+   * compiled module; by default the package's file. */
   source?: URL | string | Response | BufferSource | WebAssembly.Module;
 }
 

@@ -610,6 +610,36 @@ test('the memory is flat: builds and frees, failures, and what the garbage colle
   assert.ok(own.memory().byteLength <= 2 * kept, `${kept} became ${own.memory().byteLength}`);
 });
 
+test('the small variant answers as the other, and says what it lacks', async () => {
+  const small = await load({variant: 'runtime'});
+  const scene = sample('limb', 16);
+  bend(scene, 0.4);
+  scene.body.update();
+  const mesh = new small.Mesh(scene.mesh.positions, scene.mesh.facets);
+  const tree = small.Tree.fromBytes(scene.tree.toBytes(), mesh);
+  const body = new small.Body(mesh, tree);
+  body.update(scene.body.positions);
+  assert.deepEqual(body.spheres(), scene.body.spheres());
+  assert.deepEqual(body.selfCrossings(), scene.body.selfCrossings());
+  const other = new small.Body(mesh, tree);
+  const like = new Body(scene.mesh, scene.tree);
+  for (const one of [other, like]) one.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], [0.05, 0.1, 0]);
+  assert.equal(small.overlap(body, other), morula.overlap(scene.body, like));
+  assert.deepEqual(small.crossings(body, other), morula.crossings(scene.body, like));
+  assert.deepEqual(small.distance(body, other), morula.distance(scene.body, like));
+  assert.deepEqual(new small.ContactQuery().run(body, other), new ContactQuery().run(scene.body, like));
+  assert.deepEqual(small.proximity(body, other, {distance: 0.02}), morula.proximity(scene.body, like, {distance: 0.02}));
+  assert.deepEqual(small.firstHit(body, [0, 3, 0], [0, -1, 0]), morula.firstHit(scene.body, [0, 3, 0], [0, -1, 0]));
+  assert.deepEqual(small.locate(body, [0, 0, 0]), morula.locate(scene.body, [0, 0, 0]));
+  assert.equal(body.certify(), true);
+  const lacks = thrown('bad_argument', /variant "full"/);
+  for (const call of [() => small.build(mesh), () => tree.toBytes(), () => small.Mesh.sample('limb', 16),
+    () => small.Mesh.fromBytes('a.obj', new Uint8Array(1)), () => new small.Body(mesh, tree, {rules: 'wrapped'}),
+    () => new small.Body(mesh, tree, {rules: ['exact', 'traditional']})]) assert.throws(call, lacks);
+  body.update();
+  assert.deepEqual(body.spheres(), scene.body.spheres());
+});
+
 test('a variant is one of two', async () => {
   const inline = await packageModule('src/inline.js');
   for (const own of [load, inline.load])
