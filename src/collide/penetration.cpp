@@ -284,12 +284,17 @@ struct PenetrationQuery::State {
     result.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
   }
 
-  Penetration go_on(const PenetrationOptions& options) {
+  /// divides_one: divide at least one cell, unless the budget is zero, so that repeated resume() calls always finish.
+  Penetration go_on(const PenetrationOptions& options, bool divides_one) {
     Penetration result;
     result.status = usable(options);
     if (!result.status) return result;
+    const Budget& budget = options.budget;
+    const bool is_zero = (budget.is_tests() && budget.tests() == 0) || (budget.is_time() && budget.time().count() == 0);
     const std::chrono::nanoseconds begin = options.budget.is_time() ? now(options.clock) : std::chrono::nanoseconds{};
     const auto is_spent = [&] {
+      // mutant penetration-stands-still: `divides_one && !is_zero && result.probes == 0` -> `false`
+      if (divides_one && !is_zero && result.probes == 0) return false;
       if (options.budget.is_tests())  // each of a cell's eight parts takes at most two
         return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
       return options.budget.is_time() && now(options.clock) - begin >= options.budget.time();
@@ -329,7 +334,7 @@ Penetration PenetrationQuery::run(const PenetrationOptions& options) {
   if (Status status = state_->usable(options); !status) return {.status = status};
   state_->begin_reading();
   state_->start();
-  return state_->done(own, state_->go_on(options));
+  return state_->done(own, state_->go_on(options, false));
 }
 
 Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
@@ -345,7 +350,7 @@ Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
       return {.status = {.code = Status::Code::other_transform, .body = i}};
   }
   s.begin_reading();
-  return s.done(own, s.go_on(options));
+  return s.done(own, s.go_on(options, true));
 }
 
 }  // namespace morula

@@ -383,6 +383,52 @@ TEST(CPairs, a_rejected_search_for_contacts_leaves_the_one_before_to_be_continue
   morula_contacts_destroy(contacts);
 }
 
+// The least budget: every call makes progress, so the search ends.
+TEST(CPairs, searches_end_with_a_budget_of_one_test) {
+  const PairBody limb("limb", 12);
+  PairBody torus("torus", 12);
+  torus.move({0.2, 0.1, 0.1});
+  morula_contacts* contacts = nullptr;
+  morula_pairs* pairs = nullptr;
+  ASSERT_EQ(morula_contacts_create(&contacts), MORULA_OK);
+  ASSERT_EQ(morula_pairs_create(&pairs), MORULA_OK);
+  morula_contact_options options;
+  morula_contact_options_init(&options);
+  morula_pair_options pair_options;
+  morula_pair_options_init(&pair_options);
+  pair_options.distance = 0.05;
+  ASSERT_EQ(morula_collide(limb.body, torus.body, nullptr, contacts), MORULA_OK);
+  const std::size_t all_contacts = morula_contacts_count(contacts);
+  ASSERT_GT(all_contacts, 20u);
+  for (const bool in_time : {false, true}) {
+    (in_time ? options.nanoseconds : options.pair_tests) = 1;
+    (in_time ? options.pair_tests : options.nanoseconds) = -1;
+    ASSERT_EQ(morula_collide(limb.body, torus.body, &options, contacts), MORULA_OK);
+    int calls = 0;
+    for (; !morula_contacts_finished(contacts); ++calls) {
+      ASSERT_LT(calls, 20000) << "it never ends";
+      ASSERT_EQ(morula_contacts_resume(contacts, in_time ? -1 : 1, in_time ? 1 : -1), MORULA_OK);
+    }
+    EXPECT_GT(calls, 3);
+    EXPECT_EQ(morula_contacts_count(contacts), all_contacts);
+    for (const auto search : {&morula_pairs_near, &morula_pairs_crossing}) {
+      pair_options.box_tests = pair_options.nanoseconds = -1;
+      ASSERT_EQ(search(limb.body, torus.body, &pair_options, pairs), MORULA_OK);
+      const std::vector<Key> all = keys_of(pairs);
+      ASSERT_GT(all.size(), 5u);
+      (in_time ? pair_options.nanoseconds : pair_options.box_tests) = 1;
+      ASSERT_EQ(search(limb.body, torus.body, &pair_options, pairs), MORULA_OK);
+      for (calls = 0; !morula_pairs_finished(pairs); ++calls) {
+        ASSERT_LT(calls, 20000) << "it never ends";
+        ASSERT_EQ(morula_pairs_resume(pairs, in_time ? -1 : 1, in_time ? 1 : -1), MORULA_OK);
+      }
+      EXPECT_EQ(keys_of(pairs), all);
+    }
+  }
+  morula_contacts_destroy(contacts);
+  morula_pairs_destroy(pairs);
+}
+
 TEST(CPairs, bounds_contain_the_distance) {
   const PairBody limb("limb", 12);
   PairBody torus("torus", 12);
