@@ -174,6 +174,17 @@ TEST(Penetration, of_deformed_bodies_holds_what_random_points_find_at_every_inte
   EXPECT_EQ(PenetrationQuery(a.collider, b.collider).resume().status.code, Status::Code::no_front);
   b.collider.set_transform({});
   EXPECT_EQ(query.resume().status.code, Status::Code::other_transform);
+  // Another body of the same tree, in a frame of the same number.
+  Body twin_body(b.mesh, b.model);
+  while (twin_body.sphere_state().frame < b.body.sphere_state().frame)
+    ASSERT_TRUE(twin_body.update(test::rippled(b.mesh.positions, 0.2, 7)));
+  ASSERT_EQ(twin_body.sphere_state().frame, b.body.sphere_state().frame);
+  ASSERT_TRUE(query.run({.budget = 200}).status);
+  const Collider before = b.collider;
+  b.collider = Collider(b.mesh, twin_body);
+  EXPECT_EQ(query.resume().status, (Status{Status::Code::other_bodies, 1}));
+  b.collider = before;
+  EXPECT_TRUE(query.resume().status);
   PlacedBody open(test::grid_plate(3));
   EXPECT_THROW(PenetrationQuery(a.collider, open.collider), std::invalid_argument);
 }
