@@ -49,8 +49,8 @@ class BuildRun : public BuildOptions {
   Box box_;
 };
 
-/// As long as it lives, checks for interruption of this thread and its helpers also throw BuildStopped, once the stop
-/// of the run is requested. Checks of the caller's Interrupt go on. It does nothing for a token that nobody can stop.
+/// Makes checks for interruption of this thread and its helpers also throw BuildStopped, once the stop of the run is
+/// requested. Checks of the caller's Interrupt go on. A token without a source changes nothing.
 class StopChecks {
  public:
   explicit StopChecks(const BuildRun& run);
