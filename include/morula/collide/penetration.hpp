@@ -51,8 +51,8 @@ class PenetrationQuery {
   /// InsideQuery.
   Penetration run(const PenetrationOptions& options = {});
   /// Narrows the present bounds with a new budget. Unless it is zero, a call divides one cell at any cost, up to 16
-  /// tests. Rejected with no_front if no run was started, and with other_frame
-  /// or other_transform if a body has moved since.
+  /// tests. Rejected with no_front if no run was started, with other_frame or other_transform if a body has moved
+  /// since, and with other_bodies if another one was assigned to its collider.
   Penetration resume(const PenetrationOptions& options = {});
 
  private:
