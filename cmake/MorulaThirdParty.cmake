@@ -171,6 +171,8 @@ function(morula_target_of_tinyxml2 folder)
     add_library(morula_tinyxml2 STATIC "${folder}/tinyxml2.cpp")
     set_target_properties(morula_tinyxml2 PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
     target_include_directories(morula_tinyxml2 SYSTEM PUBLIC "${folder}")
+    # It calls fseeko64 on Linux, which musl declares only on request.
+    target_compile_definitions(morula_tinyxml2 PRIVATE _LARGEFILE64_SOURCE)
     add_library(tinyxml2::tinyxml2 ALIAS morula_tinyxml2)
   endif()
 endfunction()

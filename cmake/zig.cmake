@@ -29,6 +29,8 @@ if(CMAKE_MATCH_2 STREQUAL "windows")
   set(morula_emulator ${MORULA_WINE})
 elseif(CMAKE_MATCH_2 STREQUAL "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
+  # CMake asks for it to change the paths of libraries in installed programs; zig has none, so such an install fails.
+  find_program(CMAKE_INSTALL_NAME_TOOL NAMES install_name_tool false NO_CMAKE_FIND_ROOT_PATH)
 elseif(CMAKE_MATCH_2 STREQUAL "wasi")
   set(CMAKE_SYSTEM_NAME Generic)
 else()

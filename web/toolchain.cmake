@@ -25,7 +25,7 @@ set(CMAKE_CXX_COMPILER "${CMAKE_BINARY_DIR}/zig-c++")
 set(CMAKE_AR "${CMAKE_BINARY_DIR}/zig-ar" CACHE FILEPATH "")
 set(CMAKE_RANLIB "${CMAKE_BINARY_DIR}/zig-ranlib" CACHE FILEPATH "")
 
-set(target "-target wasm32-wasi -mbulk-memory -msign-ext -mnontrapping-fptoint -fno-stack-protector -g0")
+set(target "-target wasm32-wasi -mbulk-memory -msign-ext -mnontrapping-fptoint -fno-stack-protector -g0 -fno-threadsafe-statics")
 set(exceptions "-fwasm-exceptions -mexception-handling -Xclang -exception-model=wasm -mllvm -wasm-enable-eh")
 set(library "-U_LIBCPP_HAS_THREADS -D_LIBCPP_HAS_THREADS=1 -U_LIBCPP_HAS_FILESYSTEM -D_LIBCPP_HAS_FILESYSTEM=1")
 set(CMAKE_C_FLAGS_INIT "${target} ${exceptions}")

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <morula/io/mesh_file.hpp>
 #include <system_error>
+#include <toolbox/shell_word.hpp>
 
 #include "shared/files.hpp"
 #include "shared/options.hpp"
@@ -17,6 +18,7 @@ namespace morula::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using toolbox::shell_word;
 
 struct Step {
   std::string typed;  ///< after "morula "
@@ -26,27 +28,6 @@ constexpr std::size_t most_steps = 3;
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-/// A word as a shell reads it back: in quotes where it holds more than letters, digits and harmless signs. Windows: as
-/// PowerShell reads it, and cmd as well unless it holds signs that one of them replaces even in quotes.
-std::string shell_word(const std::string& word) {
-#ifdef _WIN32
-  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:\\";
-  constexpr const char* apostrophe = "''";
-  const char quote = word.find_first_of("$`%'\"") == std::string::npos ? '"' : '\'';
-#else
-  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+=:,@%";
-  constexpr const char* apostrophe = "'\\''";
-  constexpr char quote = '\'';
-#endif
-  const auto is_harmless = [&](char c) {
-    return harmless.find(c) != std::string_view::npos || static_cast<unsigned char>(c) >= 0x80;
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), is_harmless)) return word;
-  std::string text(1, quote);
-  for (const char c : word) text += c == '\'' && quote == c ? std::string(apostrophe) : std::string(1, c);
-  return text + quote;
 }
 
 std::string shell_word(fs::path path, const char* extension) {

@@ -283,7 +283,8 @@ MORULA_API const morula_contact* morula_contacts_data(const morula_contacts* con
 /* Not 0 if the search is complete. */
 MORULA_API int morula_contacts_finished(const morula_contacts* contacts);
 /* Continues the search of the last morula_collide with this list, which its budget ended, with a new budget: a number
- * of tests or a time; -1: none. Rejected, with no change: bodies that have moved since. Until the search is complete
+ * of tests or a time; -1: none. Repeated calls always finish: unless the budget is 0, a call opens one pair at any
+ * cost. Rejected, with no change: bodies that have moved since. Until the search is complete
  * the list keeps both bodies alive. */
 MORULA_API morula_status morula_contacts_resume(morula_contacts* contacts, int64_t pair_tests, int64_t nanoseconds);
 
@@ -445,7 +446,8 @@ MORULA_API morula_status morula_pairs_near(morula_body* a, morula_body* b, const
 MORULA_API morula_status morula_pairs_crossing(morula_body* a, morula_body* b, const morula_pair_options* options,
                                                morula_pairs* pairs);
 /* Continues the last search with this list, which its budget ended, with a new budget: a number of tests or a time; -1:
- * none. Rejected, with no change: bodies that have moved since. */
+ * none. Repeated calls always finish, unless the budget is 0. Rejected, with no change: bodies that have moved since.
+ */
 MORULA_API morula_status morula_pairs_resume(morula_pairs* pairs, int64_t box_tests, int64_t nanoseconds);
 MORULA_API size_t morula_pairs_count(const morula_pairs* pairs);
 /* The pairs; valid until the next call with this list. */

@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A GLB file as one mesh that bones move: all of its meshes, in the axes of the scene. Pictures and materials are left out.
-import { AnimationMixer, Matrix4, Vector3 } from 'three';
+// A GLB file as one mesh that bones and morph targets move: all of its meshes, in the axes of the scene. Pictures and materials are
+// left out.
+import { AnimationMixer, Matrix3, Matrix4, Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { checkFacetCount, InputError } from './limits.js';
+import { Morphs } from './morphs.js';
 
 const jsonKind = 0x4e4f534a;
 const triangles = 4;
@@ -47,19 +49,25 @@ function withoutPictures(name, bytes) {
   return whole.buffer;
 }
 
-/** Collects vertices, each place with its bones once, and facets. */
+/** Collects vertices, each place with its bones and offsets once, and facets. */
 class Collector {
   constructor() {
-    Object.assign(this, { positions: [], bones: [], weights: [], facets: [], boneMatrices: [], seen: new Map() });
+    Object.assign(this, { positions: [], bones: [], weights: [], facets: [], boneMatrices: [], morphs: new Morphs(), seen: new Map() });
   }
   bone(matrixOf) {
     return this.boneMatrices.push(matrixOf) - 1;
   }
-  vertex(place, bones, weights) {
-    const key = `${place.x},${place.y},${place.z},${bones.join()}`;
+  /** offsets: one per morph target of its mesh, whose first one is `firstTarget`. */
+  vertex(place, bones, weights, offsets, firstTarget) {
+    const moved = offsets.flatMap((offset) => offset.toArray());
+    if (!moved.every(Number.isFinite)) throw new InputError('a morph target has an offset that is no number; the file is damaged');
+    const key = `${place.x},${place.y},${place.z},${bones.join()}${moved.some((x) => x !== 0) ? `,${firstTarget},${moved.join()}` : ''}`;
     const found = this.seen.get(key);
     if (found !== undefined) return found;
     const index = this.positions.length / 3;
+    offsets.forEach(({ x, y, z }, k) => {
+      if (x !== 0 || y !== 0 || z !== 0) this.morphs.offset(firstTarget + k, index, x, y, z);
+    });
     this.positions.push(place.x, place.y, place.z);
     this.bones.push(...bones);
     this.weights.push(...weights);
@@ -74,6 +82,7 @@ class Collector {
     const atRest = mesh.matrixWorld.clone();
     if (isSkinned) atRest.multiply(mesh.bindMatrixInverse).multiply(mesh.bindMatrix);
     const back = atRest.clone().invert();
+    const turn = new Matrix3().setFromMatrix4(atRest);
     const first = isSkinned
       ? mesh.skeleton.bones.map((bone, i) => {
           const restToBone = mesh.skeleton.boneInverses[i].clone().multiply(mesh.bindMatrix).multiply(back);
@@ -84,14 +93,25 @@ class Collector {
           });
         })[0]
       : this.bone((out) => out.copy(mesh.matrixWorld).multiply(back));
+    const targets = mesh.geometry.morphAttributes.position ?? [];
+    if (targets.some((target) => target.count !== position.count)) throw new InputError('a morph target has not one offset per vertex; the file is damaged');
+    const firstTarget = this.morphs.targets.length;
+    targets.forEach((_, k) => this.morphs.add(() => mesh.morphTargetInfluences?.[k] ?? 0));
+    const offsets = targets.map(() => new Vector3());
     const place = new Vector3();
     const index = Array.from({ length: position.count }, (_, i) => {
-      place.fromBufferAttribute(position, i).applyMatrix4(atRest);
+      place.fromBufferAttribute(position, i);
+      offsets.forEach((offset, k) => {
+        offset.fromBufferAttribute(targets[k], i);
+        place.addScaledVector(offset, this.morphs.targets[firstTarget + k].atRest);
+        offset.applyMatrix3(turn);
+      });
+      place.applyMatrix4(atRest);
       const slots = [0, 1, 2, 3];
       const weights = isSkinned ? slots.map((k) => skinWeight.getComponent(i, k)) : [1, 0, 0, 0];
       const whole = weights.reduce((sum, weight) => sum + weight, 0);
       const bones = slots.map((k) => first + (isSkinned && weights[k] > 0 ? skinIndex.getComponent(i, k) : 0));
-      return this.vertex(place, bones, whole > 0 ? weights.map((weight) => weight / whole) : [1, 0, 0, 0]);
+      return this.vertex(place, bones, whole > 0 ? weights.map((weight) => weight / whole) : [1, 0, 0, 0], offsets, firstTarget);
     });
     const list = mesh.geometry.index;
     const count = list ? list.count : position.count;
@@ -112,6 +132,8 @@ export class Character {
     this.facets = Uint32Array.from(collector.facets);
     this.bones = Uint32Array.from(collector.bones);
     this.weights = Float64Array.from(collector.weights);
+    this.morphs = collector.morphs;
+    this.followsBones = !collector.morphs.moves; // by which the spheres of the rule skinned cover
     this.boneMatrices = collector.boneMatrices;
     this.boneCount = collector.boneMatrices.length;
     this.transforms = new Float64Array(12 * this.boneCount);
@@ -135,7 +157,8 @@ export class Character {
       const e = matrixOf(this.matrix).elements;
       for (let row = 0; row < 3; ++row) for (let k = 0; k < 4; ++k) t[12 * bone + 4 * row + k] = e[4 * k + row];
     });
-    const { rest, bones, weights } = this;
+    const { bones, weights } = this;
+    const rest = this.morphs.applied(this.rest);
     for (let v = 0; 3 * v < rest.length; ++v) {
       const [x, y, z] = [rest[3 * v], rest[3 * v + 1], rest[3 * v + 2]];
       let [px, py, pz] = [0, 0, 0];

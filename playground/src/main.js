@@ -66,7 +66,7 @@ class Playground {
     const wanted = readAddress(hash, kinds);
     if (!wanted) return;
     const values = { ...beginning, ...this.valuesOf(wanted) };
-    if (values.rule === 'skinned' && !this.world.character) values.rule = 'exact';
+    if (values.rule === 'skinned' && !this.world.character?.followsBones) values.rule = 'exact';
     this.state.set(values);
     if (wanted.camera) this.stage.lookAs(wanted.camera);
   }
@@ -173,7 +173,7 @@ class Playground {
   adopt(made, file, values) {
     const { world, panel, stage } = this;
     const character = file?.moves ? file.character : null;
-    if (!character && this.state.get('rule') === 'skinned') this.state.set({ rule: 'exact' });
+    if (!character?.followsBones && this.state.get('rule') === 'skinned') this.state.set({ rule: 'exact' });
     const isSame = world.made && world.made.positions.length === made.positions.length && world.made.positions.every((x, i) => x === made.positions[i]);
     world.adopt(made, character);
     this.shownFile = file;
@@ -277,7 +277,7 @@ class Playground {
     byId('save-pose').addEventListener('click', () => world.model && saveMesh(world.soft ? world.soft.x : world.goal, world.model.facets, 'pose.obj'));
     byId('share-button').addEventListener('click', () => this.share());
     bindKeys(state, {
-      level, fit, cancel, zoom, theme: this.toggleTheme, hasSkin: () => world.character !== null,
+      level, fit, cancel, zoom, theme: this.toggleTheme, hasSkin: () => Boolean(world.character?.followsBones),
       poke: () => world.poke(stage.middleRay()), open: () => byId('file').click(),
       orbit: (x, y) => stage.orbit(0.12 * x, 0.12 * y),
       moveOther: (x, y) => {

@@ -13,7 +13,7 @@ export class Model {
     this.rest = made.positions;
     this.facets = made.facets;
     this.clusters = made.clusters;
-    this.skin = character ? new morula.Skin(4, character.bones, character.weights, character.boneCount) : null;
+    this.skin = character?.followsBones ? new morula.Skin(4, character.bones, character.weights, character.boneCount) : null;
     this.nodeCount = this.tree.nodeCount;
     this.levelCount = this.tree.levelCount;
     this.levelSets = Array.from({ length: this.levelCount }, (_, level) => this.tree.levelSet(level));

@@ -74,7 +74,7 @@ export class Panel {
     byId('clip-row').hidden = !character;
     const clips = character?.clips ?? [];
     byId('clip').replaceChildren(...clips.map((clip, i) => element('option', { value: String(i) }, clip.name || `Motion ${i + 1}`)));
-    byId('rule').querySelector('[value=skinned]').hidden = byId('rule').querySelector('[value=skinned]').disabled = character === null;
+    byId('rule').querySelector('[value=skinned]').hidden = byId('rule').querySelector('[value=skinned]').disabled = !character?.followsBones;
     byId('soft-hint').textContent = made.clusters ? 'Drag the body to pull it, tap to poke it.' : 'This mesh has too many vertices for a soft body.';
     byId('figure-facets').textContent = (model.facets.length / 3).toLocaleString('en');
     byId('figure-build').textContent = made.seconds < 1 ? `${figure(1000 * made.seconds)} ms` : `${figure(made.seconds)} s`;

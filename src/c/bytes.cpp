@@ -42,7 +42,7 @@ morula_status morula_model_from_bytes(const void* bytes, size_t size, const moru
     require_pointer(mesh, "mesh");
     const StandardFloats standard;
     const std::filesystem::path name = "bytes";
-    CoveredTree read = built_of_file(name, read_native(name, text_of(bytes, size)), *mesh->mesh, serial_workers());
+    CoveredTree read = covered_by_file(name, read_native(name, text_of(bytes, size)), *mesh->mesh);
     *model = new morula_model{std::make_shared<const CoveredTree>(std::move(read))};
     return MORULA_OK;
   });

@@ -71,7 +71,8 @@ struct morula_body {
 struct morula_contacts {
   std::shared_ptr<morula_body> a, b;  // declared ahead of the queries, which borrow their colliders for a resume
   morula::ContactQuery query, other;  // other: for a search that may be rejected, while `query` has one to continue
-  std::vector<morula_contact> found, next;  // next: memory for the contacts of a call
+  std::vector<morula_contact> found;
+  std::size_t final_count = 0;  // first contacts of `found`, which a resume keeps: the finished ones
   bool finished = false;
 };
 

@@ -20,12 +20,19 @@ struct morula_pairs {
   SurfaceCrossingQuery crossing;
   bool is_near = true;                   // the query of the last search
   std::vector<morula_pair> found, next;  // next: memory for the pairs of a call
+  bool is_read = false;                  // `found` is of the last search
   bool finished = false;
 };
 
 namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+// The numbers of kinds are those of the library.
+static_assert(MORULA_VERTEX_FACET == static_cast<int>(PairKind::vertex_facet) &&
+              MORULA_FACET_VERTEX == static_cast<int>(PairKind::facet_vertex) &&
+              MORULA_EDGE_EDGE == static_cast<int>(PairKind::edge_edge) &&
+              MORULA_FACET_FACET == static_cast<int>(PairKind::facet_facet));
 
 enum class FeatureKind : std::uint8_t { vertex, edge, facet };
 
@@ -80,14 +87,19 @@ Wanted pair_options(const morula_pair_options* given) {
   return wanted;
 }
 
-/// Copies the pairs of a call that was not rejected.
+/// Copies the pairs of a call that was not rejected. A call that continues a search has found all pairs in the list,
+/// and perhaps more; pairs are sorted, so a longer list is copied as a whole.
 template <class Query>
 morula_status read(morula_pairs& pairs, const Query& query, const SurfaceQueryStatus& status) {
   const SurfaceTree& a = *pairs.a->surface;
   const SurfaceTree& b = *pairs.b->surface;
-  pairs.next.clear();
-  for (const auto& pair : query.pairs()) pairs.next.push_back(pair_of(pair, a, b));
-  pairs.found.swap(pairs.next);
+  // mutant c-pairs-not-read: `!pairs.is_read || query` -> `query`
+  if (!pairs.is_read || query.pairs().size() != pairs.found.size()) {
+    pairs.next.clear();
+    for (const auto& pair : query.pairs()) pairs.next.push_back(pair_of(pair, a, b));
+    pairs.found.swap(pairs.next);
+    pairs.is_read = true;
+  }
   pairs.finished = status.finished;
   if (status.finished) pairs.a.reset(), pairs.b.reset();
   return MORULA_OK;
@@ -110,6 +122,7 @@ morula_status search(morula_body* a, morula_body* b, Options options, Query& que
   }
   pairs.a = a->of_caller, pairs.b = b->of_caller;
   pairs.is_near = std::is_same_v<Query, ProximityQuery>;
+  pairs.is_read = false;
   return read(pairs, query, status);
 }
 

@@ -30,11 +30,15 @@ void write_pairs(const Pairs& found, const Indices& indices, std::uint32_t* pair
   }
 }
 
-/// Copies the contacts of a call that was not rejected.
+/// Copies the contacts of a call that was not rejected, except those that are in the list already.
 morula_status read(morula_contacts& contacts, const ContactStatus& status) {
-  contacts.next.clear();
-  for (const Contact& contact : contacts.query.contacts().contacts) contacts.next.push_back(contact_of(contact));
-  contacts.found.swap(contacts.next);
+  const Contacts& result = contacts.query.contacts();
+  const std::span<const Contact> all = result.contacts;
+  // Without memory the list stays as it is.
+  if (all.size() > contacts.found.capacity()) contacts.found.reserve(std::max(all.size(), 2 * contacts.found.size()));
+  contacts.found.resize(contacts.final_count);
+  for (const Contact& contact : all.subspan(contacts.final_count)) contacts.found.push_back(contact_of(contact));
+  contacts.final_count = result.finished_count;
   contacts.finished = status.finished;
   if (status.finished) {
     contacts.query.clear();
@@ -118,6 +122,7 @@ morula_status morula_collide(const morula_body* a, const morula_body* b, const m
       contacts->other.clear();
     }
     contacts->a = a->of_caller, contacts->b = b->of_caller;
+    contacts->final_count = 0;
     return read(*contacts, status);
   });
 }

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstring>
 #include <morula/collide/contact_query.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "collide/body_identity.hpp"
 #include "collide/facets/contact_geometry.hpp"
 #include "collide/front/front_walk.hpp"
 #include "collide/pairs/descent.hpp"
@@ -22,7 +24,8 @@ struct ContactQuery::State {
   CallState call{};
   FrontWalk walk{};
   Contacts contacts{};
-  std::vector<PairAsRead> read{};  // pairs as the present call reads them, one per pair
+  std::vector<PairAsRead> read{};      // pairs as the present call reads them, one per pair
+  std::vector<BodyIdentity> bodies{};  // bodies of the last call that was not rejected, two per pair
   // A front from set_front() has to be checked before its use. The finished contacts in it, or in a front whose
   // contacts were moved out, have to be listed again.
   bool front_from_outside = false, lacks_contacts = false;
@@ -62,8 +65,21 @@ struct ContactQuery::State {
   }
 
   void begin_reading() {
-    read.clear();
-    for (const ColliderPair& pair : walk.pairs) read.emplace_back(*pair.a, *pair.b);
+    read.clear(), bodies.clear();
+    for (const ColliderPair& pair : walk.pairs) {
+      read.emplace_back(*pair.a, *pair.b);
+      bodies.emplace_back(*pair.a), bodies.emplace_back(*pair.b);
+    }
+  }
+  // Whether a front of this number of frame is of this body. index: in `bodies`.
+  bool is_same_body(const Front::Side& stamp, const Collider& collider, std::size_t index) const {
+    // mutant front-of-assigned: `BodyIdentity(collider) == bodies[index]` -> `index < bodies.size()`
+    if (!front_from_outside) return BodyIdentity(collider) == bodies[index];
+    const SphereState& now = collider.sphere_state();
+    // The spheres of a lazy body change within a frame.
+    if (options.refresh_children || stamp.spheres.empty()) return true;
+    return stamp.origin == now.origin &&
+           std::memcmp(stamp.spheres.data(), now.spheres.data(), now.spheres.size_bytes()) == 0;
   }
   // ok, or the first body that a callback of the present call has moved.
   Status unmoved() const {
@@ -80,7 +96,7 @@ struct ContactQuery::State {
     const Front& front = walk.front;
     if (front.pairs.empty()) return {Code::no_front};
     if (front.pairs.size() != walk.pairs.size()) return {Code::other_bodies};
-    const auto side = [&](const Front::Side& stamp, const Collider& collider) {
+    const auto side = [&](const Front::Side& stamp, const Collider& collider, std::size_t index) {
       const std::size_t nodes = collider.sphere_state().spheres.size();
       // A front for resume() alone has no spheres.
       const bool resumes = same_frame && stamp.spheres.empty() && stamp.path_length.empty();
@@ -89,12 +105,13 @@ struct ContactQuery::State {
         return Code::other_bodies;
       if (!same_frame) return Code::ok;
       if (stamp.frame != collider.sphere_state().frame) return Code::other_frame;
+      if (!is_same_body(stamp, collider, index)) return Code::other_bodies;
       return stamp.transform == collider.transform() ? Code::ok : Code::other_transform;
     };
     for (std::uint32_t i = 0; i < walk.pairs.size(); ++i) {
-      if (const Code code = side(front.pairs[i].a, *walk.pairs[i].a); code != Code::ok)
+      if (const Code code = side(front.pairs[i].a, *walk.pairs[i].a, 2 * i); code != Code::ok)
         return {.code = code, .pair = i};
-      if (const Code code = side(front.pairs[i].b, *walk.pairs[i].b); code != Code::ok)
+      if (const Code code = side(front.pairs[i].b, *walk.pairs[i].b, 2 * i + 1); code != Code::ok)
         return {.code = code, .pair = i};
     }
     return {};

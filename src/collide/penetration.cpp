@@ -8,6 +8,7 @@
 #include <morula/geometry/box.hpp>
 #include <numbers>
 
+#include "collide/body_identity.hpp"
 #include "collide/pairs/meter.hpp"
 #include "collide/require.hpp"
 #include "geometry/object_call.hpp"
@@ -103,12 +104,19 @@ double ball_in_cube(double radius) {
 }
 
 struct Frame {
-  std::uint64_t frame;
-  RigidTransform transform;
-  bool operator==(const Frame&) const = default;
+  std::uint64_t frame = 0;
+  RigidTransform transform{};
+  BodyIdentity body{};
 };
 Frame frame_of(const Collider& collider) {
-  return {collider.sphere_state().frame, collider.transform()};
+  return {collider.sphere_state().frame, collider.transform(), BodyIdentity(collider)};
+}
+/// ok, or the difference.
+Status::Code compared(const Frame& then, const Frame& now) {
+  // mutant penetration-of-assigned: `!(then.body == now.body)` -> `false`
+  if (!(then.body == now.body)) return Status::Code::other_bodies;
+  if (then.frame != now.frame) return Status::Code::other_frame;
+  return then.transform == now.transform ? Status::Code::ok : Status::Code::other_transform;
 }
 
 Box box_of(const Collider& body) {
@@ -284,12 +292,17 @@ struct PenetrationQuery::State {
     result.certified = body[0]->sphere_state().covers && body[1]->sphere_state().covers;
   }
 
-  Penetration go_on(const PenetrationOptions& options) {
+  /// divides_one: divide at least one cell, unless the budget is zero, so that repeated resume() calls always finish.
+  Penetration go_on(const PenetrationOptions& options, bool divides_one) {
     Penetration result;
     result.status = usable(options);
     if (!result.status) return result;
+    const Budget& budget = options.budget;
+    const bool is_zero = (budget.is_tests() && budget.tests() == 0) || (budget.is_time() && budget.time().count() == 0);
     const std::chrono::nanoseconds begin = options.budget.is_time() ? now(options.clock) : std::chrono::nanoseconds{};
     const auto is_spent = [&] {
+      // mutant penetration-stands-still: `result.probes == 0` -> `false`
+      if (divides_one && !is_zero && result.probes == 0) return false;
       if (options.budget.is_tests())  // each of a cell's eight parts takes at most two
         return static_cast<std::int64_t>(result.probes) + 16 > options.budget.tests();
       return options.budget.is_time() && now(options.clock) - begin >= options.budget.time();
@@ -329,7 +342,7 @@ Penetration PenetrationQuery::run(const PenetrationOptions& options) {
   if (Status status = state_->usable(options); !status) return {.status = status};
   state_->begin_reading();
   state_->start();
-  return state_->done(own, state_->go_on(options));
+  return state_->done(own, state_->go_on(options, false));
 }
 
 Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
@@ -338,14 +351,11 @@ Penetration PenetrationQuery::resume(const PenetrationOptions& options) {
   ObjectCall own(s, CallKind::goes_on);
   if (!own.status()) return {.status = own.status()};
   if (!s.is_started) return {.status = {.code = Status::Code::no_front}};
-  for (std::uint8_t i = 0; i < 2; ++i) {
-    if (s.body[i]->sphere_state().frame != s.frames[i].frame)
-      return {.status = {.code = Status::Code::other_frame, .body = i}};
-    if (!(s.body[i]->transform() == s.frames[i].transform))
-      return {.status = {.code = Status::Code::other_transform, .body = i}};
-  }
+  for (std::uint8_t i = 0; i < 2; ++i)
+    if (const Status::Code code = compared(s.frames[i], frame_of(*s.body[i])); code != Status::Code::ok)
+      return {.status = {.code = code, .body = i}};
   s.begin_reading();
-  return s.done(own, s.go_on(options));
+  return s.done(own, s.go_on(options, true));
 }
 
 }  // namespace morula

@@ -198,6 +198,8 @@ CoveredTree build(const MeshView& mesh, const BuildOptions& options, WorkersOrAl
   require_usable_scale(mesh);
   const BuildRun run(options, mesh);
   run.throw_if_stopped();
+  // mutant stop-between-nodes: `const StopChecks stop_checks(run)` -> ``
+  const StopChecks stop_checks(run);
   CoveredTree model = chosen.build(mesh, run, workers);
   remove_useless_divisions(options, model);
   model.cover = with_fewer_cuts(mesh, model, workers);

@@ -246,9 +246,13 @@ WholeFolder::WholeFolder(const fs::path& target, Mode mode) : named_(target) {
   exists_ = kind != NodeKind::missing;
   if (exists_ && kind != NodeKind::folder) throw SystemFileError(target, "is a file; name a folder", ENOTDIR);
   const fs::path parent = folder_of(target_);
-  std::error_code error;
-  if (!exists_ && !fs::is_directory(parent, error))
+  // A folder that cannot be reached may be there: making the hidden folder in it fails, with the reason.
+  int why_missing = 0;
+  const NodeKind kind_of_parent = platform::kind_of(parent, why_missing);
+  if (!exists_ && kind_of_parent == NodeKind::missing && why_missing == ENOENT)
     throw SystemFileError(target, "there is no folder " + platform::text_of(parent) + "; make it first", ENOENT);
+  if (!exists_ && kind_of_parent != NodeKind::missing && kind_of_parent != NodeKind::folder)
+    throw SystemFileError(target, platform::text_of(parent) + " is a file, not a folder", ENOTDIR);
 
   merges_ = exists_ && (mode == Mode::merge || stays_where_it_is(target_));
   const std::unique_lock lock = lock_unfinished();

@@ -151,11 +151,40 @@ TEST(Penetration, of_deformed_bodies_holds_what_random_points_find_at_every_inte
   EXPECT_EQ(whole.lower, p.lower);
   EXPECT_EQ(whole.upper, p.upper);
 
+  // Of the least budgets, too: every resume() divides a cell.
+  std::int64_t looks = 0;
+  const Clock clock = [&looks] { return std::chrono::seconds(++looks); };
+  for (const Budget& least : {Budget(1), Budget(std::chrono::nanoseconds(1))}) {
+    p = query.run({.tolerance = 0.25, .budget = least, .clock = clock});
+    for (calls = 0; !p.finished; ++calls) {
+      ASSERT_LT(calls, 20000u) << "it never ends";
+      p = query.resume({.tolerance = 0.25, .budget = least, .clock = clock});
+      ASSERT_TRUE(p.status);
+      EXPECT_LE(p.probes, 16u);
+    }
+    EXPECT_EQ(p.lower, whole.lower);
+    EXPECT_EQ(p.upper, whole.upper);
+  }
+  p = query.run({.tolerance = 0.25, .budget = 0});
+  EXPECT_EQ(query.resume({.tolerance = 0.25, .budget = 0}).probes, 0u);
+  EXPECT_EQ(query.resume({.tolerance = 0.25, .budget = std::chrono::nanoseconds(0)}).probes, 0u);
+
   EXPECT_EQ(query.run({.tolerance = -1}).status.code, Status::Code::bad_option);
   EXPECT_EQ(query.run({.budget = -1}).status.code, Status::Code::bad_option);
   EXPECT_EQ(PenetrationQuery(a.collider, b.collider).resume().status.code, Status::Code::no_front);
   b.collider.set_transform({});
   EXPECT_EQ(query.resume().status.code, Status::Code::other_transform);
+  // Another body of the same tree, in a frame of the same number.
+  Body twin_body(b.mesh, b.model);
+  while (twin_body.sphere_state().frame < b.body.sphere_state().frame)
+    ASSERT_TRUE(twin_body.update(test::rippled(b.mesh.positions, 0.2, 7)));
+  ASSERT_EQ(twin_body.sphere_state().frame, b.body.sphere_state().frame);
+  ASSERT_TRUE(query.run({.budget = 200}).status);
+  const Collider before = b.collider;
+  b.collider = Collider(b.mesh, twin_body);
+  EXPECT_EQ(query.resume().status, (Status{Status::Code::other_bodies, 1}));
+  b.collider = before;
+  EXPECT_TRUE(query.resume().status);
   PlacedBody open(test::grid_plate(3));
   EXPECT_THROW(PenetrationQuery(a.collider, open.collider), std::invalid_argument);
 }

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <morula/parallel/interrupt.hpp>
 #include <numeric>
 #include <optional>
 #include <thread>
+#include <vector>
 
 namespace morula {
 namespace {
@@ -52,6 +55,65 @@ TEST(BuildStop, is_noticed_between_nodes_when_requested_by_another_thread) {
   EXPECT_THROW(build(mesh, {.method = Method::medial, .depth = 5, .stop = source.get_token()}), BuildStopped);
   other.join();
   EXPECT_LT(seconds_since(requested), 2.0);  // a node takes some 20 ms; sanitizers and busy machines are slow
+}
+
+// Every loop over nodes or facets checks for a stop, not only the one that divides nodes: exchanges between neighbors
+// at depth 6 take minutes. The host's executor sees all loops.
+TEST(BuildStop, ends_the_loop_in_which_it_is_requested) {
+  const Mesh mesh = sample_body("limb", 8);
+  std::size_t loops = 0, stop_in = 0;
+  StopSource source;
+  const auto executor = [&](std::size_t count, const std::function<void(std::size_t)>& chunk) {
+    if (++loops == stop_in) source.request_stop();
+    for (std::size_t i = 0; i < count; ++i) chunk(i);
+  };
+  Workers workers(executor, 2);
+  BuildOptions options{.method = Method::medial, .branching = 4, .depth = 3};
+  const auto build_one = [&] {
+    loops = 0;
+    source = StopSource();
+    options.stop = source.get_token();
+    return build(mesh, options, workers);
+  };
+  EXPECT_EQ(tree_hash(build_one().tree),
+            tree_hash(build(mesh, {.method = Method::medial, .branching = 4, .depth = 3}).tree));
+  const std::size_t all = loops;
+  ASSERT_GT(all, 12u);
+  std::vector<std::size_t> tried{1, all / 4, all / 2};
+  for (std::size_t last = all - 8; last <= all; ++last) tried.push_back(last);
+  for (const std::size_t loop : tried) {
+    stop_in = loop;
+    EXPECT_THROW(build_one(), BuildStopped) << "loop " << loop << " of " << all;
+    EXPECT_EQ(loops, loop) << "loops began after the request";
+  }
+}
+
+// The callback may write a file or ask a query after its request.
+TEST(BuildStop, does_not_end_calls_of_the_callback_and_an_interrupt_of_the_caller_does_both) {
+  const Mesh mesh = sample_body("limb", 8);
+  struct Cancelled {};
+  for (const bool cancels : {false, true}) {
+    StopSource source;
+    bool cancelled = false;
+    int inner = 0;
+    const Interrupt interrupt([&] {
+      if (cancelled) throw Cancelled();
+    });
+    const BuildOptions options{
+        .method = Method::medial, .depth = 3, .stop = source.get_token(), .progress = [&](const BuildProgress& p) {
+          if (!(p.share > 0)) return;
+          if (cancels) cancelled = true;
+          source.request_stop();
+          build(mesh, {.method = Method::octree, .depth = 2}, serial_workers());
+          ++inner;
+        }};
+    if (cancels) {
+      EXPECT_THROW(build(mesh, options, serial_workers()), Cancelled);
+    } else {
+      EXPECT_THROW(build(mesh, options, serial_workers()), BuildStopped);
+    }
+    EXPECT_EQ(inner, cancels ? 0 : 1);
+  }
 }
 
 TEST(BuildStop, requested_before_the_build_begins_means_no_work) {

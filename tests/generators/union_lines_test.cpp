@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <generators/fit/union_lines.hpp>
+#include <memory>
+#include <morula/parallel/interrupt.hpp>
 #include <morula/query/signed_distance.hpp>
+#include <stdexcept>
 
 #include "on_capsule.hpp"
 
@@ -61,6 +64,49 @@ TEST(UnionLines, changes_are_differences_of_unions) {
   // What only one has is at least how far their volumes are apart.
   EXPECT_GE(difference, std::abs(change));
   EXPECT_NEAR(lines.difference(others), 0, 1e-12);
+}
+
+// Deep trees have millions of lines. Every part checks for interruption, and at least once for each hundred lines.
+TEST(UnionLines, check_for_interruption_in_every_part) {
+  const OnCapsule on;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 40; ++i) spheres.push_back({{0.05 * i - 1, 0.3, 0.1 * (i % 5)}, 0.4});
+  struct Stop : std::runtime_error {
+    Stop() : std::runtime_error("stop") {}
+  };
+  std::size_t looks = 0;
+  bool stops = false;
+  const Interrupt interrupt([&] {
+    ++looks;
+    if (stops) throw Stop();
+  });
+  const auto looks_of = [&](const auto& part) {
+    const std::size_t before = looks;
+    part();
+    return looks - before;
+  };
+  std::unique_ptr<UnionLines> lines;
+  const auto construct = [&] { lines = std::make_unique<UnionLines>(on.lines, spheres, on.lines.cell()); };
+  const std::size_t in_construction = looks_of(construct);
+  std::size_t line_count = 0;  // at least so many have chords
+  for (std::size_t s = 0; s < spheres.size(); ++s) {
+    line_count = std::max(line_count, lines->line_count(s));
+    lines->count(s, s % 2 == 0);
+  }
+  ASSERT_GT(line_count, 1000u);
+  EXPECT_GE(in_construction, line_count / 100);
+  std::vector<std::uint32_t> added, removed;
+  for (std::uint32_t s = 0; s < spheres.size(); ++s) (s % 2 == 0 ? removed : added).push_back(s);
+  const std::vector<std::uint8_t> others(spheres.size(), 1);
+  const auto outside = [&] { static_cast<void>(lines->outside()); };
+  const auto change = [&] { static_cast<void>(lines->change(added, removed)); };
+  const auto difference = [&] { static_cast<void>(lines->difference(others)); };
+  EXPECT_GE(looks_of(outside), line_count / 100);
+  EXPECT_GE(looks_of(change), line_count / 100);
+  EXPECT_GE(looks_of(difference), line_count / 100);
+  stops = true;
+  EXPECT_THROW(construct(), Stop);
+  EXPECT_THROW(outside(), Stop);
 }
 
 }  // namespace

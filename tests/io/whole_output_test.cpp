@@ -112,6 +112,33 @@ TEST(WholeFolder, changes_in_one_step_and_carries_everything_else_over) {
   EXPECT_EQ(folder.names(), Names{"motion"});
 }
 
+TEST(WholeFolder, a_folder_that_cannot_be_made_is_refused_with_the_reason) {
+  const ScratchFolder folder;
+  const auto expect_reason = [](const fs::path& target, const std::string& reason, std::errc error) {
+    try {
+      const WholeFolder made(target);
+      ADD_FAILURE() << target << " was made";
+    } catch (const SystemFileError& failure) {
+      EXPECT_NE(std::string(failure.what()).find(reason), std::string::npos) << failure.what();
+      EXPECT_EQ(failure.error(), static_cast<int>(error)) << failure.what();
+    }
+  };
+  put(folder.path() / "file", "mine");
+  expect_reason(folder.path() / "missing/out", "there is no folder", std::errc::no_such_file_or_directory);
+  expect_reason(folder.path() / "file/out", "is a file, not a folder", std::errc::not_a_directory);
+#ifndef _WIN32
+  expect_reason(folder.path() / "file/a/out", "Not a directory", std::errc::not_a_directory);
+  expect_reason(folder.path() / std::string(300, 'a') / "out", "File name too long", std::errc::filename_too_long);
+  fs::create_directories(folder.path() / "closed/in");
+  fs::permissions(folder.path() / "closed", fs::perms::none);
+  std::error_code hidden;
+  if (!fs::exists(folder.path() / "closed/in", hidden) && hidden)  // the administrator sees it all the same
+    expect_reason(folder.path() / "closed/in/out", "Permission denied", std::errc::permission_denied);
+  fs::permissions(folder.path() / "closed", fs::perms::owner_all);
+#endif
+  EXPECT_EQ(bytes_of(folder.path() / "file"), "mine");
+}
+
 TEST(WholeFolder, a_link_to_a_folder_is_written_through) {
   if (!can_make_links()) GTEST_SKIP() << no_links;
   const ScratchFolder folder;

@@ -7,6 +7,7 @@ import { beginning, kinds, within } from '../../playground/src/choices.js';
 import { Deformer } from '../../playground/src/deform.js';
 import { isClosed, looseness, uncoveredShare, volumeOf } from '../../playground/src/figures.js';
 import { checkFile, checkMeshBytes, mostBytes } from '../../playground/src/limits.js';
+import { Morphs } from '../../playground/src/morphs.js';
 import { objText } from '../../playground/src/obj.js';
 import { SoftBody } from '../../playground/src/soft.js';
 import { readAddress, writeAddress } from '../../viewer/src/address.js';
@@ -163,6 +164,23 @@ await claim('files_too_large_or_of_no_kind_are_refused_unread', () => {
   const stl = new Uint8Array(84);
   new DataView(stl.buffer).setUint32(80, 10_000_000, true);
   checkMeshBytes('a.stl', stl); // text, or damaged: the reader says so
+});
+
+await claim('morph_targets_add_their_offsets_times_what_their_influences_differ_from_rest', () => {
+  const morphs = new Morphs();
+  const rest = Float64Array.from([1, 2, 3, 4, 5, 6]);
+  equal(morphs.applied(rest), rest, 'without targets');
+  const influences = [0, 0.5];
+  influences.forEach((_, k) => morphs.add(() => influences[k]));
+  check(!morphs.moves, 'targets without offsets move nothing');
+  morphs.offset(0, 1, 1, 0, -2);
+  morphs.offset(1, 0, 0, 8, 0);
+  morphs.offset(1, 1, 0, 0, 4);
+  equal(morphs.applied(rest).join(), rest.join(), 'at rest');
+  influences[0] = 2;
+  influences[1] = 0;
+  equal(morphs.applied(rest).join(), '1,-2,3,6,5,0', 'moved'); // 2 (1, 0, -2), and -0.5 (0, 8, 0) and -0.5 (0, 0, 4)
+  equal(rest.join(), '1,2,3,4,5,6', 'the rest shape stays');
 });
 
 await claim('an_address_keeps_what_was_set_and_passes_nonsense_over', () => {

@@ -30,6 +30,28 @@ await claim('obj_ply_and_stl_files_are_read', () =>
     equal(new Set(facets).size, 1, `facets ${facets}`);
   }));
 
+await claim('a_morph_target_moves_the_body_and_the_rule_that_sees_bones_alone_is_not_offered', async () => {
+  writeFileSync(at('swell.glb'), barGlb({ morph: true }));
+  await opened(small, {}, async (page) => {
+    await page.setInputFiles('#file', at('swell.glb'));
+    await page.waitForFunction(() => document.getElementById('title').textContent === 'swell.glb');
+    check(await page.locator('#rule [value=skinned]').evaluate((option) => option.disabled), 'skinned');
+    const radii = [];
+    for (let look = 0; look < 5; ++look) {
+      await page.waitForTimeout(300);
+      await page.locator('#swing').click(); // still
+      await idle(page);
+      equal(await words(page, '#figure-uncovered'), '0, proven', 'uncovered');
+      const radius = (await pose(page)).map(([, y, z]) => Math.hypot(y, z));
+      check(Math.max(...radius) - Math.min(...radius) < 1e-6, 'every ring has one radius');
+      radii.push(radius[0]);
+      await page.locator('#swing').click();
+    }
+    check(radii.every((radius) => radius > 0.4 - 1e-6 && radius < 0.8 + 1e-6), `radii ${radii}`);
+    check(Math.max(...radii) - Math.min(...radii) > 0.02, `radii ${radii}`);
+  });
+});
+
 await claim('a_character_plays_and_its_skinned_spheres_cover', async () => {
   writeFileSync(at('bar.glb'), barGlb());
   writeFileSync(at('pictured.glb'), barGlb({ image: true }));

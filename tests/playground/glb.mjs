@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A GLB file of a bar with two bones, of which the second swings: written by hand.
+// A GLB file of a bar with two bones, of which the second swings, or with a morph target: written by hand.
 
-/** options: {image: true} refers to a picture. Returns the bytes of the file. */
-export function barGlb({ image = false } = {}) {
+/** options: {image: true} refers to a picture; {morph: true}: a target at full influence doubles the radius, and its influence goes
+ * from 0 to 1 and back in 2 s, while the bones rest. Returns the bytes of the file. */
+export function barGlb({ image = false, morph = false } = {}) {
   const [rings, around] = [24, 16];
   const positions = [];
   const joints = [];
@@ -29,6 +30,10 @@ export function barGlb({ image = false } = {}) {
   const turns = [0, 0, 0, 1, 0, 0, half, half, 0, 0, 0, 1]; // a quarter about z and back
   const arrays = [Float32Array.from(positions), Uint8Array.from(joints), Float32Array.from(weights), Uint16Array.from(indices), Float32Array.from(times), Float32Array.from(turns)];
   const types = [['VEC3', 5126], ['VEC4', 5121], ['VEC4', 5126], ['SCALAR', 5123], ['SCALAR', 5126], ['VEC4', 5126]];
+  if (morph) {
+    arrays.push(Float32Array.from(positions.map((x, i) => (i % 3 === 0 ? 0 : x))), Float32Array.from([0, 1, 0]));
+    types.push(['VEC3', 5126], ['SCALAR', 5126]);
+  }
   const widths = { SCALAR: 1, VEC3: 3, VEC4: 4 };
   let length = 0;
   const bufferViews = [];
@@ -42,9 +47,11 @@ export function barGlb({ image = false } = {}) {
   const json = {
     asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0, 1] }],
     nodes: [{ mesh: 0, skin: 0 }, { children: [2] }, {}],
-    meshes: [{ primitives: [{ attributes: { POSITION: 0, JOINTS_0: 1, WEIGHTS_0: 2 }, indices: 3, ...(image ? { material: 0 } : {}) }] }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0, JOINTS_0: 1, WEIGHTS_0: 2 }, indices: 3, ...(morph ? { targets: [{ POSITION: 6 }] } : {}), ...(image ? { material: 0 } : {}) }] }],
     skins: [{ joints: [1, 2] }],
-    animations: [{ name: 'Swing', channels: [{ sampler: 0, target: { node: 2, path: 'rotation' } }], samplers: [{ input: 4, output: 5 }] }],
+    animations: [morph
+      ? { name: 'Swell', channels: [{ sampler: 0, target: { node: 0, path: 'weights' } }], samplers: [{ input: 4, output: 7 }] }
+      : { name: 'Swing', channels: [{ sampler: 0, target: { node: 2, path: 'rotation' } }], samplers: [{ input: 4, output: 5 }] }],
     accessors, bufferViews, buffers: [{ byteLength: length }],
     ...(image ? { images: [{ uri: 'https://example.invalid/skin.png' }], textures: [{ source: 0 }], materials: [{ pbrMetallicRoughness: { baseColorTexture: { index: 0 } } }] } : {}),
   };

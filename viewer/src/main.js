@@ -253,8 +253,11 @@ function start() {
     const before = { frame: state.get('frame'), joints: state.get('joints') };
     const count = scene.joints ? swingFrames() : scene.frameCount;
     const show = scene.joints ? (frame) => state.set({ joints: scene.joints.swing(before.joints, frame / (count - 1)) }) : (frame) => state.set({ frame });
-    await saveFilm(stage, name, count, framesPerSecond, show, (frame) => tell(`${frame + 1} / ${count}`));
-    state.set(before);
+    try {
+      await saveFilm(stage, name, count, framesPerSecond, show, (frame) => tell(`${frame + 1} / ${count}`));
+    } finally {
+      state.set(before);
+    }
   });
   save('save-gltf', () =>
     saveModel(scene, state.get('frame'), scene.levelSets[state.get('level')], coloring(scene, state), name));

@@ -33,6 +33,10 @@ export async function savePicture(stage, name) {
 
 export const canFilm = () => typeof MediaRecorder === 'function' && MediaRecorder.isTypeSupported('video/webm');
 
+const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+/** Bytes: more than a film without a frame has. */
+const leastFilm = 200;
+
 /** All frames, as fast as they are played. show(frame): poses the body. ontold(frame): how far it is. */
 export async function saveFilm(stage, name, frameCount, framesPerSecond, show, ontold) {
   const canvas = element('canvas');
@@ -41,19 +45,32 @@ export async function saveFilm(stage, name, frameCount, framesPerSecond, show, o
   const [track] = stream.getVideoTracks();
   const recorder = new MediaRecorder(stream, { mimeType: 'video/webm', videoBitsPerSecond: 12_000_000 });
   const chunks = [];
-  recorder.addEventListener('dataavailable', (event) => chunks.push(event.data));
-  const ended = new Promise((done) => recorder.addEventListener('stop', done));
+  let size = 0;
+  recorder.addEventListener('dataavailable', ({ data }) => {
+    chunks.push(data);
+    size += data.size;
+  });
+  const [begun, ended] = ['start', 'stop'].map((name) => new Promise((done) => recorder.addEventListener(name, done)));
   recorder.start();
+  await begun;
   for (let frame = 0; frame < frameCount; ++frame) {
     ontold(frame);
     show(frame);
     paint(stage, canvas);
     track.requestFrame();
-    await new Promise((done) => setTimeout(done, 1000 / framesPerSecond));
+    await pause(1000 / framesPerSecond);
+  }
+  // On a busy machine the encoder is behind, and a stop would leave out what it has not read: stop once nothing more comes.
+  for (let looks = 0, quiet = 0, before = -1; looks < 100 && (quiet < 2 || size < leastFilm); ++looks) {
+    quiet = size === before ? quiet + 1 : 0;
+    before = size;
+    recorder.requestData();
+    await pause(150);
   }
   recorder.stop();
   await ended;
   track.stop();
+  if (size < leastFilm) throw new Error('the browser encoded no picture');
   offer(new Blob(chunks, { type: 'video/webm' }), `${name}.webm`);
 }
 

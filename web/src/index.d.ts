@@ -19,11 +19,13 @@ export class MorulaError extends Error {
 }
 
 export interface LoadOptions {
-  /** `runtime` has no generators and reads no mesh files: Mesh.fromBytes, Mesh.sample and build then throw. */
+  /** `runtime` is smaller: Mesh.fromBytes, Mesh.sample, build, buildAsync, Tree.toBytes and rules other than `exact` and `skinned`
+   * then throw. */
   variant?: 'full' | 'runtime';
   /** Whether to load the module with vector instructions; by default, if the engine has them. Results are the same. */
   simd?: boolean;
-  /** Where the module is: an address, a response, bytes or a compiled module; by default the package's file. */
+  /** Where the module is: an address (relative to the page, or in node to the working directory), a response, bytes or a
+   * compiled module; by default the package's file. */
   source?: URL | string | Response | BufferSource | WebAssembly.Module;
 }
 
@@ -285,6 +287,12 @@ export interface PairQuery extends Handle {
   pairs(): FeaturePair[] | NearPair[];
 }
 
+/** Milliseconds after which a query over many things returns the results of those that are done. It can exceed them by the
+ * time of 512 of them. */
+export interface TimeBudget {
+  budgetMs?: number;
+}
+
 export interface RayHit {
   /** Distance from the origin in lengths of the direction. */
   t: number;
@@ -331,8 +339,9 @@ export interface Morula {
   proximity(a: Body, b: Body | null, options: NearOptions): NearPair[];
   /** The first facet that a ray hits, in world coordinates; null: none. tEnd: the ray ends at origin + tEnd direction. */
   firstHit(body: Body, origin: Numbers, direction: Numbers, tEnd?: number): RayHit | null;
-  /** The same for many rays: origin and direction, 6 numbers each. */
-  firstHits(body: Body, rays: Numbers, tEnd?: number): (RayHit | null)[];
-  /** Whether points, 3 numbers each, are inside the closed surface of a body, exactly. */
-  locate(body: Body, points: Numbers): Location[];
+  /** The same for many rays: origin and direction, 6 numbers each. With a budget: the hits of the first rays, of some at least. */
+  firstHits(body: Body, rays: Numbers, tEnd?: number, budget?: TimeBudget): (RayHit | null)[];
+  /** Whether points, 3 numbers each, are inside the closed surface of a body, exactly. With a budget: of the first points, of some
+   * at least. */
+  locate(body: Body, points: Numbers, budget?: TimeBudget): Location[];
 }

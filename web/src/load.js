@@ -19,12 +19,28 @@ const exceptionModule = new Uint8Array([
 /** Whether this engine runs modules with vector instructions. */
 export const hasVectors = () => WebAssembly.validate(vectorModule);
 
+const inNode = () => globalThis.process?.versions?.node !== undefined;
+
+/** The URL of a text: an absolute one, or one relative to the page, or in node a path from the working directory. */
+async function addressOf(text) {
+  for (const base of [undefined, globalThis.location?.href]) {
+    try {
+      return new URL(text, base);
+    } catch {
+      // Relative, or the page is one of data: or blob:.
+    }
+  }
+  if (!inNode()) throw new MorulaError(`source is ${JSON.stringify(text)}, no address: this page has none to start from`);
+  const {pathToFileURL} = await import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:url');
+  return pathToFileURL(text);
+}
+
 /** Compiles a module from where it lies: bytes, an address, a Response, or a compiled module. */
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
-  const address = typeof source === 'string' ? new URL(source, globalThis.location?.href) : source;
-  if (address instanceof URL && address.protocol === 'file:' && globalThis.process?.versions?.node) {
+  const address = typeof source === 'string' ? await addressOf(source) : source;
+  if (address instanceof URL && address.protocol === 'file:' && inNode()) {
     const {readFile} = await import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:fs/promises');
     return WebAssembly.compile(await readFile(address));
   }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
 // The queries of one module. index.d.ts has their contracts; module.cpp checks the places of fields used here.
-import {budgetOf} from './budget.js';
+import {budgetOf, inSlices} from './budget.js';
 import {Handle} from './handle.js';
 import {signed} from './numbers.js';
 
@@ -107,7 +107,7 @@ export function queriesOf(memory, Body, {requireKind, requireLength, requireMult
     };
   }
 
-  function firstHits(body, rays, tEnd = Infinity) {
+  function firstHits(body, rays, tEnd = Infinity, {budgetMs} = {}) {
     const of = requireKind(body, Body, 'body');
     const count = requireMultiple(rays, 6, 'rays');
     const numbers = new Float64Array(7 * count);
@@ -116,8 +116,9 @@ export function queriesOf(memory, Body, {requireKind, requireLength, requireMult
       numbers[7 * i + 6] = tEnd;
     }
     return memory.withNumbers(Float64Array, numbers, (begin) => memory.withBlock(hitSize * count, (hits) => {
-      memory.call('morula_first_hits', of, begin, count, hits);
-      return Array.from({length: count}, (_, i) => hitAt(hits + hitSize * i));
+      const done = inSlices(count, budgetMs, (first, some) =>
+        memory.call('morula_first_hits', of, begin + 56 * first, some, hits + hitSize * first));
+      return Array.from({length: done}, (_, i) => hitAt(hits + hitSize * i));
     }));
   }
   function firstHit(body, origin, direction, tEnd) {
@@ -126,12 +127,13 @@ export function queriesOf(memory, Body, {requireKind, requireLength, requireMult
     return firstHits(body, [origin, direction].flatMap((numbers) => Array.from(numbers)), tEnd)[0];
   }
 
-  function locate(body, points) {
+  function locate(body, points, {budgetMs} = {}) {
     const of = requireKind(body, Body, 'body');
     const count = requireMultiple(points, 3, 'points');
     return memory.withNumbers(Float64Array, points, (begin) => memory.withBlock(locationSize * count, (places) => {
-      memory.call('morula_locate', of, begin, count, places);
-      return Array.from({length: count}, (_, i) => {
+      const done = inSlices(count, budgetMs, (first, some) =>
+        memory.call('morula_locate', of, begin + 24 * first, some, places + locationSize * first));
+      return Array.from({length: done}, (_, i) => {
         const at = places + locationSize * i;
         return {
           inside: memory.data.getInt32(at, true) === 1,

@@ -56,10 +56,12 @@ export class MorulaBounds {
   spheres(level?: number): Float64Array;
   /** Appends the hits of a ray as Mesh.raycast does: hits and all their numbers are equal to its. With
    * raycaster.firstHitOnly, as three-mesh-bvh has it, the nearest alone. May be assigned: object.raycast = bounds.raycast.
-   * Throws if a draw range or a group begins inside of a facet, and after free(). */
+   * Throws if a draw range or a group begins inside of a facet, if the geometry was replaced or its index, its skin or its number of
+   * vertices has changed since the last update(), and after free(). */
   raycast: (raycaster: Raycaster, intersects: Intersection[]) => void;
   /** Sets raycast, boundingSphere and boundingBox of the object, so Raycaster, frustum culling and Box3.setFromObject() use these
-   * bounds. Detaches other bounds of the object. */
+   * bounds. Detaches other bounds of the object. Under a world matrix that flattens the object, such as a scale of 0, they cover
+   * what is left of it. */
   attach(): this;
   /** Sets them back. */
   detach(): this;

@@ -17,10 +17,18 @@ async function answer(job, post) {
   }
 }
 
+/** The page hears an error of a worker that has not answered, and tries another kind. */
+function unreadable() {
+  throw new Error('the job cannot be read in the worker');
+}
+
 if (typeof globalThis.postMessage === 'function') {
+  globalThis.onmessageerror = unreadable;
   globalThis.onmessage = ({data}) => answer(data, (message, moved) => globalThis.postMessage(message, moved));
 } else {
   // A worker of node.
-  import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:worker_threads').then(({parentPort}) =>
-    parentPort.once('message', (job) => answer(job, (message, moved) => parentPort.postMessage(message, moved))));
+  import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:worker_threads').then(({parentPort}) => {
+    parentPort.once('messageerror', unreadable);
+    parentPort.once('message', (job) => answer(job, (message, moved) => parentPort.postMessage(message, moved)));
+  });
 }

@@ -10,11 +10,13 @@ const threads = () => import(/* webpackIgnore: true */ /* @vite-ignore */ 'node:
 function asOfPage(worker) {
   const own = {
     onmessage() {},
+    onmessageerror() {},
     onerror() {},
     postMessage: (message, moved) => worker.postMessage(message, moved),
     terminate: () => void worker.terminate(),
   };
   worker.on('message', (data) => own.onmessage({data}));
+  worker.on('messageerror', () => own.onmessageerror());
   worker.on('error', (error) => own.onerror(error));
   worker.on('exit', (code) => own.onerror(new Error(`the worker ended with exit code ${code}`)));
   return own;
@@ -56,7 +58,7 @@ export function run(worker, job, moved, signal, heard) {
   return new Promise((resolve, reject) => {
     const end = (settle, value) => {
       signal?.removeEventListener('abort', abort);
-      worker.onmessage = worker.onerror = () => {};
+      worker.onmessage = worker.onmessageerror = worker.onerror = () => {};
       worker.terminate();
       settle(value);
     };
@@ -74,6 +76,8 @@ export function run(worker, job, moved, signal, heard) {
       const text = event.message || 'the worker failed';
       end(reject, Object.assign(new MorulaError(text, 'internal'), {unstarted: !hasAnswered}));
     };
+    // Without this a build whose result is too large to be copied would never end.
+    worker.onmessageerror = () => end(reject, new MorulaError('a message of the worker cannot be read', 'internal'));
     signal?.addEventListener('abort', abort);
     try {
       worker.postMessage(job, moved);

@@ -120,6 +120,30 @@ test('points are inside by the solid angle of all facets', () => {
   assert.ok(inside > 5 && inside < 115);
 });
 
+test('rays and points in parts, as budgets end them, give the results of one call', () => {
+  const scene = sample('limb', 12);
+  const rays = Array.from({length: 1500}, (_, i) => [Math.sin(3 * i), Math.cos(5 * i), 3, 0.2 * Math.cos(7 * i), 0.2 * Math.sin(i), -1]);
+  const points = rays.map(([x, y, z]) => [x, y, z / 9]);
+  const inParts = (items, query) => {
+    const all = [];
+    let calls = 0;
+    for (; all.length < items.length; ++calls) {
+      const some = query(items.slice(all.length).flat(), {budgetMs: calls % 3 === 0 ? 0 : 0.05});
+      assert.ok(some.length > 0);
+      if (calls % 3 === 0) assert.ok(some.length <= 8); // the first slice alone
+      all.push(...some);
+    }
+    assert.ok(calls > 1);
+    return all;
+  };
+  for (const tEnd of [undefined, 2.9])
+    assert.deepEqual(inParts(rays, (some, budget) => morula.firstHits(scene.body, some, tEnd, budget)), morula.firstHits(scene.body, rays.flat(), tEnd));
+  assert.deepEqual(inParts(points, (some, budget) => morula.locate(scene.body, some, budget)), morula.locate(scene.body, points.flat()));
+  assert.equal(morula.firstHits(scene.body, rays.flat(), Infinity, {budgetMs: 1e9}).length, 1500);
+  assert.deepEqual(morula.firstHits(scene.body, [], Infinity, {budgetMs: 0}), []);
+  for (const budgetMs of [-1, NaN, 1e10]) assert.throws(() => morula.locate(scene.body, [0, 0, 0], {budgetMs}), thrown('bad_argument', /budgetMs/));
+});
+
 test('crossings, overlap, contacts and distance of two bodies agree with all pairs of facets', () => {
   const a = sample('blob', 8);
   const b = sample('capsule', 8);
@@ -584,6 +608,36 @@ test('the memory is flat: builds and frees, failures, and what the garbage colle
     await settle();
   }
   assert.ok(own.memory().byteLength <= 2 * kept, `${kept} became ${own.memory().byteLength}`);
+});
+
+test('the small variant answers as the other, and says what it lacks', async () => {
+  const small = await load({variant: 'runtime'});
+  const scene = sample('limb', 16);
+  bend(scene, 0.4);
+  scene.body.update();
+  const mesh = new small.Mesh(scene.mesh.positions, scene.mesh.facets);
+  const tree = small.Tree.fromBytes(scene.tree.toBytes(), mesh);
+  const body = new small.Body(mesh, tree);
+  body.update(scene.body.positions);
+  assert.deepEqual(body.spheres(), scene.body.spheres());
+  assert.deepEqual(body.selfCrossings(), scene.body.selfCrossings());
+  const other = new small.Body(mesh, tree);
+  const like = new Body(scene.mesh, scene.tree);
+  for (const one of [other, like]) one.setTransform([1, 0, 0, 0, 1, 0, 0, 0, 1], [0.05, 0.1, 0]);
+  assert.equal(small.overlap(body, other), morula.overlap(scene.body, like));
+  assert.deepEqual(small.crossings(body, other), morula.crossings(scene.body, like));
+  assert.deepEqual(small.distance(body, other), morula.distance(scene.body, like));
+  assert.deepEqual(new small.ContactQuery().run(body, other), new ContactQuery().run(scene.body, like));
+  assert.deepEqual(small.proximity(body, other, {distance: 0.02}), morula.proximity(scene.body, like, {distance: 0.02}));
+  assert.deepEqual(small.firstHit(body, [0, 3, 0], [0, -1, 0]), morula.firstHit(scene.body, [0, 3, 0], [0, -1, 0]));
+  assert.deepEqual(small.locate(body, [0, 0, 0]), morula.locate(scene.body, [0, 0, 0]));
+  assert.equal(body.certify(), true);
+  const lacks = thrown('bad_argument', /variant "full"/);
+  for (const call of [() => small.build(mesh), () => tree.toBytes(), () => small.Mesh.sample('limb', 16),
+    () => small.Mesh.fromBytes('a.obj', new Uint8Array(1)), () => new small.Body(mesh, tree, {rules: 'wrapped'}),
+    () => new small.Body(mesh, tree, {rules: ['exact', 'traditional']})]) assert.throws(call, lacks);
+  body.update();
+  assert.deepEqual(body.spheres(), scene.body.spheres());
 });
 
 test('a variant is one of two', async () => {

@@ -119,6 +119,33 @@ test('a body of a part follows the animation, and covers', async () => {
   assert.throws(() => part.transforms(other.pose()), rejected(/another file/));
 });
 
+test('a vertex without weight is rejected only if a triangle has it', async () => {
+  const fileWith = (isUsed) => {
+    const document = new Document();
+    const buffer = document.createBuffer();
+    const accessor = (type, array) => document.createAccessor().setType(type).setArray(array).setBuffer(buffer);
+    const primitive = document.createPrimitive()
+      .setIndices(accessor('SCALAR', Uint16Array.of(1, 2, isUsed ? 0 : 3)))
+      .setAttribute('POSITION', accessor('VEC3', Float32Array.of(9, 9, 9, 0, 0, 0, 1, 0, 0, 0, 1, 0)))
+      .setAttribute('JOINTS_0', accessor('VEC4', Uint8Array.from({length: 16}, (_, i) => (i < 4 ? 1 : i % 2))))
+      .setAttribute('WEIGHTS_0', accessor('VEC4', Float32Array.from({length: 16}, (_, i) => (i < 4 ? 0 : 0.25))));
+    const joints = ['a', 'b'].map((name) => document.createNode(name));
+    const skin = document.createSkin().addJoint(joints[0]).addJoint(joints[1]);
+    const scene = document.createScene().addChild(joints[0]).addChild(joints[1])
+      .addChild(document.createNode('body').setMesh(document.createMesh().addPrimitive(primitive)).setSkin(skin));
+    document.getRoot().setDefaultScene(scene);
+    return new WebIO().writeBinary(document);
+  };
+  const file = await readGltf(await fileWith(false));
+  const [part] = file.parts;
+  assert.deepEqual([part.boneCount, part.facets.length, part.positions.length], [2, 3, 12]);
+  const body = new morula.Body(part.mesh(morula), morula.build(part.mesh(morula), {method: 'octree'}),
+    {rules: 'skinned', skin: part.skin(morula)});
+  body.updateSkinned(part.transforms(file.pose()));
+  assert.ok(body.certify(part.positionsAt(file.pose())));
+  await assert.rejects(readGltf(await fileWith(true)), rejected(/vertex 0 of .* has no weight/));
+});
+
 test('a tree that a tool stores in the file is read by a page', async () => {
   const file = await readGltf(bytes);
   for (const part of file.parts) {

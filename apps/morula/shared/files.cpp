@@ -48,8 +48,10 @@ fs::file_status found_at(const fs::path& path) {
 void require_parent(const fs::path& path, const fs::path& folder) {
   std::error_code error;
   const fs::file_status found = fs::status(folder, error);
-  if (!folder.empty() && fs::status_known(found) && !fs::is_directory(found))
-    throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
+  if (folder.empty() || !fs::status_known(found) || fs::is_directory(found)) return;
+  if (fs::exists(found))
+    throw UsageError(fmt::format("{}: {} is a file, not a folder", path.string(), folder.string()));
+  throw UsageError(fmt::format("{}: there is no folder {}; make it first", path.string(), folder.string()));
 }
 
 }  // namespace

@@ -6,12 +6,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <cstring>
 #include <morula/geometry/enclosing_sphere.hpp>
 #include <morula/robot/robot_tree.hpp>
 #include <string_view>
+#include <toolbox/shell_word.hpp>
 #include <utility>
+
+#include "platform/path_text.hpp"
 
 namespace morula::robot {
 namespace {
@@ -32,18 +33,10 @@ std::string_view reason_text(IgnoreReason reason) {
   return {};
 }
 
-/// A word of a POSIX command line.
-std::string shell_word(const std::string& text) {
-  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::strchr("_./+-", c) != nullptr; };
-  if (!text.empty() && text.front() != '-' && std::all_of(text.begin(), text.end(), is_plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string certifying_command(const Robot& robot, const RobotSpheres& spheres) {
   return fmt::format("morula robot {}{} -o edited --keep spheres.json --all-formats --page",
-                     shell_word(robot.file.filename().string()), spheres.visual ? " --geometry visual" : "");
+                     toolbox::shell_word(platform::text_of(robot.file.filename())),
+                     spheres.visual ? " --geometry visual" : "");
 }
 
 PageJoints page_joints(const Robot& robot, const RobotSpheres& spheres, const RobotMesh& all,

@@ -50,6 +50,23 @@ TEST(RobotCommand, formats_by_name_and_all_of_them) {
   EXPECT_FALSE(info.empty());
 }
 
+// The page shows the command that certifies edited spheres, as a shell reads it back.
+TEST(RobotCommand, page_quotes_the_name_of_the_robots_file_for_a_shell) {
+  Workbench bench;
+  if (!bench.has_page()) GTEST_SKIP() << "no page in this build";
+  with_gripper(bench);
+  std::filesystem::rename(bench / "gripper.urdf", bench / "my gripper.urdf");
+#ifdef _WIN32
+  const std::string typed = "\\\"my gripper.urdf\\\"";  // as text of JSON
+#else
+  const std::string typed = "'my gripper.urdf'";
+#endif
+  bench.require("robot " + (typed.front() == '\'' ? typed : "\"my gripper.urdf\"") +
+                " -o out --spheres 2 --format csv --page");
+  const std::string page = bench.read("out/robot.html");
+  EXPECT_NE(page.find("morula robot " + typed + " -o edited --keep"), std::string::npos);
+}
+
 TEST(RobotCommand, inner_spheres_have_files_of_their_own) {
   Workbench bench;
   with_gripper(bench);

@@ -143,6 +143,27 @@ TEST(RobotOutput, relative_meshes_of_the_spherized_urdf_lead_to_the_same_files) 
             std::filesystem::path(MORULA_ROBOTS "/arm_description/meshes/wedge.obj").lexically_normal());
 }
 
+TEST(RobotOutput, meshes_of_any_letters_keep_their_names) {
+  const ScratchFolder scratch;
+  const std::filesystem::path mesh(u8"größe/меш.obj");
+  std::filesystem::create_directories(scratch.path() / u8"größe");
+  std::filesystem::copy_file(MORULA_ROBOTS "/arm_description/meshes/wedge.obj", scratch.path() / mesh);
+  const std::u8string name = mesh.generic_u8string();
+  const std::string written(reinterpret_cast<const char*>(name.data()), name.size());
+  const std::string geometry = "<geometry><mesh filename='" + written + "'/></geometry>";
+  scratch.file("plain.urdf", "<robot name='r'><link name='l'><visual>" + geometry + "</visual><collision>" + geometry +
+                                 "</collision></link></robot>");
+  const std::filesystem::path file = scratch.path() / u8"rôbot.urdf";
+  std::filesystem::rename(scratch.path() / "plain.urdf", file);
+  const robot::Robot robot = robot::read_robot(file);
+  const robot::RobotSpheres spheres = robot::fit_spheres(robot, {.spheres = 2});
+  robot::OutputOptions options;
+  options.folder = scratch.path() / u8"aüs";
+  const robot::SelfCollision none;
+  const std::string text = robot::output_format("urdf")->write({robot, spheres, none, options}).at(0).bytes;
+  EXPECT_NE(text.find("filename=\"../" + written + "\""), std::string::npos) << text;
+}
+
 TEST(RobotOutput, an_srdf_keeps_what_was_given_and_says_what_its_pairs_rest_on) {
   const ScratchFolder scratch;
   scratch.file(

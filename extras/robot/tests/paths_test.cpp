@@ -208,6 +208,26 @@ TEST_F(Paths, names_are_decoded_and_names_with_percent_signs_are_read) {
   EXPECT_NE(found("ws/arm/urdf/r.urdf", urdf_naming("../my meshes/%zz%2")).find("is missing"), std::string::npos);
 }
 
+TEST_F(Paths, names_of_any_letters_are_read_in_every_format) {
+  const auto name_of = [](const char8_t* text) { return std::string(reinterpret_cast<const char*>(text)); };
+  const std::string mesh = name_of(u8"größe/меш 網.obj");
+  fs::create_directories(folder.path() / fs::path(u8"größe"));
+  fs::copy_file(write("plain.obj", tetrahedron), folder.path() / fs::path(u8"größe/меш 網.obj"));
+  const auto found_as = [&](const std::string& ending, const std::string& text) {
+    const fs::path file = folder.path() / fs::path(u8"rôbot." + std::u8string(ending.begin(), ending.end()));
+    fs::copy_file(write("plain." + ending, text), file, fs::copy_options::overwrite_existing);
+    const robot::Robot robot = robot::read_robot(file);
+    EXPECT_EQ(robot.links.at(0).collision.at(0).file.lexically_relative(folder.path()), fs::path(u8"größe/меш 網.obj"));
+    return robot;
+  };
+  found_as("urdf", urdf_naming(mesh));
+  found_as("sdf", sdf_naming(mesh));
+  found_as("xml", mjcf_naming(mesh));
+  const robot::Robot robot =
+      found_as("xml", mjcf_naming(name_of(u8"меш 網.obj"), "<compiler meshdir='" + name_of(u8"größe") + "'/>"));
+  EXPECT_EQ(robot.links[0].collision[0].file_name, mesh) << "with slashes";
+}
+
 TEST_F(Paths, drive_letters_are_places_on_another_machine) {
   write("ws/arm/meshes/a.obj", tetrahedron);
   write("secret/s.obj", tetrahedron);

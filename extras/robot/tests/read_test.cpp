@@ -193,6 +193,24 @@ TEST(Kinematics, poses_are_those_worked_out_by_hand) {
   EXPECT_LT(distance(at("wrist", {0, 0, 0.1}), {-0.1, 0, 0.91 + 0.3 - 0.1}), 1e-15) << "upside down";
 }
 
+TEST(Kinematics, floating_and_planar_joints_have_no_value_and_stay_where_they_are) {
+  const ScratchFolder scratch;
+  std::string text = "<robot name='r'><link name='l0'/>";
+  const std::vector<std::string> kinds{"fixed", "revolute", "continuous", "prismatic", "floating", "planar"};
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    text += "<link name='l" + std::to_string(i + 1) + "'/><joint name='j" + std::to_string(i) + "' type='" + kinds[i] +
+            "'><parent link='l" + std::to_string(i) + "'/><child link='l" + std::to_string(i + 1) +
+            "'/><origin xyz='0 0 1'/><axis xyz='0 0 1'/><limit lower='-2' upper='2'/></joint>";
+  const robot::Robot read = robot::read_robot(scratch.file("r.urdf", text + "</robot>"));
+  for (std::size_t i = 0; i < kinds.size(); ++i)
+    EXPECT_EQ(read.joints[i].moves(), kinds[i] == "revolute" || kinds[i] == "continuous" || kinds[i] == "prismatic")
+        << kinds[i];
+  EXPECT_EQ(read.independent_joints, (std::vector<std::size_t>{1, 2, 3}));
+  const std::vector<RigidTransform> poses = robot::link_poses(read, std::vector<double>{0, 0, 0.5});
+  EXPECT_EQ(poses[read.find_link("l6")].translation, (Vec3{0, 0, 6.5}));
+  EXPECT_THROW(robot::link_poses(read, std::vector<double>(5)), std::invalid_argument);
+}
+
 TEST(Kinematics, joints_follow_through_others) {
   const robot::Robot read = robot::read_robot(gripper_file);
   const std::vector<RigidTransform> poses = robot::link_poses(read, std::vector{0.03});

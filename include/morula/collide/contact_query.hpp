@@ -68,8 +68,9 @@ class ContactQuery {
   ContactStatus run(Workers& workers = serial_workers());
   /// Finds the contacts like run(), from the roots down, and keeps a front for resume() and carry().
   ContactStatus start(Workers& workers = serial_workers());
-  /// Continues the last call from its front, with a new budget. Rejects a body that was updated or has another
-  /// transform since that call.
+  /// Continues the last call from its front, with a new budget. Repeated calls always finish: unless it is zero, a call
+  /// opens one pair of nodes at any cost, at most the product of two branchings, pair tests. Rejects a body that was
+  /// updated, or has another transform, or was replaced by another one in its collider since that call.
   ContactStatus resume(Workers& workers = serial_workers());
   /// Finds the contacts of the next frame, starting at the front of the last call instead of the roots. It skips tests
   /// whose result the motion of the bodies since the last test cannot change. If the call finishes, its contacts are

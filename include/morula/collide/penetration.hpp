@@ -50,8 +50,9 @@ class PenetrationQuery {
   /// Starts from the beginning. Rejects a tolerance or a budget out of range with bad_option, and bodies like
   /// InsideQuery.
   Penetration run(const PenetrationOptions& options = {});
-  /// Narrows the present bounds with a new budget. Rejected with no_front if no run was started, and with other_frame
-  /// or other_transform if a body has moved since.
+  /// Narrows the present bounds with a new budget. Unless it is zero, a call divides one cell at any cost, up to 16
+  /// tests. Rejected with no_front if no run was started, with other_frame or other_transform if a body has moved
+  /// since, and with other_bodies if another one was assigned to its collider.
   Penetration resume(const PenetrationOptions& options = {});
 
  private:

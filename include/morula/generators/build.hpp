@@ -83,8 +83,8 @@ struct BuildOptions {
   /// nevertheless, report.notes lists the rest, and report.complete is false. Progress depends on the machine, so such
   /// a result is not reproducible.
   std::optional<double> time_limit_seconds{};
-  /// Read ahead of every node, on all threads. After a stop request, build throws BuildStopped as soon as the nodes in
-  /// progress are done.
+  /// Read at intervals, like an Interrupt, and ahead of every node on all threads. After a stop request, build throws
+  /// BuildStopped as soon as the nodes in progress are done.
   StopToken stop{};
   /// Called on the calling thread. It may request the stop.
   std::function<void(const BuildProgress&)> progress{};

@@ -50,12 +50,15 @@ void FrontWalk::start(const CollideOptions& options, bool accepts, Workers& work
   opened_before_.clear();
   roots_before_.assign(pairs.size(), none);
   result.finished_count = 0;
-  refine(options, workers, result);
+  Run run{options, workers, result, Meter(options)};
+  refine(run);
 }
 
 void FrontWalk::resume(const CollideOptions& options, Workers& workers, Contacts& result) {
   place(options);
-  refine(options, workers, result);
+  Run run{options, workers, result, Meter(options)};
+  run.meter.allow_step();
+  refine(run);
 }
 
 void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts& result) {
@@ -75,7 +78,8 @@ void FrontWalk::carry(const CollideOptions& options, Workers& workers, Contacts&
   front.waiting.clear();
   front.next_order = 0;
   result.finished_count = 0;
-  refine(options, workers, result);
+  Run run{options, workers, result, Meter(options)};
+  refine(run);
 }
 
 bool FrontWalk::reachable(const CollideOptions& options, const Front::Waiting& pair) const {
@@ -179,6 +183,7 @@ void FrontWalk::test_roots(Run& run) {
     const bool overlap = trees_[i].overlaps(0, 0);
     bodies.roots = overlap ? Front::Verdict::overlapping : Front::Verdict::separated;
     if (overlap) admit({0, 0, i, 0, 0, 0, none, roots_before_[i]}, run);
+    run.meter.done_step();
   }
 }
 
@@ -249,8 +254,8 @@ bool FrontWalk::test_in_time(Run& run) {
   return true;
 }
 
-void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts& result) {
-  Run run{options, workers, result, Meter(options)};
+void FrontWalk::refine(Run& run) {
+  Contacts& result = run.result;
   // Finished contacts stay, with their surfaces. After a start or a carry there are none.
   const std::size_t kept = result.finished_count;
   result.contacts.resize(kept);
@@ -280,10 +285,11 @@ void FrontWalk::refine(const CollideOptions& options, Workers& workers, Contacts
       }
       take_in(slot, masks, run);
     }
+    if (!round_.empty()) run.meter.done_step();
   }
   front.waiting.insert(front.waiting.end(), aside_.begin(), aside_.end());
   result.pair_tests = run.meter.done;
-  finish(options, run.meter, result);
+  finish(run.options, run.meter, result);
 }
 
 void FrontWalk::finish(const CollideOptions& options, Meter& meter, Contacts& result) {

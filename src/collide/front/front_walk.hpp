@@ -109,7 +109,7 @@ class FrontWalk {
   template <class F>
   void each_verdict(const F& f) const;
   void place(const CollideOptions& options);
-  void refine(const CollideOptions& options, Workers& workers, Contacts& result);
+  void refine(Run& run);
   void finish(const CollideOptions& options, Meter& meter, Contacts& result);
   bool reachable(const CollideOptions& options, const Front::Waiting& pair) const;
   bool still_holds(const CollideOptions& options, const Front::Waiting& pair) const;

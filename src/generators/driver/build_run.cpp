@@ -15,6 +15,31 @@ int depth_of(const BuildOptions& options, const MeshView& mesh) {
   return options.depth ? *options.depth : automatic_depth(mesh, options.branching);
 }
 
+/// Sets what this thread checks as long as it lives.
+class WithInterruption {
+ public:
+  explicit WithInterruption(const ActiveInterruption& next) noexcept : before_(exchange_active_interruption(next)) {}
+  ~WithInterruption() { exchange_active_interruption(before_); }
+  WithInterruption(const WithInterruption&) = delete;
+  WithInterruption& operator=(const WithInterruption&) = delete;
+
+ private:
+  ActiveInterruption before_;
+};
+
+ActiveInterruption present_interruption() noexcept {
+  const ActiveInterruption present = exchange_active_interruption({});
+  exchange_active_interruption(present);
+  return present;
+}
+
+/// Replacements of std::stop_token do not say it.
+template <class Token>
+bool may_be_stopped(const Token& token) {
+  if constexpr (requires { token.stop_possible(); }) return token.stop_possible();
+  return true;
+}
+
 }  // namespace
 
 BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
@@ -30,10 +55,13 @@ BuildRun::BuildRun(const BuildOptions& options, const MeshView& mesh)
                              std::chrono::duration<double>(std::min(longest, *time_limit_seconds)));
   }
   if (progress)
-    progress = [reported = std::make_shared<BuildProgress>(), forward = progress](const BuildProgress& now) {
+    progress = [reported = std::make_shared<BuildProgress>(), forward = progress,
+                caller = present_interruption()](const BuildProgress& now) {
       reported->share = std::clamp(now.share, reported->share, 1.0);
       reported->level = std::max(reported->level, now.level);
       reported->seconds_left = now.seconds_left;
+      // A stop ends the build, not calls of the callback into the library.
+      const WithInterruption as_outside(caller);
       forward(*reported);
     };
 }
@@ -63,6 +91,20 @@ void BuildRun::tell(double share, int level, std::optional<double> seconds_left)
     if (of_all > enough_to_judge) seconds_left = seconds() * (1 - of_all) / of_all;
   }
   progress({of_all, level, seconds_left});
+}
+
+StopChecks::StopChecks(const BuildRun& run) : checks_(may_be_stopped(run.stop)) {
+  if (!checks_) return;
+  state_.callback = [this, &run] {
+    run.throw_if_stopped();
+    const WithInterruption of_caller(state_.outer);
+    check_interrupt();
+  };
+  state_.outer = exchange_active_interruption({&state_, true});
+}
+
+StopChecks::~StopChecks() {
+  if (checks_) exchange_active_interruption(state_.outer);
 }
 
 TimeEstimate::TimeEstimate(int depth, int branching, std::size_t patches, unsigned threads)

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <morula/generators/build.hpp>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
 
 /// Copies are cheap: they share the clock and the progress callback.
@@ -45,6 +47,20 @@ class BuildRun : public BuildOptions {
   Clock::time_point deadline_ = Clock::time_point::max();
   double from_ = 0, to_ = 1;
   Box box_;
+};
+
+/// Makes checks for interruption of this thread and its helpers also throw BuildStopped, once the stop of the run is
+/// requested. Checks of the caller's Interrupt go on. A token without a source changes nothing.
+class StopChecks {
+ public:
+  explicit StopChecks(const BuildRun& run);
+  ~StopChecks();
+  StopChecks(const StopChecks&) = delete;
+  StopChecks& operator=(const StopChecks&) = delete;
+
+ private:
+  Interruption state_;
+  bool checks_;
 };
 
 /// Seconds that the rest of a level-by-level build takes. Dividing all nodes of a level costs A + B × nodes: every

@@ -6,7 +6,15 @@
 #include <cmath>
 #include <limits>
 
+#include "parallel/interruption.hpp"
+
 namespace morula::detail {
+namespace {
+
+// Lines, and chords of spheres, between two checks for interruption: a line takes up to about 50 µs.
+constexpr std::uint32_t lines_per_look = 64, chords_per_look = 1u << 14;
+
+}  // namespace
 
 UnionLines::UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres, double spacing)
     : lines_(lines),
@@ -44,10 +52,12 @@ UnionLines::UnionLines(const ObjectLines& lines, std::span<const Sphere> spheres
 void UnionLines::assign_chords(std::span<const Sphere> in_lattice) {
   const std::size_t line_count = seen_.size();
   std::vector<std::uint32_t> next(line_count + 1, 0);
+  InterruptPoller poll_chord(chords_per_look), poll_line(lines_per_look);
   sphere_lines_begin_.push_back(0);
   for (const Sphere& s : in_lattice) {
     for (std::size_t a = 0; a < 3; ++a)
       each_line(a, s, [&](std::size_t line, double) {
+        poll_chord();
         ++next[line + 1];
         sphere_lines_.push_back(static_cast<std::uint32_t>(line));
       });
@@ -55,10 +65,11 @@ void UnionLines::assign_chords(std::span<const Sphere> in_lattice) {
   }
   for (std::size_t i = 1; i <= line_count; ++i) next[i] += next[i - 1];
   line_begin_ = next;
-  chords_.resize(next[line_count]);
+  resize_interruptibly(chords_, next[line_count]);
   for (std::size_t i = 0; i < in_lattice.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
       each_line(a, in_lattice[i], [&](std::size_t line, double half) {
+        poll_chord();
         const double middle = in_lattice[i].center[static_cast<int>(a)];
         chords_[next[line]++] = {static_cast<float>(middle - half), static_cast<float>(middle + half), 0, 0,
                                  static_cast<std::uint32_t>(i)};
@@ -71,6 +82,7 @@ void UnionLines::assign_chords(std::span<const Sphere> in_lattice) {
                               static_cast<std::size_t>(u);
         const auto chords = std::span(chords_).subspan(line_begin_[i], line_begin_[i + 1] - line_begin_[i]);
         if (chords.empty()) continue;
+        poll_line();
         std::sort(chords.begin(), chords.end(), [](const Chord& x, const Chord& y) {
           return x.begin != y.begin ? x.begin < y.begin : x.sphere < y.sphere;
         });
@@ -172,8 +184,12 @@ double UnionLines::merged(std::span<const Chord> chords, const Counts& counts) {
 
 double UnionLines::outside() const {
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < line_begin_.size(); ++i)
-    if (line_begin_[i] < line_begin_[i + 1]) sum += merged(line(i), [&](std::uint32_t s) { return counts_[s] != 0; });
+  InterruptPoller poll_line(lines_per_look);
+  for (std::size_t i = 0; i + 1 < line_begin_.size(); ++i) {
+    if (line_begin_[i] == line_begin_[i + 1]) continue;
+    poll_line();
+    sum += merged(line(i), [&](std::uint32_t s) { return counts_[s] != 0; });
+  }
   return sum * volume_per_length_;
 }
 
@@ -191,6 +207,8 @@ double UnionLines::outside_on(std::size_t i) {
 }
 
 double UnionLines::change(std::span<const std::uint32_t> added, std::span<const std::uint32_t> removed) {
+  check_interrupt();
+  InterruptPoller poll_line(lines_per_look);
   ++stamp_;
   otherwise_ = counts_;
   for (const std::uint32_t s : added) otherwise_[s] = 1;
@@ -202,6 +220,7 @@ double UnionLines::change(std::span<const std::uint32_t> added, std::span<const 
         const std::uint32_t i = sphere_lines_[k];
         if (seen_[i] == stamp_) continue;
         seen_[i] = stamp_;
+        poll_line();
         sum += merged(line(i), [&](std::uint32_t c) { return otherwise_[c] != 0; }) - outside_on(i);
       }
   return sum * volume_per_length_;
@@ -209,8 +228,10 @@ double UnionLines::change(std::span<const std::uint32_t> added, std::span<const 
 
 double UnionLines::difference(std::span<const std::uint8_t> others) const {
   double sum = 0;
+  InterruptPoller poll_line(lines_per_look);
   for (std::size_t i = 0; i + 1 < line_begin_.size(); ++i) {
     if (line_begin_[i] == line_begin_[i + 1]) continue;
+    poll_line();
     const auto chords = line(i);
     sum += 2 * merged(chords, [&](std::uint32_t s) { return counts_[s] != 0 || others[s] != 0; }) -
            merged(chords, [&](std::uint32_t s) { return counts_[s] != 0; }) -

@@ -14,6 +14,8 @@ namespace morula::detail {
 /// format.
 TreeFile tree_of_bytes(const std::filesystem::path& path, std::string_view bytes, const ReadTreeOptions& options);
 CoveredTree built_of_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh, Workers& workers);
+/// The same for a file that has its cover, as all of read_native have.
+CoveredTree covered_by_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh);
 
 /// Readers check all data that they use; the trees that they return have passed validate(). path is for messages.
 SphereTree read_sph(const std::filesystem::path& path, std::string_view text, const Vec3& origin);

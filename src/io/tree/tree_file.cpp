@@ -85,14 +85,16 @@ CoveredTree read_covered_tree(const std::filesystem::path& path, const MeshView&
 
 CoveredTree detail::built_of_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh,
                                   Workers& workers) {
-  if (!file.cover) {
-    require_usable_scale(mesh);
-    try {
-      return cover(mesh, file.tree, {}, workers);
-    } catch (const std::invalid_argument& fault) {  // the mesh is usable, so the fault is in the tree
-      throw FileError(platform::text_of(path) + ": " + fault.what());
-    }
+  if (file.cover) return covered_by_file(path, std::move(file), mesh);
+  require_usable_scale(mesh);
+  try {
+    return cover(mesh, file.tree, {}, workers);
+  } catch (const std::invalid_argument& fault) {  // the mesh is usable, so the fault is in the tree
+    throw FileError(platform::text_of(path) + ": " + fault.what());
   }
+}
+
+CoveredTree detail::covered_by_file(const std::filesystem::path& path, TreeFile file, const MeshView& mesh) {
   if (file.report.mesh_hash != mesh_hash(mesh) || file.cover->vertex_count != mesh.vertex_count() ||
       file.cover->facet_count != mesh.facet_count())
     throw FileError(platform::text_of(path) +

@@ -159,12 +159,14 @@ class FeatureQuery {
           narrow(a, b, c.pairs, c.found);
           c.pairs.clear();
         });
+    const std::size_t known = found_.size();
     for (std::size_t i = 0; i < count; ++i) {
       check_interrupt();
       found_.insert(found_.end(), chunks_[i].found.begin(), chunks_[i].found.end());
       candidates_ += chunks_[i].candidates;
     }
-    if (request_.sorted) sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
+    if (request_.sorted && found_.size() > known)
+      sort_interruptibly(found_, [](const FeaturePair& p, const FeaturePair& q) { return p < q; });
     search_.open(open_);
     SurfaceQueryStatus status;
     // mutant surface-moved-in-call: `static_cast ... (status) = search_.moved(Status::Code::changed_during_call)` -> ``

@@ -26,8 +26,9 @@ function cornersOf(primitive, vertexCount, what) {
   return Uint32Array.from(corners);
 }
 
-/** Joints and weights of all sets, divided by the sum of each vertex. */
-function influencesOf(primitive, what) {
+/** Joints and weights of all sets, divided by the sum of each vertex. A vertex without weight follows the first joint if no corner
+ * is there; otherwise the file is rejected. */
+function influencesOf(primitive, corners, what) {
   const sets = [];
   for (let s = 0; primitive.getAttribute(`JOINTS_${s}`) && primitive.getAttribute(`WEIGHTS_${s}`); ++s)
     sets.push({
@@ -46,11 +47,18 @@ function influencesOf(primitive, what) {
       weights[width * Math.floor(i / 4) + 4 * s + (i % 4)] = set.weights[i];
     }
   });
+  const isUsed = new Uint8Array(vertices);
+  for (const corner of corners) isUsed[corner] = 1;
   for (let v = 0; v < vertices; ++v) {
     let sum = 0;
     for (let k = width * v; k < width * (v + 1); ++k) sum += weights[k];
-    if (!(sum > 0)) fail(`vertex ${v} of ${what} has no weight`);
-    for (let k = width * v; k < width * (v + 1); ++k) weights[k] /= sum;
+    if (sum > 0) for (let k = width * v; k < width * (v + 1); ++k) weights[k] /= sum;
+    else {
+      if (isUsed[v]) fail(`vertex ${v} of ${what} has no weight`);
+      bones.fill(0, width * v, width * (v + 1));
+      weights.fill(0, width * v, width * (v + 1));
+      weights[width * v] = 1;
+    }
   }
   return {width, bones, weights};
 }
@@ -86,7 +94,7 @@ export class GltfPart {
     const joints = skin?.listJoints() ?? [node];
     this.boneNames = joints.map((joint) => joint.getName());
     const given = skin
-      ? influencesOf(primitive, what)
+      ? influencesOf(primitive, corners, what)
       : {width: 1, bones: new Uint32Array(positions.length / 3), weights: new Float64Array(positions.length / 3).fill(1)};
     if (3 * given.bones.length !== given.width * positions.length) fail(`${what} has joints of another number of vertices`);
     const {influences, bones, weights} = completedSkin(given.width, given.bones, given.weights, joints.length);

@@ -3,6 +3,7 @@
 import {Box3, Matrix4, Sphere, Vector3} from 'three';
 import {MorulaError} from '../errors.js';
 import {Model} from './model.js';
+import {boundsInObject, boundsUnderShear} from './object_bounds.js';
 import {BonePose, VertexPose} from './poses.js';
 import {RayWalk} from './rays.js';
 
@@ -28,6 +29,7 @@ export class MorulaBounds {
   #slack = 0;
   #saved = null;
   #toSpace = new Matrix4();
+  #geometry = null; // as of the last update
 
   constructor(morula, object, {build, tree, weld = true, space = 'local', like = null} = {}) {
     requireObject(object);
@@ -65,6 +67,7 @@ export class MorulaBounds {
     this.#toSpace.copy(this.space === 'world' ? this.object.matrixWorld : identity);
     this.#pose.update(this.body, this.#toSpace);
     this.#spheres.set(this.body.spheres());
+    this.#geometry = this.object.geometry;
     this.#measure();
     if (this.#saved) this.#patchBounds();
     return this;
@@ -79,7 +82,7 @@ export class MorulaBounds {
 
   /** An arrow function, so that object.raycast = bounds.raycast works. */
   raycast = (raycaster, intersects) => {
-    this.#live();
+    this.#requireUpdated();
     if (this.object.material === undefined) return;
     const {origin, direction} = raycaster.ray;
     point.copy(origin);
@@ -140,6 +143,15 @@ export class MorulaBounds {
     return this.#model;
   }
 
+  /** Throws if the facets of the object are no longer those of the last update. */
+  #requireUpdated() {
+    const {arrays, versions} = this.#live();
+    const {geometry} = this.object;
+    if (geometry !== this.#geometry || !versions.facets(this.object) ||
+      geometry.attributes.position?.count !== arrays.vertexOf.length)
+      throw new MorulaError('the geometry of the object has changed since the last update(): rays would hit facets that are gone');
+  }
+
   /** A sphere and a box around the leaves, with what rounding may add. */
   #measure() {
     const s = this.#spheres;
@@ -171,18 +183,10 @@ export class MorulaBounds {
     this.box.expandByScalar(this.#slack);
   }
 
-  /** three.js multiplies bounds of an object by its matrix, so they are in its coordinates. It multiplies the radius by the
-   * longest column of the matrix, which with shear is less than what the matrix does to lengths. */
+  /** three.js multiplies bounds of an object by its matrix, so they are in its coordinates. */
   #patchBounds() {
     const {object} = this;
-    const {sphere, box} = {sphere: this.sphere.clone(), box: this.box.clone()};
-    const {longest, stretch} = sizesOf(object.matrixWorld.elements);
-    if (this.space === 'world') {
-      inverse.copy(object.matrixWorld).invert();
-      sphere.center.applyMatrix4(inverse);
-      if (longest > 0) sphere.radius /= longest;
-      box.applyMatrix4(inverse);
-    } else if (longest > 0) sphere.radius *= stretch / longest;
+    const {sphere, box} = (this.space === 'world' ? boundsInObject : boundsUnderShear)(this.sphere, this.box, object.matrixWorld);
     object.boundingSphere = sphere;
     object.boundingBox = box;
   }
@@ -192,22 +196,6 @@ Object.defineProperty(MorulaBounds.prototype, Symbol.dispose ?? Symbol.for('Symb
     this.free();
   },
 });
-
-/** The length of the longest column, and a bound of the factor by which the matrix stretches: equal if columns are orthogonal. */
-function sizesOf(e) {
-  let longest = 0;
-  let stretch = 0;
-  for (let i = 0; i < 3; ++i) {
-    let sum = 0;
-    for (let j = 0; j < 3; ++j) {
-      const dot = e[4 * i] * e[4 * j] + e[4 * i + 1] * e[4 * j + 1] + e[4 * i + 2] * e[4 * j + 2];
-      sum += Math.abs(dot);
-      if (i === j) longest = Math.max(longest, dot);
-    }
-    stretch = Math.max(stretch, sum);
-  }
-  return {longest: Math.sqrt(longest), stretch: Math.sqrt(stretch)};
-}
 
 function requireRigid(rows) {
   const [a, b, c] = [0, 3, 6].map((at) => new Vector3().fromArray(rows, at));

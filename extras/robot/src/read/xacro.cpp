@@ -147,7 +147,14 @@ std::vector<std::filesystem::path> files_of_xacro(const std::filesystem::path& f
   const Run run = run_xacro({"--deps"}, file, options);
   if (!run.succeeded()) return {};
   // Absolute paths with a blank between them; names may also have blanks.
-  const auto is_path_at = [&](std::size_t at) { return std::filesystem::path(run.text.substr(at, 3)).is_absolute(); };
+  const auto is_path_at = [&](std::size_t at) {
+    // Three letters show it. The last one may be a part of a character, which is no text.
+    std::string_view start = std::string_view(run.text).substr(at, 3);
+    const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+    start = start.substr(
+        0, static_cast<std::size_t>(std::find_if_not(start.begin(), start.end(), is_ascii) - start.begin()));
+    return platform::path_of(start).is_absolute();
+  };
   std::set<std::filesystem::path> files;
   for (std::size_t begin = 0; begin < run.text.size();) {
     std::size_t end = begin;

@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 
+#include "read/file_names.hpp"
 #include "read/xml.hpp"
 #include "write/text.hpp"
 
@@ -22,21 +23,20 @@ void move_meshes(XMLElement& visual, const Description& d, const std::string& be
   const char* name = mesh == nullptr ? nullptr : mesh->Attribute("filename");
   if (name == nullptr) return;
   const std::string text = name;
-  if (text.find("://") != std::string::npos || std::filesystem::path(text).is_absolute()) return;
+  if (is_absolute_name(text)) return;
   const std::filesystem::path from = std::filesystem::absolute(d.options.folder / below).lexically_normal();
-  const std::filesystem::path to = (std::filesystem::absolute(d.robot.file).parent_path() / text).lexically_normal();
-  set(mesh, "filename", to.lexically_relative(from).generic_string());
+  const std::filesystem::path to =
+      (std::filesystem::absolute(d.robot.file).parent_path() / platform::path_of(text)).lexically_normal();
+  set(mesh, "filename", name_of_path(to.lexically_relative(from)));
 }
 
 std::string place_of(const Shape& shape, const Description& d, const std::string& below) {
   if (shape.file_name.starts_with("model://")) return "package://" + shape.file_name.substr(8);
-  if (shape.file_name.find("://") != std::string::npos || std::filesystem::path(shape.file_name).is_absolute()) {
-    return shape.file_name;
-  }
+  if (is_absolute_name(shape.file_name)) return shape.file_name;
   const std::filesystem::path from = std::filesystem::absolute(d.options.folder / below).lexically_normal();
   const std::filesystem::path to =
-      (std::filesystem::absolute(d.robot.file).parent_path() / shape.file_name).lexically_normal();
-  return to.lexically_relative(from).generic_string();
+      (std::filesystem::absolute(d.robot.file).parent_path() / platform::path_of(shape.file_name)).lexically_normal();
+  return name_of_path(to.lexically_relative(from));
 }
 
 void add_origin(XMLElement* to, const RigidTransform& pose) {

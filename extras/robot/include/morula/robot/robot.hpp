@@ -81,7 +81,7 @@ struct Joint {
   std::optional<Mimic> mimic{};     ///< no value: the joint follows no other
   int line = 0;                     ///< line in the robot's file
 
-  /// True if the joint has a value: revolute, continuous and prismatic joints.
+  /// True if the joint has a value. False for floating and planar joints, which also move, but are kept at value 0.
   bool moves() const { return kind == Kind::revolute || kind == Kind::continuous || kind == Kind::prismatic; }
 };
 std::string_view name(Joint::Kind kind);  ///< the name in URDF: "fixed", "revolute", …

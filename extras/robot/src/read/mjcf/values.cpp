@@ -11,10 +11,10 @@
 #include <numbers>
 
 #include "platform/path_text.hpp"
+#include "read/file_names.hpp"
 
 namespace morula::robot {
 
-namespace fs = std::filesystem;
 using tinyxml2::XMLElement;
 
 namespace {
@@ -215,7 +215,7 @@ std::string MjcfValues::mesh_name(const std::string& file) const {
   // A path would lose one of the slashes of a URI.
   const std::string name = strip_path_ ? platform::text_of(platform::path_of(file).filename()) : file;
   if (mesh_folder_.empty() || name.find("://") != std::string::npos) return name;
-  return (fs::path(mesh_folder_) / name).generic_string();
+  return name_of_path(platform::path_of(mesh_folder_) / platform::path_of(name));
 }
 
 }  // namespace morula::robot
