@@ -154,8 +154,7 @@ TEST(CPairs, near_pairs_are_those_of_all_features) {
 
 TEST(CPairs, crossing_pairs_are_the_crossings) {
   const PairBody limb("limb", 12);
-  PairBody torus("torus", 12);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 12, {0.2, 0.1, 0.1});
   morula_pairs* pairs = nullptr;
   ASSERT_EQ(morula_pairs_create(&pairs), MORULA_OK);
   ASSERT_EQ(morula_pairs_crossing(limb.body, torus.body, nullptr, pairs), MORULA_OK) << morula_message();
@@ -179,8 +178,7 @@ TEST(CPairs, crossing_pairs_are_the_crossings) {
 
 TEST(CPairs, bounds_contain_the_distance) {
   const PairBody limb("limb", 12);
-  PairBody torus("torus", 12);
-  torus.move({0.2, 0.1, 1.5});
+  PairBody torus("torus", 12, {0.2, 0.1, 1.5});
   morula_distance exact;
   ASSERT_EQ(morula_distance_of(limb.body, torus.body, &exact), MORULA_OK);
   const auto bounds = [&](const auto& set, int& complete) {

@@ -22,7 +22,7 @@ struct PairBody {
   morula_body* body = nullptr;
   Vec3 offset{};
 
-  explicit PairBody(const char* sample, int resolution = 6) {
+  explicit PairBody(const char* sample, int resolution = 6, const Vec3& place = {}) {
     morula_model* model = nullptr;
     morula_build_options options;
     morula_build_options_init(&options);
@@ -31,6 +31,7 @@ struct PairBody {
     EXPECT_EQ(morula_build(mesh, &options, &model), MORULA_OK) << morula_message();
     EXPECT_EQ(morula_body_create(mesh, model, nullptr, &body), MORULA_OK) << morula_message();
     morula_model_destroy(model);
+    move(place);
   }
   ~PairBody() {
     morula_mesh_destroy(mesh);

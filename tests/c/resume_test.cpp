@@ -63,8 +63,7 @@ TEST(CPairs, a_budget_ends_a_search_and_resume_continues_it) {
 
 TEST(CPairs, a_search_is_not_continued_after_a_motion) {
   const PairBody limb("limb", 12);
-  PairBody torus("torus", 12);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 12, {0.2, 0.1, 0.1});
   morula_pair_options options;
   morula_pair_options_init(&options);
   options.distance = 0.1, options.box_tests = 5;
@@ -129,8 +128,7 @@ TEST(CPairs, contacts_continue_to_those_of_a_complete_search) {
 
 TEST(CPairs, a_rejected_search_for_contacts_leaves_the_one_before_to_be_continued) {
   const PairBody limb("limb", 16), plate("plate", 16);
-  PairBody torus("torus", 16);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 16, {0.2, 0.1, 0.1});
   morula_contacts* contacts = nullptr;
   ASSERT_EQ(morula_contacts_create(&contacts), MORULA_OK);
   ASSERT_EQ(morula_collide(limb.body, torus.body, nullptr, contacts), MORULA_OK);
@@ -167,8 +165,7 @@ bool are_equal(const morula_contact& x, const morula_contact& y) {
 // A resume copies new results alone. A search that is not resumed copies all, so it judges every part of one that is.
 TEST(CPairs, lists_are_the_same_however_a_budget_is_divided) {
   const PairBody limb("limb", 16);
-  PairBody torus("torus", 16);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 16, {0.2, 0.1, 0.1});
   morula_contacts *whole = nullptr, *parts = nullptr;
   ASSERT_EQ(morula_contacts_create(&whole), MORULA_OK);
   ASSERT_EQ(morula_contacts_create(&parts), MORULA_OK);
@@ -211,8 +208,7 @@ TEST(CPairs, lists_are_the_same_however_a_budget_is_divided) {
 
 TEST(CPairs, lists_of_pairs_are_the_same_however_a_budget_is_divided) {
   const PairBody limb("limb", 12);
-  PairBody torus("torus", 12);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 12, {0.2, 0.1, 0.1});
   morula_pair_options options;
   morula_pair_options_init(&options);
   options.distance = 0.05;
@@ -252,8 +248,7 @@ TEST(CPairs, lists_of_pairs_are_the_same_however_a_budget_is_divided) {
 // The least budget: every call makes progress, so the search ends.
 TEST(CPairs, searches_end_with_a_budget_of_one_test) {
   const PairBody limb("limb", 12);
-  PairBody torus("torus", 12);
-  torus.move({0.2, 0.1, 0.1});
+  PairBody torus("torus", 12, {0.2, 0.1, 0.1});
   morula_contacts* contacts = nullptr;
   morula_pairs* pairs = nullptr;
   ASSERT_EQ(morula_contacts_create(&contacts), MORULA_OK);

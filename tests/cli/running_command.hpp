@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morula authors
 // SPDX-License-Identifier: Apache-2.0
-// A command that runs while the test goes on. The test can send it Ctrl-C and the other requests to end.
+// Runs a command beside the test, which can send it Ctrl-C or another signal that ends it.
 #pragma once
 
 #include <memory>
