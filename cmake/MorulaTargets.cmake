@@ -74,17 +74,18 @@ function(morula_configure_msvc target)
   endif()
 endfunction()
 
-# morula_compile_together(TARGET): its sources are compiled eight at once where MORULA_UNITY says so, thirty-two for packages, so that
-# headers are read and templates made once for all of them: most of a build's time where text, JSON and the command line are handled.
-# The core is compiled source by source except for packages; the preset dev and the test of a project that adds Morula do so with all
-# the rest. A name in a source's namespace without a name is its own among those of its target; a source whose headers do not
-# agree with others' sets SKIP_UNITY_BUILD_INCLUSION.
+# morula_compile_together(TARGET [COUNT]): its sources are compiled eight at once where MORULA_UNITY says so, for packages COUNT at once
+# or all, so that headers are read and templates made once for all of them: most of a build's time where text, JSON and the command
+# line are handled. The core is compiled source by source except for packages; the preset dev and the test of a project that adds
+# Morula do so with all the rest. A name in a source's namespace without a name is its own among those of its target; a source whose
+# headers do not agree with others' sets SKIP_UNITY_BUILD_INCLUSION.
 function(morula_compile_together target)
   if(MORULA_UNITY)
     # The templates of CLI11, fmt, nlohmann-json and nanobind cost more than the sources: half the batches take half the time.
     set(batch 8)
     if(MORULA_UNITY_CORE)
-      set(batch 32)
+      set(batch 0 ${ARGN})
+      list(GET batch -1 batch)
     endif()
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
     if(MORULA_GNU_LIKE)
@@ -94,9 +95,8 @@ function(morula_compile_together target)
   endif()
 endfunction()
 
-# morula_compile_folders_together(TARGET ALONE...): the sources of each folder are compiled at once where MORULA_UNITY_CORE says so, for
-# packages: reading headers is most of the time of the core. Kernels stay alone, and sources whose private names others of
-# their folder have too, which follow TARGET.
+# morula_compile_folders_together(TARGET): the sources of each folder, with those of its subfolders, are compiled at once where
+# MORULA_UNITY_CORE says so, for packages: reading headers is most of the time of the core. Kernels stay alone.
 function(morula_compile_folders_together target)
   if(NOT MORULA_UNITY_CORE)
     return()
@@ -104,9 +104,9 @@ function(morula_compile_folders_together target)
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
     file(RELATIVE_PATH name "${CMAKE_CURRENT_SOURCE_DIR}" "${source}")
-    cmake_path(GET name PARENT_PATH folder)
+    string(REGEX MATCH "^[^/]+" folder "${name}")
     file(STRINGS "${source}" kernels REGEX "every_processor\\.inl" LIMIT_COUNT 1)
-    if(NOT kernels AND NOT name IN_LIST ARGN)
+    if(NOT kernels)
       set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${folder}")
     endif()
   endforeach()

@@ -173,10 +173,11 @@ def private_names(source):
             depth += 1
         elif line.startswith("}  // namespace") and depth:
             depth -= line.rstrip() == "}  // namespace"
-        elif depth and (kind := re.match(r"(?:struct|class|enum class|enum) (\w+)[ {]", line)):
+        elif depth and (kind := re.match(r"(?:struct|class|enum class|enum|using) (\w+)[ {]", line)):
             found.append(kind[1])
         elif depth and re.match(r"(?:static |inline )*const(?:expr)? [^()]*[={;]", line):
-            found += re.findall(r"\b([A-Za-z_]\w*)(?:\[[^]]*\])? ?[={;](?!=)", line.partition('"')[0] + " ")
+            declared = re.sub(r"=[^,;]*(?=[,;])", "=", line.partition('"')[0] + " ")  # without values
+            found += re.findall(r"\b([A-Za-z_]\w*)(?:\[[^]]*\])? ?[={;](?!=)", declared)
         elif depth and (function := re.match(r"[A-Za-z](?:[\w:<>,&* ]*[ &*])?(\w+)\((.*)\)(?: const| noexcept)* \{$", line)):
             types = [re.sub(r"\b\w+$", "", part.partition("=")[0].strip()).strip() for part in function[2].split(",")]
             found.append(f"{function[1]}({', '.join(types)})")
@@ -194,12 +195,10 @@ def batches():
     yield "morula_toolbox", below("toolbox/*.cpp")
     for extra in ("grains", "page", "robot", "study"):
         yield f"morula_{extra}", below(f"extras/{extra}/src/**/*.cpp")
-    core = (sources / "src/CMakeLists.txt").read_text(encoding="utf-8").partition("morula_compile_folders_together(morula_core")[2].partition(")")[0]
-    listed = re.findall(r"(\w+)\n", "".join(re.findall(r"foreach\(folder (.*)\)", (sources / "src/CMakeLists.txt").read_text())).replace(" ", "\n") + "\n")
-    for folder in sorted({path.parent for name in listed for path in below(f"src/{name}/**/*.cpp")}):
-        yield str(folder.relative_to(sources)), [path for path in below(f"{folder.relative_to(sources)}/*.cpp")
-                                                 if str(path.relative_to(sources / "src")) not in core.split()
-                                                 and "every_processor.inl" not in path.read_text(encoding="utf-8")]
+    core = re.findall(r"foreach\(folder (.*)\)", (sources / "src/CMakeLists.txt").read_text(encoding="utf-8"))
+    for folder in " ".join(core).split():
+        yield f"src/{folder}", [path for path in below(f"src/{folder}/**/*.cpp")
+                                if "every_processor.inl" not in path.read_text(encoding="utf-8")]
 
 
 def test_names_are_private_to_a_source_that_is_compiled_with_others():

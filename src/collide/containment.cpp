@@ -76,7 +76,7 @@ bool holds(const Triangle& t, const Vec3& p) {
   return true;
 }
 
-bool is_near(const Vec3& p) {
+bool is_in_range(const Vec3& p) {
   return is_finite(p) && max_norm(p) < 0x1p200;
 }
 
@@ -150,7 +150,7 @@ PointLocation InsideQuery::locate(const Vec3& point) {
   const StandardFloats standard;
   PointLocation result;
   result.status = askable(*body_);
-  if (result.status && !is_near(point)) result.status = {Status::Code::bad_shape};
+  if (result.status && !is_in_range(point)) result.status = {Status::Code::bad_shape};
   if (!result.status) return result;
   result.certified = body_->sphere_state().covers;
 

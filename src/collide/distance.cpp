@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <morula/collide/distance.hpp>
+#include <morula/geometry/connectivity.hpp>
 #include <morula/geometry/scale.hpp>
 #include <stdexcept>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "collide/pairs/meter.hpp"
 #include "collide/pairs/placed_spheres.hpp"
 #include "collide/require.hpp"
+#include "geometry/infinity.hpp"
 #include "geometry/nearest_pair.hpp"
 #include "geometry/object_call.hpp"
 #include "geometry/slab.hpp"
@@ -20,9 +22,6 @@
 namespace morula {
 using namespace detail;
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::uint32_t no_facet = 0xffffffffu;
 
 struct WaitingPair {
   double bound;  // gap_below of the spheres, negative where they overlap

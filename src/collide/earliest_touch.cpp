@@ -14,7 +14,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double no_touch = std::numeric_limits<double>::infinity();
 
 struct MovingSphere {
   const Sphere &start, &end;
@@ -49,7 +49,7 @@ double first_touch(const MovingSphere& a, const MovingSphere& b, double margin) 
     const double h0 = dot(n, x0) - r0, h1 = dot(n, x1) - r1;
     if (h1 > 0) {
       // mutant touch-rising: `h0 > 0 || -h0 * (1 + 0x1p-50) < t * (h1 - h0)` -> `true`
-      return h0 > 0 || -h0 * (1 + 0x1p-50) < t * (h1 - h0) ? never : t;
+      return h0 > 0 || -h0 * (1 + 0x1p-50) < t * (h1 - h0) ? no_touch : t;
     }
     if (!(h0 > 0)) return t;
     // mutant touch-zero: `(1 - 0x1p-50)` -> `(1 + 0x1p-20)`
@@ -60,13 +60,13 @@ double first_touch(const MovingSphere& a, const MovingSphere& b, double margin) 
   return t;
 }
 
-struct WaitingPair {
+struct MovingPair {
   double time;
   std::uint32_t a, b;
 };
 // The order of a heap with the earliest pair on top; of equal ones that farther down, so that a search among pairs that
 // touch already ends soon.
-bool comes_later(const WaitingPair& x, const WaitingPair& y) {
+bool touches_later(const MovingPair& x, const MovingPair& y) {
   if (x.time != y.time) return x.time > y.time;
   const std::uint64_t sum_x = std::uint64_t{x.a} + x.b, sum_y = std::uint64_t{y.a} + y.b;
   return sum_x != sum_y ? sum_x < sum_y : x.a < y.a;
@@ -75,7 +75,7 @@ bool comes_later(const WaitingPair& x, const WaitingPair& y) {
 }  // namespace
 
 struct EarliestTouchQuery::State {
-  std::vector<WaitingPair> waiting;  // a heap
+  std::vector<MovingPair> waiting;  // a heap
 };
 
 EarliestTouchQuery::EarliestTouchQuery() : state_(std::make_unique<State>()) {}
@@ -100,22 +100,22 @@ EarliestTouch EarliestTouchQuery::run(const MovingSpheres& a, const MovingSphere
   const double margin = options.distance + a.wider_ + b.wider_;
   const std::size_t most = options.budget.is_tests() ? static_cast<std::size_t>(options.budget.tests())
                                                      : std::numeric_limits<std::size_t>::max();
-  std::vector<WaitingPair>& waiting = state_->waiting;
+  std::vector<MovingPair>& waiting = state_->waiting;
   waiting.clear();
   // Children own parts of what their parents own: a time for the parents holds for them.
   const auto push = [&](std::uint32_t node_a, std::uint32_t node_b, double inherited) {
     ++answer.sphere_tests;
     const double time = std::max(
         inherited, first_touch({a.start_[node_a], a.end_[node_a]}, {b.start_[node_b], b.end_[node_b]}, margin));
-    if (time == never) return;
+    if (time == no_touch) return;
     waiting.push_back({time, node_a, node_b});
-    std::push_heap(waiting.begin(), waiting.end(), comes_later);
+    std::push_heap(waiting.begin(), waiting.end(), touches_later);
   };
   const SphereTree &tree_a = a.tree(), &tree_b = b.tree();
   push(0, 0, 0);
   while (!waiting.empty()) {
     check_interrupt();
-    const WaitingPair first = waiting.front();
+    const MovingPair first = waiting.front();
     const bool both = tree_a.is_leaf(first.a) && tree_b.is_leaf(first.b);
     if (both || answer.sphere_tests >= most) {
       answer.time = first.time;
@@ -123,7 +123,7 @@ EarliestTouch EarliestTouchQuery::run(const MovingSpheres& a, const MovingSphere
       answer.complete = both;
       return answer;
     }
-    std::pop_heap(waiting.begin(), waiting.end(), comes_later);
+    std::pop_heap(waiting.begin(), waiting.end(), touches_later);
     waiting.pop_back();
     const double size_a = std::max(a.start_[first.a].radius, a.end_[first.a].radius);
     const double size_b = std::max(b.start_[first.b].radius, b.end_[first.b].radius);

@@ -19,7 +19,7 @@ constexpr double slack_share = 0.05, moves_ahead = 4;
 
 enum Flag : std::uint8_t { moved = 1, newly_placed = 2, removed = 4 };
 
-bool is_usable(const Box& box) {
+bool is_usable_box(const Box& box) {
   const Vec3 all = box.lower + box.upper + box.extent();
   return !box.is_empty() && std::isfinite(all.x) && std::isfinite(all.y) && std::isfinite(all.z);
 }
@@ -123,7 +123,7 @@ BroadPhase& BroadPhase::operator=(BroadPhase&&) noexcept = default;
 
 std::uint32_t BroadPhase::add(const Box& box, bool is_static) {
   const StandardFloats standard;
-  if (!is_usable(box)) throw std::invalid_argument("a box of the broad phase is empty or not finite");
+  if (!is_usable_box(box)) throw std::invalid_argument("a box of the broad phase is empty or not finite");
   State& s = *state_;
   // Memory is allocated first: if that fails, nothing has changed.
   // mutant broad-memory-later: `  s.reserve();` -> `;`
@@ -157,7 +157,7 @@ void BroadPhase::remove(std::uint32_t number) {
 Status BroadPhase::move(std::uint32_t number, const Box& box) {
   const StandardFloats standard;
   State& s = *state_;
-  if (!s.has(number) || !is_usable(box)) return {.code = Status::Code::bad_option, .index = number};
+  if (!s.has(number) || !is_usable_box(box)) return {.code = Status::Code::bad_option, .index = number};
   State::Entry& entry = s.entries[number];
   const Vec3 way = box.center() - entry.box.center();
   entry.box = box;

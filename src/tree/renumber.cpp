@@ -8,16 +8,16 @@
 namespace morula {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::uint32_t unnumbered = 0xffffffffu;
 
 // The new number of each old vertex.
 std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order, std::size_t vertex_count) {
   if (order.size() != vertex_count)
     throw std::invalid_argument("an order of " + std::to_string(order.size()) + " vertices for " +
                                 std::to_string(vertex_count));
-  std::vector<std::uint32_t> number(vertex_count, none);
+  std::vector<std::uint32_t> number(vertex_count, unnumbered);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
-    if (order[i] >= vertex_count || number[order[i]] != none)
+    if (order[i] >= vertex_count || number[order[i]] != unnumbered)
       throw std::invalid_argument("the order does not name every vertex once: entry " + std::to_string(i) + " is " +
                                   std::to_string(order[i]));
     number[order[i]] = i;

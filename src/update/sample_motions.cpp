@@ -15,7 +15,7 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Box box_along_x(std::span<const Vec3> rest) {
   Box box;

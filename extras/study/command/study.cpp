@@ -55,7 +55,7 @@ int study_shard(const StudyArguments& o, const study::Plan& plan, const Shard& s
   return exit_done;
 }
 
-std::string text_of(const study::TableValue& value) {
+std::string cell_text(const study::TableValue& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* number = std::get_if<double>(&value)) return toolbox::figure(*number);
   if (const auto* count = std::get_if<std::size_t>(&value)) return std::to_string(*count);
@@ -74,7 +74,7 @@ std::string asked_tables(const study::Study& study) {
       return texts;
     };
     Table shown(kept(table.columns, [](const std::string& column) { return column; }), 3);
-    for (const std::vector<study::TableValue>& row : table.rows) shown.add(kept(row, text_of));
+    for (const std::vector<study::TableValue>& row : table.rows) shown.add(kept(row, cell_text));
     text += fmt::format("\n{}\n{}\n{}", table.title, wrapped(table.note), shown.text());
   }
   return text;

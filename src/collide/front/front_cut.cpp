@@ -8,8 +8,6 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::uint32_t none = Front::none;
-
 bool holds(const NodeRange& range, std::uint32_t node) {
   return node >= range.first && node - range.first < range.count;
 }
@@ -21,13 +19,14 @@ template <class F>
 void FrontWalk::each_verdict(const F& f) const {
   for (std::uint32_t i = 0; i < front.pairs.size(); ++i)
     if (front.pairs[i].roots != Front::Verdict::untested)
-      f(Front::Waiting{0, 0, i, 0, 0, 0, none, none}, front.pairs[i].roots == Front::Verdict::overlapping);
+      f(Front::Waiting{0, 0, i, 0, 0, 0, Front::none, Front::none},
+        front.pairs[i].roots == Front::Verdict::overlapping);
   for (const Front::Opened& opened : front.opened) {
     const TreePair& trees = trees_[opened.pair];
     const NodeRange a = trees.below_a(opened.a, opened.depth), b = trees.below_b(opened.b, opened.depth);
     for (std::uint32_t j = 0; j < b.count; ++j)
       for (std::uint32_t i = 0; i < a.count; ++i)
-        f(Front::Waiting{0, 0, opened.pair, a.first + i, b.first + j, opened.depth + 1, none, none},
+        f(Front::Waiting{0, 0, opened.pair, a.first + i, b.first + j, opened.depth + 1, Front::none, Front::none},
           (front.masks[opened.first_mask + j] >> i & 1) != 0);
   }
 }
@@ -35,8 +34,8 @@ void FrontWalk::each_verdict(const F& f) const {
 void FrontWalk::adopt(Front other) {
   front = std::move(other);
   opened_before_.clear();
-  roots_before_.assign(front.pairs.size(), none);
-  for (Front::Waiting& pair : front.waiting) pair.before = none;
+  roots_before_.assign(front.pairs.size(), Front::none);
+  for (Front::Waiting& pair : front.waiting) pair.before = Front::none;
   records_paths_ = !front.pairs.empty() && !front.pairs[0].a.spheres.empty();
 }
 
@@ -77,17 +76,17 @@ bool FrontWalk::is_well_formed() const {
   };
   for (std::uint32_t i = 0; i < front.pairs.size(); ++i) {
     const std::uint32_t roots = front.pairs[i].opened_roots;
-    if (roots == none) continue;
+    if (roots == Front::none) continue;
     if (roots >= count) return false;
     const Front::Opened& pair = front.opened[roots];
     if (pair.pair != i || pair.a != 0 || pair.b != 0 || pair.depth != 0) return false;
   }
   for (const Front::Waiting& pair : front.waiting)
-    if (!has_node(pair.pair, pair.a, pair.b) || (pair.above != none && pair.above >= count)) return false;
+    if (!has_node(pair.pair, pair.a, pair.b) || (pair.above != Front::none && pair.above >= count)) return false;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Front::Opened& pair = front.opened[i];
     if (!has_node(pair.pair, pair.a, pair.b)) return false;
-    if (pair.next_beside != none && pair.next_beside >= i) return false;
+    if (pair.next_beside != Front::none && pair.next_beside >= i) return false;
     const SphereTree& tree_a = pairs[pair.pair].a->tree();
     const SphereTree& tree_b = pairs[pair.pair].b->tree();
     const auto below = [&](const SphereTree& tree, std::uint32_t node) {
@@ -99,12 +98,12 @@ bool FrontWalk::is_well_formed() const {
     if (pair.first_mask > front.masks.size() || front.masks.size() - pair.first_mask < below_b.count) return false;
     for (std::uint32_t j = 0; j < below_b.count && below_a.count < 64; ++j)
       if (front.masks[pair.first_mask + j] >> below_a.count != 0) return false;
-    if (pair.first_below != none && pair.first_below <= i) return false;
-    for (std::uint32_t k = pair.first_below; k != none; k = front.opened[k].next_beside) {
+    if (pair.first_below != Front::none && pair.first_below <= i) return false;
+    for (std::uint32_t k = pair.first_below; k != Front::none; k = front.opened[k].next_beside) {
       if (k >= count) return false;
       const Front::Opened& child = front.opened[k];
       if (child.pair != pair.pair || child.depth != pair.depth + 1 || !holds(below_a, child.a) ||
-          !holds(below_b, child.b) || (child.next_beside != none && child.next_beside >= k))
+          !holds(below_b, child.b) || (child.next_beside != Front::none && child.next_beside >= k))
         return false;
     }
   }

@@ -11,13 +11,12 @@
 #include "collide/pairs/placed_spheres.hpp"
 #include "collide/require.hpp"
 #include "collide/shapes/placed_shapes.hpp"
+#include "geometry/infinity.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void sort_lists(Touch& result) {
   std::sort(result.leaves.begin(), result.leaves.end());

@@ -10,13 +10,12 @@
 #include "collide/require.hpp"
 #include "collide/shapes/placed_shapes.hpp"
 #include "geometry/exact_predicates.hpp"
+#include "geometry/infinity.hpp"
 #include "parallel/float_environment.hpp"
 
 namespace morula {
 using namespace detail;
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The ray as the axis of sheared coordinates [woop2013].
 class ShearedRay {

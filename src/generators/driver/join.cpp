@@ -13,16 +13,16 @@
 namespace morula::detail {
 namespace {
 
-struct Pair {
+struct NodePair {
   double radius;
   std::size_t first, second;
-  bool operator<(const Pair& other) const {
+  bool operator<(const NodePair& other) const {
     return std::tie(radius, first, second) < std::tie(other.radius, other.first, other.second);
   }
 };
 
-std::vector<Pair> pairs_by_radius(const std::vector<BuildNode>& nodes) {
-  std::vector<Pair> pairs;
+std::vector<NodePair> pairs_by_radius(const std::vector<BuildNode>& nodes) {
+  std::vector<NodePair> pairs;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     for (std::size_t j = i + 1; j < nodes.size(); ++j)
       pairs.push_back({common_radius(nodes[i].sphere, nodes[j].sphere), i, j});

@@ -12,7 +12,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float infinite_cost = std::numeric_limits<float>::infinity();
 // A small share of a ball's whole volume joins its cost, so that the smaller of two balls without empty space is
 // better.
 constexpr float whole_volume_share = 0.001F;
@@ -52,10 +52,10 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
   const float longest_step = first_step * smallest, of_steps = 2.02F;
   grid.prepare(middle, smallest + of_steps * longest_step, overlap_weight);
 
-  GroupBall about{middle, smallest, infinity};  // the best so far; the next evaluations are a step from it
+  GroupBall about{middle, smallest, infinite_cost};  // the best so far; the next evaluations are a step from it
   const auto evaluate = [&](const Vec3f& center, float enough) {
     const float radius = std::max(least_radius, farthest_from(points, center));
-    if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinity};
+    if (!grid.is_inside(center, radius)) return GroupBall{center, radius, infinite_cost};
     if (!grid.is_prepared(center, radius)) {
       const Vec3f step = center - about.center;
       const float length = std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z);
@@ -67,7 +67,7 @@ GroupBall fit_ball(OutsideGrid& grid, const GroupPoints& points, std::span<const
     if (ball.cost < about.cost) about = ball;
     return ball;
   };
-  GroupBall best = evaluate(middle, infinity);
+  GroupBall best = evaluate(middle, infinite_cost);
   for (const Vec3f& start : starts)
     if (const GroupBall other = evaluate(start, best.cost); other.cost < best.cost) best = other;
   return compass_search(best, smallest, first_step, last_step, evaluate);

@@ -12,8 +12,6 @@
 namespace morula::detail {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-
 class SeedSearch {
  public:
   SeedSearch(std::span<const GroupBall> candidates, const GroupPoints& points, Dilation dilation)
@@ -63,7 +61,7 @@ class SeedSearch {
         for (std::size_t i = 0; i < points_; ++i)
           if (owner[i] == s) own.push_back(static_cast<std::uint32_t>(i));
         if (own.empty()) continue;
-        float smallest = infinity;
+        float smallest = std::numeric_limits<float>::infinity();
         std::size_t at = seeds[s];
         for (std::size_t c = 0; c < candidates_; ++c) {
           const float* const row = &growth_[c * points_];
@@ -110,7 +108,7 @@ class SeedSearch {
   }
 
   void assign(const std::vector<std::size_t>& seeds, std::vector<std::uint8_t>& owner) const {
-    std::vector<float> least(points_, infinity);
+    std::vector<float> least(points_, std::numeric_limits<float>::infinity());
     for (std::size_t s = 0; s < seeds.size(); ++s) {
       const float* const row = &growth_[seeds[s] * points_];
       for (std::size_t i = 0; i < points_; ++i)

@@ -9,17 +9,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "generators/reduce/sample_columns.hpp"
+#include "geometry/infinity.hpp"
 #include "medial/shrunken_balls.hpp"
 #include "medial/voronoi_balls.hpp"
 #include "parallel/interruption.hpp"
 
 namespace morula::detail {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Limits for `branching` spheres: enough balls to choose from, few enough to be fast.
 struct Budget {

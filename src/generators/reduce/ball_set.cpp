@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "generators/reduce/sample_columns.hpp"
+#include "geometry/infinity.hpp"
 
 namespace morula::detail {
 
@@ -21,8 +21,6 @@ BallSet::BallSet(std::vector<Sphere> balls, std::vector<double> distances, std::
 }
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The ball whose surface is nearest to sample k, from inside or outside; set must not be empty.
 std::size_t nearest_surface(const BallSet& set, std::size_t k) {

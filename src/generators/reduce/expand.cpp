@@ -8,16 +8,14 @@
 // samples, and exchanges between the chosen and all others follow, which the published search does not have.
 
 #include <algorithm>
-#include <limits>
 
 #include "generators/fit/fit_kernels.hpp"
 #include "generators/fit/greedy_rows.hpp"
 #include "generators/reduce/ball_set.hpp"
+#include "geometry/infinity.hpp"
 
 namespace morula::detail {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 class Expansion {
  public:

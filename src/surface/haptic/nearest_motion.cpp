@@ -68,11 +68,11 @@ class HeldRows {
 };
 
 constexpr int most_changes = 200;
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_side = std::numeric_limits<std::uint32_t>::max();
 
 std::uint32_t most_violated(std::span<const KeptMotions> sides, const Motion& x, double tolerance) {
   double worst = tolerance;
-  std::uint32_t found = none;
+  std::uint32_t found = no_side;
   for (std::uint32_t k = 0; k < sides.size(); ++k) {
     const double miss = sides[k].offset - product(sides[k].row, x);
     if (miss > worst) worst = miss, found = k;
@@ -118,7 +118,7 @@ NearestMotion nearest_motion(const Motion& goal, std::span<const KeptMotions> si
   HeldRows held;
   for (int changes = 0;;) {
     const std::uint32_t violated = most_violated(sides, result.motion, tolerance);
-    if (violated == none) break;
+    if (violated == no_side) break;
     if (!hold(sides, violated, held, result.motion, changes)) {
       NearestMotion impossible;
       impossible.motion = goal, impossible.exists = false;

@@ -8,7 +8,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::uint64_t all_bits = ~std::uint64_t{0};
+constexpr std::uint64_t all_neighbors = ~std::uint64_t{0};
 
 }  // namespace
 
@@ -144,7 +144,7 @@ void RingRowMaker::add_block(RingRow& row, std::uint32_t a, std::uint32_t b) {
     return std::all_of(row.masks.begin() + static_cast<std::ptrdiff_t>(first), row.masks.end(),
                        [&](std::uint64_t mask) { return mask == bits; });
   };
-  const bool are_all = are(all_bits);
+  const bool are_all = are(all_neighbors);
   if (!are_all && !are(0)) {
     row.entries.push_back({b, b, static_cast<std::uint32_t>(first)});
     return;
@@ -157,7 +157,7 @@ void RingRowMaker::add_block(RingRow& row, std::uint32_t a, std::uint32_t b) {
 void RingRowMaker::add_masks(RingRow& row, bool is_one_block) const {
   const auto add = [&](const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
     const std::size_t groups_b = (b.size() + 7) / 8, first = row.masks.size();
-    row.masks.resize(first + (a.size() + 7) / 8 * groups_b, all_bits);
+    row.masks.resize(first + (a.size() + 7) / 8 * groups_b, all_neighbors);
     for (std::size_t i = 0; i < a.size(); ++i)
       for (std::size_t j = 0; j < b.size(); ++j)
         row.masks[first + i / 8 * groups_b + j / 8] &= ~(std::uint64_t{(a[i] & b[j]) == 0} << (i % 8 * 8 + j % 8));

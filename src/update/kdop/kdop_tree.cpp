@@ -22,8 +22,8 @@ namespace morula {
 using namespace detail;
 namespace {
 
-constexpr std::size_t leaves_per_chunk = 16;
-constexpr std::size_t nodes_per_chunk = 256;
+constexpr std::size_t kdop_leaves_per_chunk = 16;
+constexpr std::size_t kdop_nodes_per_chunk = 256;
 
 // Directions in the order of the kernel's slabs.
 std::vector<Vec3> slab_directions(int k) {
@@ -91,7 +91,7 @@ struct KDopTree::State {
 
   void measure_leaves(const Rounding& rounding, Workers& workers) noexcept {
     const SlabKernel extents_of = slab_kernels(k).back();
-    parallel_for(workers, leaves.size(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+    parallel_for(workers, leaves.size(), kdop_leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t leaf = begin; leaf < end; ++leaf) {
         float *const low = lower(leaves[leaf]), *const high = upper(leaves[leaf]);
         const auto in_runs = std::span(runs).subspan(run_begin[leaf], run_begin[leaf + 1] - run_begin[leaf]);
@@ -122,7 +122,7 @@ struct KDopTree::State {
     measure_leaves(frame.rounding, workers);
     for (std::size_t level = tree.level_count(); level-- > 0;) {
       const std::uint32_t first = tree.level_begin[level];
-      parallel_for(workers, tree.level_begin[level + 1] - first, nodes_per_chunk,
+      parallel_for(workers, tree.level_begin[level + 1] - first, kdop_nodes_per_chunk,
                    [&](std::size_t begin, std::size_t end) {
                      for (auto node = static_cast<std::uint32_t>(first + begin); node < first + end; ++node)
                        if (!tree.is_leaf(node)) unite(node);

@@ -12,13 +12,13 @@ namespace {
 
 using Real = long double;
 
-struct Weights {
+struct CornerWeights {
   std::array<Real, 3> of_vertex{};  // weights of the facet's vertices
   bool on_facet = true;
 };
 
-Weights weights_of(const Cover& cover, const Facet& facet, std::uint32_t corner) {
-  Weights result;
+CornerWeights weights_of(const Cover& cover, const Facet& facet, std::uint32_t corner) {
+  CornerWeights result;
   const auto add = [&](std::uint32_t vertex, Real weight) {
     if (weight == 0) return;
     const auto found = std::find(facet.begin(), facet.end(), vertex);
@@ -41,15 +41,16 @@ struct Direction {
 };
 
 // Largest distance by which a line separates a point from all of `others`; not positive inside their hull.
-Real separation(const Weights& point, const std::vector<Weights>& others) {
-  const auto x = [](const Weights& w) { return w.of_vertex[1]; };
-  const auto y = [](const Weights& w) { return w.of_vertex[2]; };
+Real separation(const CornerWeights& point, const std::vector<CornerWeights>& others) {
+  const auto x = [](const CornerWeights& w) { return w.of_vertex[1]; };
+  const auto y = [](const CornerWeights& w) { return w.of_vertex[2]; };
   Real most = -1;
   const auto try_direction = [&](Direction d) {
     const Real length = std::hypot(d.x, d.y);
     if (!(length > 0)) return;
     Real gap = 4;
-    for (const Weights& o : others) gap = std::min(gap, (d.x * (x(point) - x(o)) + d.y * (y(point) - y(o))) / length);
+    for (const CornerWeights& o : others)
+      gap = std::min(gap, (d.x * (x(point) - x(o)) + d.y * (y(point) - y(o))) / length);
     most = std::max(most, gap);
   };
   for (std::size_t i = 0; i < others.size(); ++i) {
@@ -91,7 +92,7 @@ std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree
         faults.push_back("node " + std::to_string(node) + " does not look at leaf " + std::to_string(order.leaves[k]));
 
   std::map<std::uint32_t, std::vector<std::uint32_t>> owned_in_facet;
-  std::vector<Weights> surrounding;
+  std::vector<CornerWeights> surrounding;
   for (std::uint32_t node = 0; node < tree.node_count(); ++node) {
     const std::uint32_t leaf_begin = order.begin[node], leaf_end = order.end[node];
     const auto flags = needs_cut_points.subspan(leaf_begin, leaf_end - leaf_begin);
@@ -115,10 +116,10 @@ std::vector<std::string> ownership_faults(const MeshView& mesh, const SphereTree
         if (is_tested(c)) surrounding.push_back(weights_of(cover, facet, c));
       for (const std::uint32_t v : facet)
         if (is_tested(v)) surrounding.push_back(weights_of(cover, facet, v));
-      std::erase_if(surrounding, [](const Weights& w) { return !w.on_facet; });
+      std::erase_if(surrounding, [](const CornerWeights& w) { return !w.on_facet; });
       for (const std::uint32_t c : owned) {
         if (is_tested(c)) continue;
-        const Weights at = weights_of(cover, facet, c);
+        const CornerWeights at = weights_of(cover, facet, c);
         // Extended precision rounds far less than a double's last place.
         // mutant owned-check-sees-nothing: `allowed` -> `2 + allowed`
         if (!at.on_facet || surrounding.empty() || separation(at, surrounding) > allowed + 0x1p-58L)

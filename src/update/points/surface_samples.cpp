@@ -19,7 +19,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // Halves parts along the longest side until they are blocks, so that every block is compact.
 void sort_compactly(std::span<std::uint32_t> order, std::span<const Vec3f> points) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double least_gain = 0.02, least_less = 0.008;
 // If the volume of a tree's spheres exceeds that at its build by this factor, other trees are evaluated in each frame,
 // whatever their expected score.
-constexpr double grown = 1.15;
+constexpr double much_growth = 1.15;
 // Other trees evaluated in one frame: one, or as many as test so many points together, about 8 us, but no more than
 // eight.
 // mutant known-seen-one-of-small-bodies: `8` -> `1`
@@ -106,7 +106,7 @@ TreeVersion& TreeVersions::tree_for_this_pose() noexcept {
 // spheres is measured, so it decides.
 TreeVersion& TreeVersions::tightest_evaluated(std::uint64_t frame, const PositionView& positions,
                                               Workers& workers) noexcept {
-  const bool has_grown = present_->growth() > grown;
+  const bool has_grown = present_->growth() > much_growth;
   TreeVersion* best = present_;
   // mutant known-seen-decides: `(1 - least_less)` -> `0.9`
   double least = (1 - least_less) * present_->taken_up();

@@ -23,7 +23,7 @@ namespace morula::detail {
 
 namespace {
 
-constexpr std::size_t leaves_per_chunk = 4 * nodes_at_once;
+constexpr std::size_t bounds_per_chunk = 4 * nodes_at_once;
 // Limit, in radii, of points that may become the nearest to a leaf's center.
 constexpr float farthest_near = 2;
 // A leaf whose cost is at most this times its cost at the tree's own pose is good: a rigid motion changes no cost by
@@ -48,7 +48,7 @@ LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::ui
   const std::size_t padded = (leaf_count + nodes_at_once - 1) / nodes_at_once * nodes_at_once;
   cores_.resize(padded * core_size), near_.resize(padded * near_size);
   enough_.resize(padded, std::numeric_limits<float>::infinity());
-  parallel_for(workers, leaf_count, leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, leaf_count, bounds_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<LocalPoint> inverted;
     std::vector<std::uint32_t> around, listed;
     std::array<std::uint32_t, near_size> near;
@@ -86,9 +86,9 @@ LeafFits::LeafFits(std::span<const std::uint32_t> nodes, std::span<const std::ui
 }
 
 void LeafFits::move(std::span<const LocalPoint> points, std::span<Spheref> spheres, Workers& workers) const noexcept {
-  static_assert(leaves_per_chunk % nodes_at_once == 0);
+  static_assert(bounds_per_chunk % nodes_at_once == 0);
   const Uninterrupted whole;
-  parallel_for(workers, nodes_.size(), leaves_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, nodes_.size(), bounds_per_chunk, [&](std::size_t begin, std::size_t end) {
     std::array<LocalPoint, nodes_at_once> centers;
     for (std::size_t first = begin; first < end; first += nodes_at_once) {
       const std::size_t count = std::min(nodes_at_once, end - first);
@@ -144,7 +144,7 @@ void NearbyPoints::add(const Sphere& around, Marks& points) const {
   }
 }
 
-constexpr std::size_t nodes_per_chunk = PackedCores::nodes_per_chunk;
+constexpr std::size_t cores_per_chunk = PackedCores::nodes_per_chunk;
 
 // One flag per node: whether it has this rule.
 std::vector<std::uint8_t> nodes_with(std::span<const Rule> rule_of_node, Rule rule) {
@@ -193,13 +193,13 @@ ExactRule::ExactRule(const Binding& binding)
   const std::size_t node_count = walk_.nodes().size();
   std::vector<std::uint32_t> cores(core_size * node_count), levels;
   std::vector<float> radii(node_count);
-  std::vector<Anchors> chunks((node_count + nodes_per_chunk - 1) / nodes_per_chunk);
+  std::vector<Anchors> chunks((node_count + cores_per_chunk - 1) / cores_per_chunk);
   const NearbyPoints nearby(binding.mesh, binding.model.tree, binding.order, binding.ownership);
-  parallel_for(binding.workers, node_count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(binding.workers, node_count, cores_per_chunk, [&](std::size_t begin, std::size_t end) {
     Marks scratch(binding.local.points().size());
     for (std::size_t k = begin; k < end; ++k) {
       radii[k] = find_core(binding, walk_.nodes()[k], std::span(cores).subspan(core_size * k, core_size));
-      tie_center(binding, walk_.nodes()[k], nearby, scratch, chunks[begin / nodes_per_chunk]);
+      tie_center(binding, walk_.nodes()[k], nearby, scratch, chunks[begin / cores_per_chunk]);
     }
   });
   for (const Anchors& chunk : chunks) anchors_.append(chunk);
@@ -219,13 +219,13 @@ void ExactRule::update(const RuleFrame& frame, std::size_t node_end, std::span<S
                        Workers& workers) noexcept {
   const Uninterrupted whole;
   const std::size_t count = place_of(node_end);
-  parallel_for(workers, count, nodes_per_chunk,
+  parallel_for(workers, count, cores_per_chunk,
                [&](std::size_t begin, std::size_t end) { move_centers(begin, end, frame.points, spheres); });
   if (fits_) fits_->move(frame.points, spheres, workers);
   walk_.measure_first(count, frame.points, spheres, workers);
   incremental_->forget();
   rounding_ = frame.rounding;
-  parallel_for(workers, count, 4 * nodes_per_chunk,
+  parallel_for(workers, count, 4 * cores_per_chunk,
                [&](std::size_t begin, std::size_t end) { set_radii(begin, end, spheres); });
 }
 
@@ -254,7 +254,7 @@ Vec3f ExactRule::center(std::uint32_t k, std::span<const LocalPoint> points) con
 
 void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const LocalPoint> points,
                              std::span<Spheref> spheres) const noexcept {
-  std::array<LocalPoint, nodes_per_chunk> centers{};
+  std::array<LocalPoint, cores_per_chunk> centers{};
   anchors_.centers(begin, end, points, centers.data());
   for (std::size_t lane = begin; lane < end; lane += nodes_at_once) {
     const PackedCores::Group group = cores_.group(lane / nodes_at_once);
@@ -270,7 +270,7 @@ void ExactRule::move_centers(std::size_t begin, std::size_t end, std::span<const
 }
 
 void ExactRule::set_radii(std::size_t begin, std::size_t end, std::span<Spheref> spheres) const noexcept {
-  std::array<float, 4 * nodes_per_chunk> norms, radii;
+  std::array<float, 4 * cores_per_chunk> norms, radii;
   for (std::size_t k = begin; k < end; ++k) norms[k - begin] = max_norm(spheres[walk_.nodes()[k]].center);
   kernels().covering_radii(&walk_.squared_reaches()[begin], norms.data(), end - begin, rounding_.allowances(),
                            radii.data());
@@ -296,8 +296,8 @@ std::size_t ExactRule::update_changed(const RuleFrame& frame, const Marks& chang
 }
 
 void ExactRule::set_radii_of_all(std::span<Spheref> spheres) const noexcept {
-  for (std::size_t begin = 0; begin < walk_.nodes().size(); begin += 4 * nodes_per_chunk)
-    set_radii(begin, std::min(walk_.nodes().size(), begin + 4 * nodes_per_chunk), spheres);
+  for (std::size_t begin = 0; begin < walk_.nodes().size(); begin += 4 * cores_per_chunk)
+    set_radii(begin, std::min(walk_.nodes().size(), begin + 4 * cores_per_chunk), spheres);
 }
 
 void ExactRule::fit_leaves(const LeafOrder& order, std::span<const LocalPoint> points, std::span<const Spheref> spheres,

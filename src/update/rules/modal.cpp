@@ -36,7 +36,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 32;
+constexpr std::size_t modal_nodes_per_chunk = 32;
 
 // Displacements add up to less than this; with a rest body within largest_local_coordinate, all values computed from
 // them stay far inside the range of float.
@@ -190,7 +190,7 @@ void ModalRule::update(const RuleFrame& frame, std::size_t node_end, std::span<S
   const auto last = std::lower_bound(nodes_.begin(), nodes_.end(), node_end,
                                      [](const Node& n, std::size_t node) { return n.node < node; });
   const auto count = static_cast<std::size_t>(last - nodes_.begin());
-  parallel_for(workers, count, nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
+  parallel_for(workers, count, modal_nodes_per_chunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) spheres[nodes_[slot].node] = sphere_of(slot, *frame.modes);
   });
 }

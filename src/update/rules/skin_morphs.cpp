@@ -12,7 +12,7 @@
 namespace morula::detail {
 namespace {
 
-constexpr std::size_t nodes_per_chunk = 32;
+constexpr std::size_t morphed_nodes_per_chunk = 32;
 
 // A share of a vertex that follows a bone, which is numbered among the node's bones.
 struct VertexShare {
@@ -174,7 +174,7 @@ void SkinMorphs::begin(const BonePose& pose, Workers& workers) noexcept {
     bones_[b] = {{columns[0] - Vec3{1, 0, 0}, columns[1] - Vec3{0, 1, 0}, columns[2] - Vec3{0, 0, 1}},
                  largest_stretch(columns)};
   }
-  parallel_for(workers, nodes_.size(), nodes_per_chunk,
+  parallel_for(workers, nodes_.size(), morphed_nodes_per_chunk,
                [&](std::size_t begin, std::size_t end) { sum_rows(pose.morphs, begin, end); });
 }
 

@@ -25,7 +25,7 @@ namespace {
 
 // Like the limit for modes: with a rest body within largest_local_coordinate, all computed values stay far inside the
 // range of float.
-constexpr double largest_displacement = 0x1p55;
+constexpr double largest_motion = 0x1p55;
 
 }  // namespace
 
@@ -94,7 +94,7 @@ bool SkinPoser::accepts(std::span<const AffineTransform> transforms, const Morph
   for (first_bad = 0; first_bad < transforms.size(); ++first_bad) {
     // mutant skin-morph-range: `rest.motion + largest_weights_` -> `largest_weights_`
     const double motion = rest.motion + largest_weights_ * motion_of(transforms[first_bad], rest);
-    if (!(motion <= largest_displacement)) return false;
+    if (!(motion <= largest_motion)) return false;
   }
   first_bad = 0;
   return true;

@@ -20,7 +20,7 @@ namespace {
 // Times of an influence of a vertex that moves, and of a node's center, over that of a point that is tested.
 constexpr double cost_of_influence = 4, cost_of_node = 64;
 // Nodes that gain less on average are not measured: spheres grow by as much by rounding and by centers.
-constexpr double least_gain = 0.01;
+constexpr double least_gain_of_training = 0.01;
 // Largest gain at one pose: a measured sphere may have no volume.
 constexpr double most_gain = 1000;
 
@@ -140,7 +140,7 @@ class Selection {
   double cost_of_taking(std::uint32_t node) const { return own_cost_[node] + vertex_cost_[node]; }
   // Costs fall, so the last entry of a node is its first in the queue.
   void push(std::uint32_t node) {
-    if (gains_[node] >= least_gain) queue_.push({gains_[node] / cost_of_taking(node), node});
+    if (gains_[node] >= least_gain_of_training) queue_.push({gains_[node] / cost_of_taking(node), node});
   }
 
   // Calls visit(node) for each node of the tree that depends on the vertex.
