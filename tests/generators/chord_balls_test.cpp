@@ -8,6 +8,7 @@
 #include <cmath>
 #include <generators/fit/chord_balls.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <numbers>
 #include <support/meshes.hpp>
 
 namespace morula {
@@ -50,7 +51,7 @@ void expect_about_inscribed(std::span<const Sphere> balls, double thickest, cons
 
 TEST(ChordBalls, are_about_inscribed_in_a_capsule) {
   constexpr double radius = 0.5, length = 2;
-  const double s = gap(4 * M_PI * radius * radius + 2 * M_PI * radius * length);
+  const double s = gap(4 * std::numbers::pi * radius * radius + 2 * std::numbers::pi * radius * length);
   // The body is convex: from the surface's nearest point, samples lie on the near side of the plane across the way to
   // it.
   expect_about_inscribed(
@@ -61,14 +62,14 @@ TEST(ChordBalls, are_about_inscribed_in_a_capsule) {
 
 TEST(ChordBalls, are_about_inscribed_all_around_a_ring) {
   constexpr double ring = 1, tube = 0.35;
-  const double s = gap(4 * M_PI * M_PI * ring * tube);
+  const double s = gap(4 * std::numbers::pi * std::numbers::pi * ring * tube);
   const std::vector<Sphere> balls = balls_in(sample_body("torus", 32));
   expect_about_inscribed(
       balls, tube, [](const Vec3& p) { return tube - std::hypot(std::hypot(p.x, p.y) - ring, p.z); },
       [s](double deep) { return deep + s; });
   std::array<int, 12> of_sector{};
   for (const Sphere& ball : balls)
-    ++of_sector[static_cast<std::size_t>(6 + 5.999 * std::atan2(ball.center.y, ball.center.x) / M_PI)];
+    ++of_sector[static_cast<std::size_t>(6 + 5.999 * std::atan2(ball.center.y, ball.center.x) / std::numbers::pi)];
   for (const int count : of_sector) EXPECT_GT(count, 0);
 }
 

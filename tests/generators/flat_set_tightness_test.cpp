@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <morula/generators/build.hpp>
 #include <morula/geometry/sample_bodies.hpp>
+#include <numbers>
 #include <support/meshes.hpp>
 
 namespace morula {
@@ -95,7 +96,7 @@ TEST(FlatSetJudge, knows_the_volume_about_a_cube) {
   model.tree.branching = 8;
   const Sphere around{{0, 0, 0}, std::sqrt(4.5)};
   model.tree.append_level({}, std::span(&around, 1));
-  EXPECT_NEAR(Judge(bar).outside(model), 4.0 / 3 * M_PI * std::pow(4.5, 1.5) - 4, 0.1);
+  EXPECT_NEAR(Judge(bar).outside(model), 4.0 / 3 * std::numbers::pi * std::pow(4.5, 1.5) - 4, 0.1);
   EXPECT_NEAR(Judge(bar).volume(), 4, 0.1);
 }
 

@@ -182,9 +182,19 @@ void PatchEngine::complete(const PatchBodies& bodies, std::uint32_t patch, const
   Vec3 arm = cross(made.a.area_vector, made.a.moment) / squared_length(made.a.area_vector);
   if (!(length(arm) <= diagonals_[patch])) arm = {};
   const Vec3 center = made.centroid - regions_.origin() + arm;
-  const PatchFrame frame = frame_of(bodies.body[0]->transform(), result.known[patch].axis, made.normal, center);
-  for (std::size_t k = 0; k < 2; ++k) projected_[k].read(regions_, k, patch, frame);
-  if (options.depths) made.depth = depth_.of(projected_[0], projected_[1]);
+  const RigidTransform& transform = bodies.body[0]->transform();
+  PatchFrame frame;
+  const auto project = [&](int axis) {
+    frame = frame_of(transform, axis, made.normal, center);
+    for (std::size_t k = 0; k < 2; ++k) projected_[k].read(regions_, k, patch, frame);
+  };
+  // Points keep the axis of the step before; a depth that used it, too, would be rounded as earlier steps have it.
+  const int own_axis = axis_across(transform, made.normal), kept_axis = result.known[patch].axis;
+  if (options.depths) {
+    project(own_axis);
+    made.depth = depth_.of(projected_[0], projected_[1]);
+  }
+  if (options.max_points > 0 && (!options.depths || kept_axis != own_axis)) project(kept_axis);
   if (options.max_points > 0)
     points_.add(projected_[0], projected_[1], frame, options.max_points,
                 {-made.a.area_vector, cross(arm, made.a.area_vector) - made.a.moment}, bodies.body, regions_.origin(),
