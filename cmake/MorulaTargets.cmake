@@ -20,6 +20,12 @@ if(CMAKE_CXX_COMPILER_ID MATCHES "^(GNU|Clang|AppleClang)$" AND NOT MSVC)
   set(MORULA_NOT_OPTIMIZED -O0)
 endif()
 
+# Sources as programs of the target name them: Wine has the files of this machine on the drive Z:.
+set(MORULA_SOURCES "${PROJECT_SOURCE_DIR}")
+if(WIN32 AND NOT CMAKE_HOST_WIN32)
+  set(MORULA_SOURCES "Z:${PROJECT_SOURCE_DIR}")
+endif()
+
 # morula_configure(TARGET): what every target of ours is compiled with.
 function(morula_configure target)
   target_compile_features(${target} PUBLIC cxx_std_20)

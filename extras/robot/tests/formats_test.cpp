@@ -95,7 +95,7 @@ TEST_F(Formats, the_urdf_that_is_written_of_others_reads_back_the_same) {
     const robot::OutputOptions options{.folder = folder.path() / "out"};
     const auto files = robot::output_format("curobo")->write({read, {}, {}, options});
     ASSERT_EQ(files.size(), 2u) << "a planner needs a URDF";
-    EXPECT_NE(files[0].bytes.find((folder.path() / "out" / files[1].name).string()), std::string::npos);
+    EXPECT_NE(files[0].bytes.find((folder.path() / "out" / files[1].name).generic_string()), std::string::npos);
     const fs::path path = write("out/" + files[1].name, files[1].bytes);
     const robot::Robot back = robot::read_robot(path, {.package_paths = {arm + ".."}, .visual = true});
     const auto see = [&](robot::Robot r) {

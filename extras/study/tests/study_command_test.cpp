@@ -127,10 +127,10 @@ TEST_F(LongStudyCommand, writes_figures_in_the_formats_that_were_named) {
   bench().require(small + " -o formats --formats pdf,pgf");
   std::map<std::string, std::set<std::string>> stems;
   for (const auto& entry : std::filesystem::directory_iterator(bench() / "formats"))
-    stems[entry.path().extension()].insert(entry.path().stem());
+    stems[entry.path().extension().string()].insert(entry.path().stem().string());
   std::map<std::string, std::set<std::string>> usual;
   for (const auto& entry : std::filesystem::directory_iterator(bench() / "study"))
-    usual[entry.path().extension()].insert(entry.path().stem());
+    usual[entry.path().extension().string()].insert(entry.path().stem().string());
   EXPECT_EQ(stems.count(".svg"), 0u);
   EXPECT_EQ(stems[".pdf"], usual[".svg"]);
   EXPECT_TRUE(usual[".pdf"].empty() && usual[".pgf"].empty());

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "platform/path_text.hpp"
+#include "read/file_names.hpp"
 #include "write/text.hpp"
 
 namespace morula::robot {
@@ -100,7 +100,7 @@ std::filesystem::path asset_root(const Description& d) {
         if (shape.file.empty() || !shape.file_name.starts_with("package://")) continue;
         std::string rest = shape.file_name.substr(10);
         rest.erase(0, rest.find_first_not_of('/'));
-        const std::string file = platform::text_of(std::filesystem::absolute(shape.file));
+        const std::string file = name_of_path(std::filesystem::absolute(shape.file));
         if (file.ends_with("/" + rest)) return file.substr(0, file.size() - rest.size() - 1);
       }
     }
@@ -116,9 +116,9 @@ std::string curobo_text(const Description& d, bool old_keys) {
   const std::vector<double> rest = rest_values(robot), ones(joints.size(), 1.0);
   std::string text = fmt::format("# {}\n# {}\nrobot_cfg:\n  kinematics:\n", made_note(d), ignored_note(d));
   if (!old_keys) text += "    format_version: 2.0\n";
-  text += fmt::format("    urdf_path: {}\n    asset_root_path: {}\n    base_link: {}\n",
-                      quoted(platform::text_of(urdf_of(d))), quoted(platform::text_of(asset_root(d))),
-                      quoted(robot.links[robot.root].name));
+  text +=
+      fmt::format("    urdf_path: {}\n    asset_root_path: {}\n    base_link: {}\n", quoted(name_of_path(urdf_of(d))),
+                  quoted(name_of_path(asset_root(d))), quoted(robot.links[robot.root].name));
   if (old_keys) {
     text += fmt::format("    ee_link: {}\n    link_names: {}\n", quoted(tools.front()), quoted_list(tools));
   } else {

@@ -16,27 +16,27 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Names of meshes relative to the robot's file are written relative to where the copy will be.
+/// A name relative to the robot's file as a copy of it in `below` has it: absolute where no relative path leads there,
+/// as from one drive of Windows to another.
+std::string moved(const std::string& name, const Description& d, const std::string& below) {
+  const std::filesystem::path from = std::filesystem::absolute(d.options.folder / below).lexically_normal();
+  const std::filesystem::path to =
+      (std::filesystem::absolute(d.robot.file).parent_path() / platform::path_of(name)).lexically_normal();
+  const std::filesystem::path relative = to.lexically_relative(from);
+  return name_of_path(relative.empty() ? to : relative);
+}
+
 void move_meshes(XMLElement& visual, const Description& d, const std::string& below) {
   XMLElement* geometry = visual.FirstChildElement("geometry");
   XMLElement* mesh = geometry == nullptr ? nullptr : geometry->FirstChildElement("mesh");
   const char* name = mesh == nullptr ? nullptr : mesh->Attribute("filename");
   if (name == nullptr) return;
-  const std::string text = name;
-  if (is_absolute_name(text)) return;
-  const std::filesystem::path from = std::filesystem::absolute(d.options.folder / below).lexically_normal();
-  const std::filesystem::path to =
-      (std::filesystem::absolute(d.robot.file).parent_path() / platform::path_of(text)).lexically_normal();
-  set(mesh, "filename", name_of_path(to.lexically_relative(from)));
+  if (!is_absolute_name(name)) set(mesh, "filename", moved(name, d, below));
 }
 
 std::string place_of(const Shape& shape, const Description& d, const std::string& below) {
   if (shape.file_name.starts_with("model://")) return "package://" + shape.file_name.substr(8);
-  if (is_absolute_name(shape.file_name)) return shape.file_name;
-  const std::filesystem::path from = std::filesystem::absolute(d.options.folder / below).lexically_normal();
-  const std::filesystem::path to =
-      (std::filesystem::absolute(d.robot.file).parent_path() / platform::path_of(shape.file_name)).lexically_normal();
-  return name_of_path(to.lexically_relative(from));
+  return is_absolute_name(shape.file_name) ? shape.file_name : moved(shape.file_name, d, below);
 }
 
 void add_origin(XMLElement* to, const RigidTransform& pose) {
