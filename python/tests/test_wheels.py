@@ -98,6 +98,12 @@ def test_a_tag_promises_no_older_system_than_auditwheel_finds(wheels):
     assert not wheels.consistent(shown.replace("manylinux_2_{}", "linux"), "manylinux_2_28_x86_64")
 
 
+def test_a_wheel_for_windows_loads_what_every_windows_and_every_python_has(wheels):
+    shown = "\n".join(f"\tDLL Name: {name}" for name in ("python3.dll", "KERNEL32.dll", "api-ms-win-crt-math-l1-1-0.dll", "ntdll.dll"))
+    assert wheels.foreign_libraries(shown) == []
+    assert wheels.foreign_libraries(shown + "\n\tDLL Name: python312.dll\n\tDLL Name: libc++.dll\n") == ["python312.dll", "libc++.dll"]
+
+
 def test_every_pinned_package_has_its_license(wheels):
     for name, (_, _, licence) in wheels.THIRD_PARTY.items():
         assert (sources / f"licenses/{licence}.txt").is_file()
