@@ -108,7 +108,7 @@ def test_windows(wheel, tools):
         (folder / "done").touch()
     install(tools, folder / "installed", wheel, "3.12", "win_amd64")
     paths = ";".join("Z:" + str(folder / name).replace("/", "\\") for name in ("installed", "packages"))
-    run(wine, root / "python.exe", ROOT / "scripts/wheel_test", log=f"test-{wheel.stem}", cwd=folder,
+    run(wine, root / "python.exe", ROOT / "scripts/wheel_test", log=f"test-{wheel.stem}", cwd=folder, through_pipe=True,
         env={"PYTHONPATH": paths, "WINEPREFIX": str(folder / "prefix"), "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "winedbg.exe=d"})
     return "passed with Python 3.12 of Windows under Wine"
 

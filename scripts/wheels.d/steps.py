@@ -15,16 +15,18 @@ def say(text):
     print(f"wheels: {text}", flush=True)
 
 
-def run(*command, log, cwd=ROOT, env=None):
-    """Runs a command with its output in a log; stops with the log's end after a failure."""
+def run(*command, log, cwd=ROOT, env=None, through_pipe=False):
+    """Runs a command with its output in a log and no input; stops with the log's end after a failure. Through a pipe: for programs of
+    Windows, which under Wine cannot print to a file that they are given."""
     LOGS.mkdir(parents=True, exist_ok=True)
     path = LOGS / f"{log}.txt"
-    with path.open("w", encoding="utf-8") as file:
-        code = subprocess.run([str(part) for part in command], cwd=cwd, env={**os.environ, **(env or {})}, stdin=subprocess.DEVNULL,
-                              stdout=file, stderr=subprocess.STDOUT).returncode
+    with path.open("wb") as file:
+        done = subprocess.run([str(part) for part in command], cwd=cwd, env={**os.environ, **(env or {})}, input=b"",
+                              stdout=subprocess.PIPE if through_pipe else file, stderr=subprocess.STDOUT)
+        file.write(done.stdout or b"")
     text = path.read_text(encoding="utf-8", errors="replace")
-    if code:
-        raise RuntimeError(f"{command[0]} failed with {code}; the end of {path.relative_to(ROOT)}:\n" + text[-2000:])
+    if done.returncode:
+        raise RuntimeError(f"{command[0]} failed with {done.returncode}; the end of {path.relative_to(ROOT)}:\n" + text[-2000:])
     return text
 
 
