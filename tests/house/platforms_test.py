@@ -27,7 +27,23 @@ case $2-$PLANTED in
 *) two=2222222222222222 ;;
 esac
 printf '#!/bin/sh\\necho "1111111111111111 a tree"\\necho "%s an update"\\n' $two >"$2/bin/morula_bits"
-chmod +x "$2/bin/morula_bits"
+printf '#!/bin/sh\\n' >"$2/bin/example_c"
+printf '#!/bin/sh\\n[ $1 != robot ] || { mkdir -p robot; touch robot/spheres.json; }\\n' >"$2/bin/morula"
+cp part_of_a_test "$2/bin/shape_test"
+chmod +x "$2"/bin/*
+"""
+NINJA = """#!/bin/sh
+echo "cmake_object_order_depends_target_shape_test: phony"
+echo "shape_test: phony"
+"""
+# A test program of six tests, of which each of two parts runs three.
+PART_OF_A_TEST = """#!/bin/sh
+echo "[  PASSED  ] $((GTEST_TOTAL_SHARDS == 2 ? 2 : 99)) tests."
+case $PLANTED-$GTEST_SHARD_INDEX in
+failing-1) echo "[  FAILED  ] Shape.is_round (1 ms)"; exit 1 ;;
+crashing-0) exit 134 ;;
+*) echo "[  SKIPPED ] 1 test." ;;
+esac
 """
 OLD = "# a comment\n`windows-gnu`\tanother target\n`" + TARGET + "`\tan older result\n"
 
@@ -37,16 +53,16 @@ def plant():
     for name in ("scripts", "bin", "docs/_data", "build/third_party"):
         (folder / name).mkdir(parents=True)
     shutil.copy(repository / "scripts/platforms", folder / "scripts/platforms")
-    for path, text in (("scripts/zig", "#!/bin/sh\n"), ("bin/cmake", CMAKE)):
+    for path, text in (("scripts/zig", "#!/bin/sh\n"), ("bin/cmake", CMAKE), ("bin/ninja", NINJA), ("part_of_a_test", PART_OF_A_TEST)):
         (folder / path).write_text(text)
         (folder / path).chmod(0o755)
     (folder / "docs/_data/targets.tsv").write_text(OLD)
 
 
-def start(planted):
+def start(planted, *options):
     plant()
     environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "PLANTED": planted}
-    return subprocess.Popen([sys.executable, folder / "scripts/platforms", "--hashes", "--record", TARGET], cwd=folder, env=environment,
+    return subprocess.Popen([sys.executable, folder / "scripts/platforms", *(options or ["--hashes"]), "--record", TARGET], cwd=folder, env=environment,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
@@ -64,8 +80,8 @@ def expect(what, holds, output=""):
         faults.append(f"{what}\n{output}")
 
 
-def expect_row(planted, code, *columns):
-    run = start(planted)
+def expect_row(planted, code, *columns, options=()):
+    run = start(planted, *options)
     output = run.communicate()[0]
     lines = table().splitlines()
     expect(f"{planted}: exit code {run.returncode}", run.returncode == code, output)
@@ -76,6 +92,11 @@ def expect_row(planted, code, *columns):
 
 expect_row("nothing", 0, "the core", "not run", "not run", "2 of 2", "all but the core's hashes (--hashes)")
 expect_row("wrong", 1, "the core", "not run", "not run", "1 of 2", "all but the core's hashes (--hashes)")
+with_tests = {"options": ("--jobs", "2")}
+parts = "the core, files, robots and the command, C, 1 of 1 test programs"
+expect_row("nothing", 0, parts, "passed", "4 passed, 0 failed, 2 skipped", "2 of 2", "-", **with_tests)
+expect_row("failing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **with_tests)
+expect_row("crashing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **with_tests)
 expect_row("broken", 1, "no", "not run", "not run", "not run", "morula_bits does not compile; all but the core's hashes (--hashes)")
 
 ended = start("ended")
