@@ -172,8 +172,9 @@ std::vector<Environment> environments() {
 
 /// What tells one environment from another, by arithmetic alone.
 std::uint64_t fingerprint() {
-  volatile double one = 1, two = 2, three = 3, least = 0x1p-1074, half = 0.5, normal = 0x1p-1022;
-  const double results[] = {one / three, -one / three, two / three, least * one, normal * half, least + least};
+  volatile double one = 1, three = 3, ten = 10, least = 0x1p-1074, half = 0.5, normal = 0x1p-1022;
+  // To nearest, a third is rounded toward zero and a tenth away from it.
+  const double results[] = {one / three, -one / three, one / ten, least * one, normal * half, least + least};
   std::uint64_t hash = 0;
   for (const double r : results) hash = hash * 1000003 + std::bit_cast<std::uint64_t>(r);
 #if defined(__SSE2__)
