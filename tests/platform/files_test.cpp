@@ -184,8 +184,25 @@ TEST(PlatformFiles, kinds_and_names_are_told_apart) {
   bool is_file = true;
   const auto nothing = [](std::string_view) { FAIL() << "a folder is read"; };
   EXPECT_TRUE(platform::read_file(folder.path(), nothing, is_file) != 0 || !is_file);
-  EXPECT_TRUE(platform::is_mount_point(folder.path().root_path()));
   EXPECT_FALSE(platform::is_mount_point(folder.path()));
+}
+
+TEST(PlatformFiles, a_name_that_no_file_can_have_is_too_long) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / std::string(300, 'x');
+  int error = 0;
+  EXPECT_EQ(platform::kind_of(path, error), NodeKind::missing);
+  EXPECT_EQ(error, ENAMETOOLONG);
+  EXPECT_EQ(platform::create_file(path, false, error), -1);
+  EXPECT_EQ(error, ENAMETOOLONG);
+  EXPECT_EQ(platform::create_folder(path, false), ENAMETOOLONG);
+  write_whole(folder.path() / "a", "kept");
+  EXPECT_EQ(platform::rename_over(folder.path() / "a", path), ENAMETOOLONG);
+  EXPECT_EQ(bytes_of(folder.path() / "a"), "kept");
+}
+
+TEST(PlatformFiles, the_root_is_a_mount_point) {
+  EXPECT_TRUE(platform::is_mount_point(fs::current_path().root_path()));
 }
 
 TEST(PlatformFiles, two_folders_change_names_in_one_step_or_not_at_all) {

@@ -101,7 +101,7 @@ TEST(PlatformProcess, streams_lead_to_and_fro) {
   program.wait();
 }
 
-TEST(PlatformProcess, exit_codes_crashes_and_missing_programs_are_told_apart) {
+TEST(PlatformProcess, exit_codes_and_crashes_are_told_apart) {
   for (const int code : {0, 1, 2, 77, 130, 255}) {
     ChildProgram program(call({"exit", std::to_string(code)}), {});
     const platform::ProcessStatus status = program.wait();
@@ -115,6 +115,9 @@ TEST(PlatformProcess, exit_codes_crashes_and_missing_programs_are_told_apart) {
     EXPECT_EQ(status.code, 11);
     EXPECT_EQ(platform::signal_text(status.code), "Segmentation fault");
   }
+}
+
+TEST(PlatformProcess, a_missing_program_is_an_error) {
   for (const char* missing : {"morula-no-such-program", "./morula-no-such-program"}) {
     try {
       ChildProgram program({missing, "word"}, {});

@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <morula/io/files.hpp>
 #include <morula/io/mesh_file.hpp>
 #include <morula/io/spheres_file.hpp>
 #include <morula/io/whole_output.hpp>
 #include <platform/console.hpp>
+#include <platform/files.hpp>
 #include <system_error>
 
 #include "shared/command.hpp"
@@ -36,11 +38,12 @@ const MeshFileKind* mesh_kind(const std::string& ending) {
 /// What is at a path. Throws UsageError for a name that no file can have: a trial, which has a name of its own, would
 /// not notice it. Other errors are left to the trial.
 fs::file_status found_at(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status found = fs::status(path, error);
-  if (error == std::errc::filename_too_long)
+  int reason = 0;
+  platform::kind_of(path, reason);
+  if (reason == ENAMETOOLONG)
     throw UsageError(fmt::format("{}: the name is too long; choose a shorter one", path.string()));
-  return found;
+  std::error_code error;
+  return fs::status(path, error);
 }
 
 /// Throws UsageError if it is certain that there is no such folder. A trial says why others cannot be reached, such as

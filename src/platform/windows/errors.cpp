@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/windows/errors.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -10,6 +11,8 @@ namespace {
 
 // Names up to here, and the hidden names next to them, are within the limit of the system's calls.
 constexpr std::size_t longest_plain_name = 200;
+// UTF-16 units of a file's or folder's own name, in NTFS and FAT.
+constexpr std::size_t longest_own_name = 255;
 
 }  // namespace
 
@@ -66,6 +69,11 @@ int errno_of(DWORD error) {
     default:
       return EIO;
   }
+}
+
+int errno_of(DWORD error, const std::filesystem::path& path) {
+  const auto is_too_long = [](const std::filesystem::path& name) { return name.native().size() > longest_own_name; };
+  return error != ERROR_SUCCESS && std::any_of(path.begin(), path.end(), is_too_long) ? ENAMETOOLONG : errno_of(error);
 }
 
 int outcome(BOOL succeeded) {

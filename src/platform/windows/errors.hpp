@@ -23,6 +23,9 @@ namespace morula::platform {
 
 /// The errno that says the same as an error of Windows.
 int errno_of(DWORD error);
+/// The same for a call that names a path: ENAMETOOLONG if a name in it is longer than file systems take, which Windows
+/// reports as an invalid or a missing name.
+int errno_of(DWORD error, const std::filesystem::path& path);
 /// 0 if a call succeeded, otherwise the errno of its error.
 int outcome(BOOL succeeded);
 

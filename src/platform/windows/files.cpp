@@ -51,7 +51,7 @@ Path openable(const Path& path, std::size_t more) {
 
 NodeKind kind_of(const Path& path, int& error) {
   const Handle opened = open_to_look(path);
-  error = opened ? 0 : errno_of(GetLastError());
+  error = opened ? 0 : errno_of(GetLastError(), path);
   if (!opened) return NodeKind::missing;
   const DWORD type = GetFileType(opened.get());
   if (type == FILE_TYPE_CHAR) return NodeKind::device;
@@ -83,7 +83,7 @@ bool is_same_file(const Path& a, const Path& b) {
 int create_file(const Path& path, bool, int& error) {
   Handle opened(CreateFileW(system_name(path).c_str(), GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_DELETE, nullptr,
                             CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr));
-  error = opened ? 0 : errno_of(GetLastError());
+  error = opened ? 0 : errno_of(GetLastError(), path);
   if (!opened) return -1;
   const int file = _open_osfhandle(reinterpret_cast<intptr_t>(opened.get()), _O_BINARY | _O_WRONLY | _O_NOINHERIT);
   if (file < 0) {
@@ -97,7 +97,7 @@ int create_file(const Path& path, bool, int& error) {
 }
 
 int create_folder(const Path& path, bool) {
-  return outcome(CreateDirectoryW(system_name(path).c_str(), nullptr));
+  return CreateDirectoryW(system_name(path).c_str(), nullptr) != 0 ? 0 : errno_of(GetLastError(), path);
 }
 
 int append(int file, std::string_view bytes) {
@@ -179,7 +179,8 @@ int rename_over(const Path& from, const Path& to) {
     const bool is_protected = attributes != INVALID_FILE_ATTRIBUTES &&
                               (attributes & (FILE_ATTRIBUTE_READONLY | FILE_ATTRIBUTE_DIRECTORY)) != 0;
     const bool may_pass = error == ERROR_SHARING_VIOLATION || (error == ERROR_ACCESS_DENIED && !is_protected);
-    if (!may_pass || pause > 256) return may_pass && (is_open(old_name) || is_open(new_name)) ? EBUSY : errno_of(error);
+    if (!may_pass || pause > 256)
+      return may_pass && (is_open(old_name) || is_open(new_name)) ? EBUSY : errno_of(error, to);
     Sleep(pause);
   }
 }

@@ -3,14 +3,19 @@
 #include "platform/windows/launch.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <memory>
+#include <string>
 #include <system_error>
 
 namespace morula::platform {
 namespace {
 
 [[noreturn]] void fail(DWORD error, const char* text) {
-  throw std::system_error(errno_of(error), std::generic_category(), text);
+  const int number = errno_of(error);
+  if (number != EIO) throw std::system_error(number, std::generic_category(), text);
+  throw std::system_error(number, std::generic_category(),
+                          std::string(text) + ", error " + std::to_string(error) + " of Windows");
 }
 
 /// The list of handles that a program inherits, and nothing else.
