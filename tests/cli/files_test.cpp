@@ -61,7 +61,11 @@ TEST(Outputs, none_is_an_input_of_the_same_command) {
   }
   if (bench.has_page()) commands.emplace_back("view bar.obj bar.morula -o link.html");
   for (const std::string& command : commands) bench.expect_refused(command, "is also what is read");
+#ifdef _WIN32  // which drops ".." and the name before it unread
+  bench.expect_refused("convert bar.morula bar.obj/../bar.morula", "is also what is read");
+#else
   bench.expect_refused("convert bar.morula bar.obj/../bar.morula", "there is no folder bar.obj/..");
+#endif
   bench.expect_refused("convert bar.morula bar.obj/bar.sph", "bar.obj is a file, not a folder");
   bench.expect_refused("update bar.obj spheres/0002.sph motion -o spheres", "would replace spheres/0002.sph");
   bench.expect_refused("deform motion/0000.obj -o motion --twist 40 --frames 3", "would replace motion/0000.obj");

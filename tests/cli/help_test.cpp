@@ -152,7 +152,13 @@ TEST(NextSteps, of_other_files_and_folders_name_a_command_that_takes_them) {
 TEST(NextSteps, of_a_wrong_word_repeat_the_line_with_the_right_one) {
   const Workbench bench;
   bench.expect_refused("buidl", "unknown command 'buidl'; did you mean build? See morula build --help\n");
-  bench.expect_refused("buidl 'a b.obj' -o a.morula", "did you mean build? Try morula build 'a b.obj' -o a.morula\n");
+#ifdef _WIN32
+  const std::string quoted = "\"a b.obj\"";  // as cmd.exe takes it, too
+#else
+  const std::string quoted = "'a b.obj'";
+#endif
+  bench.expect_refused("buidl 'a b.obj' -o a.morula",
+                       "did you mean build? Try morula build " + quoted + " -o a.morula\n");
   bench.expect_refused("xyzzy", "unknown command 'xyzzy'; known: build, measure, deform");
   bench.expect_refused("''", "unknown command ''; known: build");
   bench.expect_refused("help", "unknown command 'help'; try morula --help\n");

@@ -13,7 +13,8 @@
 namespace morula::test {
 
 /// Requests to end that this system can send to a program, numbered as in platform/interrupt.hpp, and the exit codes
-/// that they lead to. The first one is Ctrl-C. Windows has Ctrl-C and Ctrl-Break; a closing window cannot be sent.
+/// that they lead to. The first one is Ctrl-C. Windows has Ctrl-C and Ctrl-Break, Wine
+/// Ctrl-C alone; a closing window cannot be sent.
 std::vector<std::pair<int, int>> requests_to_end();
 
 class RunningCommand {

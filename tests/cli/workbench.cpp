@@ -19,7 +19,8 @@ namespace {
 using platform::ChildProgram;
 
 #ifdef _WIN32
-/// Words of a line as PowerShell tells them apart, and with \$ and \" in quotation marks as POSIX shells do.
+/// Words of a line as PowerShell tells them apart, without its comment, and with \$ and \" in quotation marks as POSIX
+/// shells do.
 std::vector<std::string> words_of_line(const std::string& line) {
   std::vector<std::string> words;
   bool is_open = false;
@@ -31,6 +32,7 @@ std::vector<std::string> words_of_line(const std::string& line) {
       is_open = false;
       continue;
     }
+    if (!is_open && c == '#') break;
     if (!is_open) words.emplace_back();
     is_open = true;
     const bool is_doubled = c == '\'' && quote == c && i + 1 < line.size() && line[i + 1] == c;

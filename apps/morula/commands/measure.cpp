@@ -76,7 +76,9 @@ class MeasuredFiles {
 
   std::size_t count() const { return archive_ ? archive_->frame_count() : files_.size(); }
   bool are_several() const { return kind_ == FileKind::folder || (archive_ && count() > 1); }
-  std::string name(std::size_t i) const { return archive_ ? fmt::format("{} frame {}", path_, i) : files_[i].string(); }
+  std::string name(std::size_t i) const {
+    return archive_ ? fmt::format("{} frame {}", path_, i) : files_[i].generic_string();  // the same on every system
+  }
   /// note: of a tree that was built for another mesh.
   std::vector<LevelMeasure> measure(std::size_t i, const Mesh& mesh, const ReadTreeOptions& reading, bool note_other,
                                     const MeasureOptions& options, Workers& workers) const {

@@ -31,6 +31,9 @@ struct RunningCommand::State {
 };
 
 std::vector<std::pair<int, int>> requests_to_end() {
+  // Wine 8 passes on Ctrl-C, but refuses Ctrl-Break.
+  static const bool is_wine = GetProcAddress(GetModuleHandleW(L"ntdll.dll"), "wine_get_version") != nullptr;
+  if (is_wine) return {{platform::interrupt_signal, 130}};
   return {{platform::interrupt_signal, 130}, {platform::end_signal, 143}};
 }
 
