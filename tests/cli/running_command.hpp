@@ -27,7 +27,7 @@ class RunningCommand {
   RunningCommand(const RunningCommand&) = delete;
   RunningCommand& operator=(const RunningCommand&) = delete;
 
-  /// Whether send() reaches a command here. On Windows it needs a console, which Wine without a screen does not make.
+  /// Whether send() reaches a command here. On Windows it needs a console, which Wine does not always make.
   static bool can_send();
   static constexpr const char* cannot_send = "no key can be pressed: programs have no console here";
 

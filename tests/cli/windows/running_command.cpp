@@ -77,7 +77,7 @@ int RunningCommand::State::press(int signal) const {
   return press.wait().code;
 }
 
-// Wine without a screen makes no consoles. A program that has just been started may not have its console yet.
+// Wine does not always make a console. A program that has just been started may not have its console yet.
 bool RunningCommand::can_send() {
   static const bool can = [] {
     const Workbench bench;
