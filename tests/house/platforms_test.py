@@ -78,7 +78,8 @@ def plant():
 
 
 def start(planted, *options, target=TARGET):
-    plant()
+    if "--resume" not in options:
+        plant()
     environment = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "PLANTED": planted}
     return subprocess.Popen([sys.executable, folder / "scripts/platforms", *(options or ["--hashes"]), "--record", target], cwd=folder, env=environment,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -116,6 +117,13 @@ parts = "the core, files, robots and the command, C, 1 of 1 test programs"
 expect_row("nothing", 0, parts, "passed", "4 passed, 0 failed, 2 skipped", "2 of 2", "-", **with_tests)
 expect_row("failing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **with_tests)
 expect_row("crashing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **with_tests)
+# Part 1 has crashed and is run again, part 2 has passed and would fail if it ran: it does not, until its program changes.
+resumed = {"options": ("--jobs", "2", "--resume")}
+expect_row("crashing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **with_tests)
+expect_row("failing", 0, parts, "passed", "4 passed, 0 failed, 2 skipped", "2 of 2", "-", **resumed)
+with (folder / "part_of_a_test").open("a") as file:
+    file.write("# changed\n")
+expect_row("failing", 1, parts, "passed", "4 passed, 1 failed, 1 skipped", "2 of 2", "-", **resumed)
 # Only the test whose program Wine did not start runs once more.
 with_wine = {"options": ("--jobs", "2"), "target": "windows-gnu"}
 again = "4 passed, 1 failed, 0 skipped (1 of them in a second run: Wine did not start a program)"
