@@ -4,6 +4,7 @@
 """scripts/release in a small repository: it names every kind of fault that is planted, changes nothing in a dry run, makes the
 same archive twice, and publishes what it says, to a bare repository.
 usage: release_test.py ROOT FOLDER        exit code 77 without git"""
+import datetime
 import hashlib
 import os
 import pathlib
@@ -70,7 +71,8 @@ commit("First")
 light = ["--without-python", "--without-debs"]
 
 # Bad use.
-for arguments in ((), ("0.1",), ("0.1.0", "--check", "--publish"), ("0.1.0", "--date", "tomorrow"), ("0.1.0", "--address", address)):
+for arguments in ((), ("0.1",), ("0.1.0", "--check", "--publish"), ("0.1.0", "--date", "tomorrow"), ("0.1.0", "--date", "9999-12-31"),
+                  ("0.1.0", "--address", address)):
     expect(run(*arguments), 2, "release: error:")
 expect(run("--help"), 0, "usage: scripts/release VERSION")
 
@@ -132,6 +134,9 @@ if sorted(path.name for path in output.iterdir()) != ["NOTES.md", "SHA256SUMS", 
 if (output / "NOTES.md").read_text() != f"The first release.\n\n- [Spheres]({address}/blob/v0.1.0/docs/tree.md#a).\n":
     sys.exit("the notes are not the section of the change log")
 with tarfile.open(archive) as packed:
+    # A later time of the day could be to come, and ninja ends at files of such a time.
+    if {member.mtime for member in packed.getmembers()} != {int(datetime.datetime(2026, 1, 31, tzinfo=datetime.timezone.utc).timestamp())}:
+        sys.exit("files of the archive are not of the first second of the day")
     dated = {name: packed.extractfile(f"morula-0.1.0/{name}").read().decode() for name in ("CHANGELOG.md", "CITATION.cff")}
 if "## 0.1.0 - 2026-01-31\n" not in dated["CHANGELOG.md"] or dated["CITATION.cff"].count("date-released: 2026-01-31\n") != 1:
     sys.exit("the archive has no date")
